@@ -59,7 +59,7 @@ pub fn texture(
     })
 }
 
-/// Submits the encoder, and returns what an `R32Float` texture then holds, row by row.
+/// Submits the encoder, and returns what an `R32Float` texture then holds, layer by layer and row by row.
 ///
 /// # Panics
 /// Panics if the device is lost.
@@ -68,14 +68,16 @@ pub fn read(d: &TestDevice, mut encoder: CommandEncoder, view: &TextureView) -> 
     let row = (4 * texture.width()).next_multiple_of(256);
     let buffer = d.device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
-        size: u64::from(row * texture.height()),
+        size: u64::from(row)
+            * u64::from(texture.height())
+            * u64::from(texture.depth_or_array_layers()),
         usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
     let layout = TexelCopyBufferLayout {
         offset: 0,
         bytes_per_row: Some(row),
-        rows_per_image: None,
+        rows_per_image: Some(texture.height()),
     };
     let destination = TexelCopyBufferInfo {
         buffer: &buffer,

@@ -6,6 +6,8 @@ pub mod foreign;
 pub mod golden;
 pub mod gpu;
 pub mod layouts;
+pub mod light_program;
+pub mod light_stage;
 pub mod painted;
 pub mod random_scene;
 pub mod stage;

@@ -164,6 +164,7 @@ impl CastStage {
 }
 
 /// Layouts of the bind groups of casts: 0 holds clip from world, 1 world from local, 2 the layer that is peeled off.
+#[derive(Debug)]
 pub(crate) struct Layouts {
     matrix: BindGroupLayout,
     pub(crate) peeled: BindGroupLayout,

@@ -290,7 +290,7 @@ pub(crate) fn check_buffer(
 }
 
 /// Errors if a texture of the G-buffer, `what`, has another format or size or can't be read.
-fn check(
+pub(crate) fn check(
     view: &TextureView,
     what: &str,
     format: TextureFormat,

@@ -48,10 +48,21 @@ pub struct DepthBuffer<'a> {
 
 /// Twin of `DepthCamera` in from_depth.wgsl.
 #[derive(ShaderType)]
-struct DepthCamera {
+pub(crate) struct DepthCamera {
     world_from_clip: Mat4,
     empty: f32,
     handedness: f32,
+}
+
+impl DepthCamera {
+    /// Errors if the depth buffer's matrix is singular.
+    pub(crate) fn of(source: &DepthBuffer<'_>) -> Result<Self, Invalid> {
+        Ok(Self {
+            world_from_clip: source.world_from_clip,
+            empty: source.empty,
+            handedness: source.handedness()?,
+        })
+    }
 }
 
 impl GBufferFromDepth {
@@ -72,11 +83,7 @@ impl GBufferFromDepth {
         source: &DepthBuffer<'_>,
     ) -> Result<(), BackendError> {
         source.validate()?;
-        let camera = DepthCamera {
-            world_from_clip: source.world_from_clip,
-            empty: source.empty,
-            handedness: source.handedness()?,
-        };
+        let camera = DepthCamera::of(source)?;
         let scopes = Scopes::open(device);
         let mut counters = self.counters;
         let mut factory = ResourceFactory {
@@ -134,7 +141,7 @@ impl GBufferFromDepth {
         self.binding.set(factory, "umbrage depth", &layout, bound);
         self.pipelines.entry(self.samples).or_insert_with(|| {
             factory.counters.pipelines += 1;
-            let text = shader_text(self.samples);
+            let text = shader_text(0, self.samples) + ENTRY + FULLSCREEN;
             let entries = ["umbrage_fullscreen", "unproject_pixel"];
             let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
             fullscreen_pipeline(
@@ -198,7 +205,7 @@ impl GBufferFromDepth {
 }
 
 impl DepthBuffer<'_> {
-    fn validate(&self) -> Result<(), Invalid> {
+    pub(crate) fn validate(&self) -> Result<(), Invalid> {
         let what = "depth buffer";
         let texture = self.depth.texture();
         check_readable(texture, what)?;
@@ -276,17 +283,27 @@ impl DepthBuffer<'_> {
     }
 }
 
-fn shader_text(samples: bool) -> String {
+/// The fragment shader that writes what a pixel sees.
+const ENTRY: &str = "
+@fragment
+fn unproject_pixel(@builtin(position) at: vec4f) -> Surface {
+    return surface_at(vec2i(at.xy));
+}
+";
+
+/// Returns the functions that unproject a depth buffer, `surface_at` among them. The camera and the depth are bound in `group`.
+pub(crate) fn shader_text(group: u32, samples: bool) -> String {
     let ty = if samples {
         "texture_multisampled_2d<f32>"
     } else {
         "texture_2d<f32>"
     };
     let access = format!(
-        "@group(0) @binding(1) var depth_texture: {ty};
+        "@group({group}) @binding(0) var<uniform> camera: DepthCamera;
+@group({group}) @binding(1) var depth_texture: {ty};
 fn load_depth(pixel: vec2i) -> f32 {{ return textureLoad(depth_texture, pixel, 0).x; }}
 fn depth_size() -> vec2i {{ return vec2i(textureDimensions(depth_texture)); }}
 "
     );
-    join(&[MATH]) + &access + include_str!("gbuffer_from_depth.wgsl") + FULLSCREEN
+    join(&[MATH]) + &access + include_str!("gbuffer_from_depth.wgsl")
 }

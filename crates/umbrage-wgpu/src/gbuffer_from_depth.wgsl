@@ -6,8 +6,6 @@ struct DepthCamera {
     handedness: f32,
 }
 
-@group(0) @binding(0) var<uniform> camera: DepthCamera;
-
 struct Surface {
     @location(0) position: vec4f,
     @location(1) normal: vec4f,
@@ -39,9 +37,7 @@ fn tangent(pixel: vec2i, p: vec3f, depth: f32, axis: vec2i) -> vec3f {
     return unproject(pixel + axis, after) - p;
 }
 
-@fragment
-fn unproject_pixel(@builtin(position) at: vec4f) -> Surface {
-    let pixel = vec2i(at.xy);
+fn surface_at(pixel: vec2i) -> Surface {
     let depth = load_depth(pixel);
     if depth == camera.empty {
         return Surface(vec4f(), vec4f());

@@ -39,8 +39,9 @@ pub use device::{
 pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexLayout};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 pub use light_set::{
-    CasterId, FrameGeometry, LightId, LightSet, LightSetOptions, Mesh, MeshId, SetBudget,
-    SetErrors, SetFrame, SetLight, SetReport, Unserved,
+    CasterId, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs, Mesh,
+    MeshId, NormalCoding, SetBudget, SetErrors, SetFrame, SetLight, SetNormals, SetReceivers,
+    SetReport, StillLayers, Unserved,
 };
 #[cfg(feature = "testing")]
 pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};

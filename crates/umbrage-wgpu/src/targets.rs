@@ -67,7 +67,12 @@ impl CastTarget {
 
     /// The depth-stencil attachment of the pass.
     pub fn attachment(&self) -> RenderPassDepthStencilAttachment<'_> {
-        attachment(&self.layer, self.format, self.clears)
+        self.attachment_that(self.clears)
+    }
+
+    /// As [`attachment`](Self::attachment), of a pass that clears the layer first, or does not.
+    pub(crate) fn attachment_that(&self, clears: bool) -> RenderPassDepthStencilAttachment<'_> {
+        attachment(&self.layer, self.format, clears)
     }
 
     /// Triangles, counter-clockwise seen from outside, with the target's culling.
@@ -78,6 +83,14 @@ impl CastTarget {
     /// The nearest surface stays, with the target's bias added; or surfaces that are not before the depth are counted.
     pub fn depth_stencil(&self) -> DepthStencilState {
         self.state().depth_stencil()
+    }
+
+    /// Returns the same target with another layer, which is cleared first.
+    pub(crate) fn with_layer(&self, layer: TextureView) -> Self {
+        let mut other = self.clone();
+        other.layer = layer;
+        other.clears = true;
+        other
     }
 
     pub(crate) fn state(&self) -> DepthState {

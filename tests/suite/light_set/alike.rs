@@ -1,15 +1,19 @@
 //! Each light of a set gives the bits that its recipe gives alone.
 
-use super::program::{Forward, Program};
 use bytemuck::cast_slice;
 use glam::{Affine3A, UVec2};
 use std::sync::Arc;
 use umbrage_core::{Backend, Geometry, Scene, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{ShadowMap, TechniqueEntry, TechniquePreset};
-use umbrage_tests::{foreign, gpu::gpu};
+use umbrage_tests::{
+    foreign,
+    gpu::gpu,
+    light_program::{Forward, Program},
+};
 use umbrage_wgpu::{
-    FrameGeometry, Indices, LightId, LightSet, Mesh, SetFrame, SetLight, Unserved, VertexLayout,
+    FrameGeometry, Indices, LightId, LightSet, Mesh, SetBudget, SetFrame, SetLight, StillLayers,
+    Unserved, VertexLayout,
 };
 use wgpu::{BufferUsages, IndexFormat};
 
@@ -53,7 +57,7 @@ impl World {
 
     fn set(&self) -> LightSet {
         let d = self.program.d;
-        let mut set = self.program.set();
+        let mut set = self.program.set(SetBudget::default(), StillLayers::Auto);
         let positions: Vec<[f32; 3]> = self
             .geometry
             .positions()
@@ -137,7 +141,7 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
             }
             world.program.update(&mut set, &world.frame());
             let unserved: Vec<(LightId, Unserved)> = set.unserved().collect();
-            let mut forward = Forward::new();
+            let mut forward = Forward::default();
             for &(id, entry) in &ids {
                 let index = set.index_of(id).expect("is there");
                 let mask = forward.mask(&world.program, &set, index);
@@ -182,7 +186,7 @@ fn another_map_gives_other_bits() {
         .expect("valid");
     world.program.update(&mut set, &world.frame());
     let index = set.index_of(id).expect("is there");
-    let mask = Forward::new().mask(&world.program, &set, index);
+    let mask = Forward::default().mask(&world.program, &set, index);
     let preset = (hard.preset)();
     let other = preset.with_map(ShadowMap {
         size: 191,

@@ -1,121 +1,13 @@
 //! What a frame costs: nothing where nothing changed, and never more than the budget.
 
-use super::program::{Forward, Program};
-use bytemuck::cast_slice;
-use glam::{Affine3A, UVec2, Vec3};
-use std::sync::Arc;
-use umbrage_core::{Aabb, Camera, Light};
-use umbrage_techniques::{Hard, ShadowMap};
-use umbrage_tests::foreign;
-use umbrage_wgpu::{
-    CasterId, LightId, LightSet, LightSetOptions, Mesh, SetBudget, SetErrors, SetFrame, SetLight,
-    SetReport, Unserved, VertexLayout,
+use glam::{Affine3A, Vec3};
+use umbrage_core::Aabb;
+use umbrage_tests::{
+    foreign,
+    light_stage::{LAYER, Stage, at, camera, hard, spot},
 };
+use umbrage_wgpu::{LightId, Mesh, SetBudget, SetLight, SetReport, Unserved, VertexLayout};
 use wgpu::BufferUsages;
-
-const SIDE: u32 = 64;
-/// Bytes of a layer.
-const LAYER: u64 = 4 * SIDE as u64 * SIDE as u64;
-
-fn hard() -> Arc<Hard> {
-    let map = ShadowMap {
-        size: SIDE,
-        ..ShadowMap::default()
-    };
-    Arc::new(Hard { map })
-}
-
-/// A spot that shines down on the floor around `x`.
-fn spot(x: f32) -> Light {
-    Light::Spot {
-        position: Vec3::new(x, 6.0, 0.0),
-        direction: Vec3::NEG_Y,
-        inner: 0.2,
-        outer: 0.25,
-        radius: 0.0,
-    }
-}
-
-fn camera(x: f32) -> Camera {
-    let size = UVec2::new(64, 48);
-    let eye = Vec3::new(x, 5.0, 12.0);
-    Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid")
-}
-
-struct Stage {
-    program: Program,
-    set: LightSet,
-    casters: Vec<CasterId>,
-    camera: Camera,
-}
-
-impl Stage {
-    /// A set with a triangle above the floor at each of these places.
-    fn new(budget: SetBudget, places: &[f32]) -> Self {
-        let program = Program::floor(UVec2::new(64, 48));
-        let options = LightSetOptions {
-            group: 1,
-            errors: SetErrors::AtOnce,
-            budget,
-            ..LightSetOptions::default()
-        };
-        let mut set = LightSet::new(&program.d.device, options).expect("fits");
-        let corners = [[-0.5_f32, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5]];
-        let vertices = foreign::buffer(program.d, BufferUsages::VERTEX, cast_slice(&corners));
-        let mesh = Mesh {
-            label: "triangle",
-            vertices: &vertices,
-            layout: VertexLayout::PACKED,
-            indices: None,
-            range: 0..3,
-            base_vertex: 0,
-            bounds: Aabb::around(corners.map(Vec3::from_array)),
-        };
-        let mesh = set.add_mesh(&mesh).expect("valid");
-        let casters = places
-            .iter()
-            .map(|&x| set.add_caster(mesh, at(x)).expect("valid"))
-            .collect();
-        Self {
-            program,
-            set,
-            casters,
-            camera: camera(0.0),
-        }
-    }
-
-    fn light(&mut self, x: f32, priority: f32) -> LightId {
-        let light = SetLight {
-            light: spot(x),
-            technique: hard(),
-            priority,
-        };
-        self.set.add_light(light).expect("valid")
-    }
-
-    fn frame(&mut self) -> SetReport {
-        let frame = SetFrame {
-            camera: &self.camera,
-            geometry: None,
-        };
-        self.program.update(&mut self.set, &frame);
-        *self.set.report()
-    }
-
-    fn unserved(&self) -> Vec<LightId> {
-        self.set.unserved().map(|(id, _)| id).collect()
-    }
-
-    fn shadowed(&self, id: LightId) -> usize {
-        let index = self.set.index_of(id).expect("is there");
-        let mask = Forward::new().mask(&self.program, &self.set, index);
-        mask.iter().filter(|&&v| v < 1.0).count()
-    }
-}
-
-fn at(x: f32) -> Affine3A {
-    Affine3A::from_translation(Vec3::new(x, 2.0, 0.0))
-}
 
 #[test]
 fn a_still_frame_draws_and_writes_nothing() {

@@ -1,16 +1,18 @@
 //! Whatever happens to a set, its shadows are those of a set that was made anew: nothing that is kept is ever stale.
 
-use super::program::{Forward, Program};
 use bytemuck::cast_slice;
 use glam::{Affine3A, EulerRot, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
 use umbrage_core::{Aabb, Camera, Light, ShadowTechnique};
 use umbrage_techniques::{Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
-use umbrage_tests::foreign;
+use umbrage_tests::{
+    foreign,
+    light_program::{Forward, Program},
+};
 use umbrage_wgpu::{
-    CasterId, Indices, LightId, LightSet, Mesh, MeshId, PositionFormat, SetFrame, SetLight,
-    VertexLayout,
+    CasterId, Indices, LightId, LightSet, Mesh, MeshId, PositionFormat, SetBudget, SetFrame,
+    SetLight, StillLayers, VertexLayout,
 };
 use wgpu::{Buffer, BufferUsages, IndexFormat};
 
@@ -210,8 +212,8 @@ fn camera(turn: f32) -> Camera {
 }
 
 impl<'a> Model<'a> {
-    fn new(program: &'a Program, meshes: &'a Meshes) -> Self {
-        let mut set = program.set();
+    fn new(program: &'a Program, meshes: &'a Meshes, still_layers: StillLayers) -> Self {
+        let mut set = program.set(SetBudget::default(), still_layers);
         let mesh_ids = meshes.add(&mut set);
         Self {
             program,
@@ -301,7 +303,7 @@ impl<'a> Model<'a> {
 
     /// Returns a set that was made anew and holds the same.
     fn anew(&self) -> Self {
-        let mut other = Self::new(self.program, self.meshes);
+        let mut other = Self::new(self.program, self.meshes, StillLayers::Never);
         other.camera = self.camera;
         for &(_, caster) in &self.casters {
             other.add_caster(caster);
@@ -317,7 +319,7 @@ impl<'a> Model<'a> {
         self.frame();
         let unserved: Vec<_> = self.set.unserved().collect();
         assert!(unserved.is_empty(), "{unserved:?}");
-        let mut forward = Forward::new();
+        let mut forward = Forward::default();
         let mut masks = Vec::new();
         for (id, _) in &self.lights {
             let index = self.set.index_of(*id).expect("is there");
@@ -333,15 +335,16 @@ fn a_set_never_shows_what_is_stale() {
     let program = Program::floor(UVec2::new(64, 48));
     let meshes = Meshes::new(&program);
     let config = ProptestConfig {
-        cases: 24,
+        cases: 40,
         max_shrink_iters: 200,
         rng_seed: RngSeed::Fixed(7),
         failure_persistence: None,
         ..ProptestConfig::default()
     };
     let in_shadow = std::cell::Cell::new(0);
-    proptest!(config, |(edits in vec(edit(), 8..40))| {
-        let mut model = Model::new(&program, &meshes);
+    proptest!(config, |(edits in vec(edit(), 8..40), always in any::<bool>())| {
+        let still_layers = if always { StillLayers::Always } else { StillLayers::Auto };
+        let mut model = Model::new(&program, &meshes, still_layers);
         model.add_caster((0, Affine3A::from_translation(Vec3::new(0.0, 2.0, 0.0))));
         model.add_light((1, Vec3::new(1.0, 8.0, 0.5), 0));
         for edit in &edits {
@@ -367,7 +370,7 @@ fn a_set_never_shows_what_is_stale() {
 fn a_change_that_the_set_is_not_told_of_is_seen() {
     let program = Program::floor(UVec2::new(64, 48));
     let meshes = Meshes::new(&program);
-    let mut model = Model::new(&program, &meshes);
+    let mut model = Model::new(&program, &meshes, StillLayers::Auto);
     model.add_caster((0, Affine3A::from_translation(Vec3::new(0.0, 2.0, 0.0))));
     model.add_light((1, Vec3::new(1.0, 8.0, 0.5), 0));
     let before = model.masks();

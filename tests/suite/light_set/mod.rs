@@ -3,4 +3,4 @@
 mod alike;
 mod budget;
 mod edits;
-mod program;
+mod masks;

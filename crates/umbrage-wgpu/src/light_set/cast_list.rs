@@ -3,24 +3,26 @@
 use crate::{
     cast::Layouts,
     light_set::{
+        buffers::Uploaded,
         casters::{Casters, Columns, MeshId},
+        culling::Wanted,
         light::{LightCast, LightId},
+        still_layers::LayerCopy,
     },
     resources::{
         counters::ResourceFactory,
         draws::Vertex,
+        images::extent,
         matrices::Matrices,
         pipelines::{CastKey, Peel, Pipelines},
     },
+    targets::CastTarget,
 };
 use glam::Mat4;
 use std::ops::Range;
 use wgpu::{
     Buffer, BufferUsages, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline,
 };
-
-use super::buffers::Uploaded;
-use crate::targets::CastTarget;
 
 /// Unchanged instances between changed ones that are written along, since each write has a price.
 const GREATEST_GAP: u32 = 32;
@@ -83,11 +85,25 @@ fn run_length(slots: &[u32]) -> usize {
     end.map_or(slots.len(), |i| i + 1)
 }
 
+/// Which casters a pass draws, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CastPart {
+    /// All of them, into the light's layer.
+    Whole,
+    /// Those that are still, into a layer of their own.
+    Still,
+    /// Those that move, on a copy of that layer.
+    Moving,
+}
+
 /// One cast that is drawn this frame.
 #[derive(Debug)]
 struct CastPass {
     light: LightId,
     cast: usize,
+    part: CastPart,
+    /// What is copied first.
+    copy: Option<LayerCopy>,
     /// Its part of the list of draws.
     draws: Range<usize>,
 }
@@ -120,7 +136,7 @@ impl CastList {
         self.matrices.clear();
     }
 
-    /// Appends a cast of a light: the casters that may show in it.
+    /// Appends a cast of a light: the casters that may show in it, or a part of them.
     pub(crate) fn push(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -130,12 +146,18 @@ impl CastList {
         light: LightId,
         index: usize,
         cast: &LightCast,
+        part: CastPart,
     ) {
+        let wanted = match part {
+            CastPart::Whole => Wanted::All,
+            CastPart::Still => Wanted::Still(casters.moving()),
+            CastPart::Moving => Wanted::Moving(casters.moving()),
+        };
         let first_draw = self.draws.len();
         for (id, mesh) in casters.meshes() {
             let first_run = self.runs.len();
             cast.volume
-                .runs(casters.boxes(), mesh.slots(), &mut self.runs);
+                .runs(casters.boxes(), mesh.slots(), wanted, &mut self.runs);
             let runs = first_run..self.runs.len();
             if runs.is_empty() {
                 continue;
@@ -156,6 +178,8 @@ impl CastList {
         self.passes.push(CastPass {
             light,
             cast: index,
+            part,
+            copy: layer_copy(cast, part),
             draws: first_draw..self.draws.len(),
         });
     }
@@ -172,8 +196,10 @@ impl CastList {
     }
 
     /// Returns the casts: their lights, and their indices among the lights' casts.
-    pub(crate) fn casts(&self) -> impl Iterator<Item = (LightId, usize)> + '_ {
-        self.passes.iter().map(|pass| (pass.light, pass.cast))
+    pub(crate) fn casts(&self) -> impl Iterator<Item = (LightId, usize, CastPart)> + '_ {
+        self.passes
+            .iter()
+            .map(|pass| (pass.light, pass.cast, pass.part))
     }
 
     /// Records a cast; `own_draws` draws what the caller draws itself, in the same pass.
@@ -186,9 +212,18 @@ impl CastList {
         instances: &Instances,
         own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
     ) {
+        let part = self.passes[pass_index].part;
+        if let Some(copy) = &self.passes[pass_index].copy {
+            copy.encode(encoder, &cast.target);
+        }
+        let target = match (part, &cast.still) {
+            (CastPart::Still, Some(still)) => &still.target,
+            _ => &cast.target,
+        };
+        let clears = target.clears && part != CastPart::Moving;
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage cast"),
-            depth_stencil_attachment: Some(cast.target.attachment()),
+            depth_stencil_attachment: Some(target.attachment_that(clears)),
             ..RenderPassDescriptor::default()
         });
         self.spaces.bind(&mut pass, 0, pass_index);
@@ -212,7 +247,28 @@ impl CastList {
                 mesh.draw(&mut pass, run.clone());
             }
         }
-        own_draws(&mut pass, &cast.target);
+        // What the caller draws belongs to what moves.
+        if part != CastPart::Still {
+            own_draws(&mut pass, &cast.target);
+        }
+    }
+}
+
+/// Returns what is copied before a part of a cast is drawn.
+fn layer_copy(cast: &LightCast, part: CastPart) -> Option<LayerCopy> {
+    let still = cast.still.as_ref()?;
+    (part == CastPart::Moving).then(|| LayerCopy {
+        from: still.texture.clone(),
+        to: cast.target.layer.texture().clone(),
+        layer: cast.texture_layer,
+    })
+}
+
+impl LayerCopy {
+    fn encode(&self, encoder: &mut CommandEncoder, target: &CastTarget) {
+        let mut to = self.to.as_image_copy();
+        to.origin.z = self.layer;
+        encoder.copy_texture_to_texture(self.from.as_image_copy(), to, extent(target.size, 1));
     }
 }
 

@@ -22,6 +22,8 @@ new_key_type! {
 
 /// Slots that a mesh gets with its first caster.
 const FIRST_SLOTS: u32 = 4;
+/// Frames without a move after which a caster counts as still.
+const REST: u64 = 30;
 
 /// Triangles in the caller's buffers, which casters place into the world.
 #[derive(Clone, Debug)]
@@ -84,10 +86,20 @@ pub(crate) struct Casters {
     boxes: Boxes,
     /// By slot.
     columns: Vec<Columns>,
+    /// By slot, whether the caster moved lately.
+    moving: Vec<bool>,
+    /// The casters that moved lately, each with the last frame in which it did.
+    moving_since: Vec<(CasterId, u64)>,
+    /// Counts frames.
+    frame: u64,
     /// Boxes in which something changed.
     changed: Vec<Aabb>,
+    /// Boxes in which something changed among the casters that are still.
+    still_changed: Vec<Aabb>,
     /// Slots whose columns changed.
     written: Vec<u32>,
+    /// Whether meshes or slots were added since changes were forgotten: then pipelines and buffers may have to be made.
+    has_grown: bool,
 }
 
 impl Mesh<'_> {
@@ -156,6 +168,11 @@ impl Mesh<'_> {
 }
 
 impl MeshDraw {
+    /// Returns how many triangles a caster has.
+    pub(crate) fn triangles(&self) -> u64 {
+        u64::from(self.range.end - self.range.start) / 3
+    }
+
     /// Binds the mesh's buffers.
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
@@ -186,6 +203,7 @@ impl Casters {
             base_vertex: mesh.base_vertex,
             bounds: mesh.bounds,
         };
+        self.has_grown = true;
         Ok(self.meshes.insert(MeshSlots {
             draw,
             block: 0..0,
@@ -225,7 +243,9 @@ impl Casters {
         mesh.casters.push(id);
         let slot = mesh.block.start + index;
         self.put(slot, &bounds, &world_from_local);
+        self.moving[slot as usize] = false;
         self.changed.push(bounds);
+        self.still_changed.push(bounds);
         Ok(id)
     }
 
@@ -246,6 +266,18 @@ impl Casters {
         self.put(slot, &bounds, &world_from_local);
         self.changed.push(before);
         self.changed.push(bounds);
+        let frame = self.frame;
+        if self.moving[slot as usize] {
+            let known = self.moving_since.iter_mut().find(|(other, _)| *other == id);
+            if let Some((_, since)) = known {
+                *since = frame;
+            }
+        } else {
+            // It leaves the casters that are still.
+            self.moving[slot as usize] = true;
+            self.moving_since.push((id, frame));
+            self.still_changed.push(before);
+        }
         Ok(())
     }
 
@@ -255,13 +287,20 @@ impl Casters {
         let slot = mesh.block.start + place.index;
         let last = mesh.block.start + mesh.casters.len() as u32 - 1;
         mesh.casters.swap_remove(place.index as usize);
-        self.changed.push(self.boxes.get(slot));
+        let bounds = self.boxes.get(slot);
+        self.changed.push(bounds);
+        if self.moving[slot as usize] {
+            self.moving_since.retain(|(other, _)| *other != id);
+        } else {
+            self.still_changed.push(bounds);
+        }
         if slot != last {
             // The last of the mesh's casters takes the free slot.
             let moved = mesh.casters[place.index as usize];
             self.places[moved].index = place.index;
             self.boxes.copy(last, slot);
             self.columns[slot as usize] = self.columns[last as usize];
+            self.moving[slot as usize] = self.moving[last as usize];
             self.written.push(slot);
         }
         self.boxes.set(last, &Aabb::EMPTY);
@@ -271,6 +310,33 @@ impl Casters {
     /// Marks a box as changed: something that the caller draws itself moved there.
     pub(crate) fn touch(&mut self, bounds: &Aabb) {
         self.changed.push(*bounds);
+        self.still_changed.push(*bounds);
+    }
+
+    /// Begins a frame: casters that have not moved for a while count as still again.
+    pub(crate) fn begin_frame(&mut self) {
+        self.frame += 1;
+        let frame = self.frame;
+        let Self {
+            meshes,
+            places,
+            boxes,
+            moving,
+            still_changed,
+            ..
+        } = self;
+        self.moving_since.retain(|&(id, since)| {
+            if frame - since <= REST {
+                return true;
+            }
+            if let Some(place) = places.get(id) {
+                let slot = meshes[place.mesh].block.start + place.index;
+                moving[slot as usize] = false;
+                // It joins the casters that are still.
+                still_changed.push(boxes.get(slot));
+            }
+            false
+        });
     }
 
     /// Returns the box around all casters.
@@ -283,9 +349,26 @@ impl Casters {
         &self.changed
     }
 
+    /// Returns where the casters that are still changed since then.
+    pub(crate) fn still_changed(&self) -> &[Aabb] {
+        &self.still_changed
+    }
+
+    /// Returns, by slot, whether the caster moved lately.
+    pub(crate) fn moving(&self) -> &[bool] {
+        &self.moving
+    }
+
     pub(crate) fn forget_changes(&mut self) {
         self.changed.clear();
+        self.still_changed.clear();
         self.written.clear();
+        self.has_grown = false;
+    }
+
+    /// Returns whether meshes or slots were added since [`forget_changes`](Self::forget_changes).
+    pub(crate) fn has_grown(&self) -> bool {
+        self.has_grown
     }
 
     /// Returns the columns by slot, and those slots whose columns changed, rising.
@@ -321,6 +404,7 @@ impl Casters {
 
     /// Gives a mesh twice as many slots, behind all others; those that it had stay empty.
     fn grow(&mut self, id: MeshId) {
+        self.has_grown = true;
         let mesh = &mut self.meshes[id];
         let old = mesh.block.clone();
         let count = (2 * (old.end - old.start)).max(FIRST_SLOTS);
@@ -328,11 +412,13 @@ impl Casters {
         mesh.block = first..first + count;
         self.columns
             .resize((first + count) as usize, Columns::default());
+        self.moving.resize((first + count) as usize, false);
         self.boxes.resize(first + count);
         for (from, to) in old.zip(first..) {
             self.boxes.copy(from, to);
             self.boxes.set(from, &Aabb::EMPTY);
             self.columns[to as usize] = self.columns[from as usize];
+            self.moving[to as usize] = self.moving[from as usize];
             self.written.push(to);
         }
     }

@@ -20,6 +20,26 @@ pub(crate) struct Boxes {
     half: [Vec<f32>; 3],
 }
 
+/// Which casters are drawn, by whether they moved lately.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Wanted<'a> {
+    All,
+    /// By slot, whether a caster moved lately: only those that did.
+    Moving(&'a [bool]),
+    /// Only those that didn't.
+    Still(&'a [bool]),
+}
+
+impl Wanted<'_> {
+    fn has(self, slot: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Moving(moving) => moving[slot],
+            Self::Still(moving) => !moving[slot],
+        }
+    }
+}
+
 /// The volume of a layer: what lies wholly on the outer side of one of its planes does not show there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Volume {
@@ -128,8 +148,20 @@ impl Volume {
             .all(|plane| farthest_inside(plane, centre, half) >= 0.0)
     }
 
-    /// Appends the runs of slots within `slots` whose boxes may show in the layer, rising.
-    pub(crate) fn runs(&self, boxes: &Boxes, slots: Range<u32>, out: &mut Vec<Range<u32>>) {
+    /// Appends the runs of slots within `slots` whose boxes may show in the layer, rising. Of the slots that are wanted alone, if
+    /// not all are.
+    pub(crate) fn runs(
+        &self,
+        boxes: &Boxes,
+        slots: Range<u32>,
+        wanted: Wanted<'_>,
+        out: &mut Vec<Range<u32>>,
+    ) {
+        let gap = match wanted {
+            Wanted::All => GREATEST_GAP,
+            // What lies between two runs may be what isn't wanted.
+            Wanted::Moving(_) | Wanted::Still(_) => 0,
+        };
         const CHUNK: usize = 64;
         let first_run = out.len();
         let mut start = slots.start as usize;
@@ -148,12 +180,12 @@ impl Volume {
                 }
             }
             for (i, &is_inside) in inside[..count].iter().enumerate() {
-                if !is_inside {
+                if !is_inside || !wanted.has(start + i) {
                     continue;
                 }
                 let slot = (start + i) as u32;
                 match out[first_run..].last_mut() {
-                    Some(run) if slot - run.end <= GREATEST_GAP => run.end = slot + 1,
+                    Some(run) if slot - run.end <= gap => run.end = slot + 1,
                     _ => out.push(slot..slot + 1),
                 }
             }
@@ -203,7 +235,14 @@ mod tests {
             * Mat4::from_translation(Vec3::new(-50.0, 0.0, 0.0));
         let volume = Volume::new(&clip_from_world, 80);
         let mut runs = Vec::new();
-        volume.runs(&boxes, 0..100, &mut runs);
+        volume.runs(&boxes, 0..100, Wanted::All, &mut runs);
+        let moving: Vec<bool> = (0..100).map(|slot| slot % 2 == 0).collect();
+        let mut apart = Vec::new();
+        volume.runs(&boxes, 0..100, Wanted::Moving(&moving), &mut apart);
+        assert!(apart.iter().all(|run| run.len() == 1 && run.start % 2 == 0));
+        let odd = apart.len();
+        volume.runs(&boxes, 0..100, Wanted::Still(&moving), &mut apart);
+        assert!(odd > 10 && apart.len() > odd + 10, "{apart:?}");
         let shown = |slot: u32| runs.iter().any(|run| run.contains(&slot));
         for slot in 0..100 {
             if volume.may_show(&boxes.get(slot)) {

@@ -18,7 +18,7 @@ use glam::Mat4;
 use slotmap::new_key_type;
 use std::sync::Arc;
 use umbrage_core::{Aabb, Light, RecipeError, ShadowTechnique};
-use wgpu::BindGroupLayout;
+use wgpu::{BindGroupLayout, Texture};
 
 new_key_type! {
     /// Names a light of a [`LightSet`](crate::LightSet).
@@ -55,10 +55,23 @@ pub(crate) struct LightCast {
     pub(crate) target: CastTarget,
     /// Which layer of the light's images it draws into; casts with the same number are drawn together.
     pub(crate) layer: u32,
+    /// The layer of the texture that holds the light's.
+    pub(crate) texture_layer: u32,
     pub(crate) volume: Volume,
     /// The layer that it peels off.
     pub(crate) peeled: Binding,
     /// Whether something changed in it since it was drawn.
+    pub(crate) is_stale: bool,
+    /// A layer of its own with the casters that are still, to which those that move are added: see `still_layers.rs`.
+    pub(crate) still: Option<StillLayer>,
+}
+
+/// A layer that holds the casters that are still.
+#[derive(Debug)]
+pub(crate) struct StillLayer {
+    pub(crate) texture: Texture,
+    pub(crate) target: CastTarget,
+    /// Whether the casters that are still changed in it since it was drawn.
     pub(crate) is_stale: bool,
 }
 
@@ -133,6 +146,11 @@ impl LightState {
         difference
     }
 
+    /// Returns what decides which redraws come first.
+    pub(crate) fn urgency(&self) -> f32 {
+        self.settings.priority * (1 + self.age) as f32
+    }
+
     /// Returns why the light is lit everywhere, if it is.
     pub(crate) fn unserved(&self) -> Option<Unserved> {
         if let Some(error) = &self.refused {
@@ -144,8 +162,14 @@ impl LightState {
         self.shown.is_none().then_some(Unserved::Waiting)
     }
 
-    /// Marks the casts in which one of these boxes may show.
-    pub(crate) fn mark_stale(&mut self, changed: &[Aabb]) {
+    /// Marks the casts in which one of these boxes may show; `still_changed` are those of casters that are still.
+    pub(crate) fn mark_stale(&mut self, changed: &[Aabb], still_changed: &[Aabb]) {
+        for cast in &mut self.casts {
+            let volume = cast.volume;
+            if let Some(still) = &mut cast.still {
+                still.is_stale |= still_changed.iter().any(|b| volume.may_show(b));
+            }
+        }
         for i in 0..self.casts.len() {
             let cast = &self.casts[i];
             if !cast.is_stale && changed.iter().any(|b| cast.volume.may_show(b)) {
@@ -162,6 +186,9 @@ impl LightState {
     pub(crate) fn mark_all_stale(&mut self) {
         for cast in &mut self.casts {
             cast.is_stale = true;
+            if let Some(still) = &mut cast.still {
+                still.is_stale = true;
+            }
         }
     }
 
@@ -177,6 +204,15 @@ impl LightState {
             }
         }
         self.casts.iter().filter(|cast| cast.is_stale).count() as u32
+    }
+
+    /// Returns whether its layers may be split by what moves: each is drawn by one cast, which reads no other.
+    pub(crate) fn may_split(&self) -> bool {
+        let casts = &self.casts;
+        casts.iter().enumerate().all(|(i, cast)| {
+            let is_only = casts[..i].iter().all(|other| other.layer != cast.layer);
+            cast.target.behind.is_none() && is_only
+        })
     }
 
     /// Makes the casts of the plan that is shown, all to be drawn.
@@ -195,11 +231,16 @@ impl LightState {
             let target = CastTarget::new(casts, i, &self.images);
             let clip_from_world: Mat4 = target.clip_from_world;
             let volume = Volume::new(&clip_from_world, target.size.min_element());
-            let mut peeled = self
-                .casts
-                .get_mut(i)
-                .map(|held| std::mem::take(&mut held.peeled))
-                .unwrap_or_default();
+            let held = self.casts.get_mut(i);
+            let (mut peeled, still) = held.map_or_else(Default::default, |held| {
+                (std::mem::take(&mut held.peeled), held.still.take())
+            });
+            // The same layer serves again, drawn anew: images are as they were, or the casts were forgotten.
+            let still = still.map(|still| StillLayer {
+                target: target.with_layer(still.target.layer),
+                is_stale: true,
+                ..still
+            });
             if let Some(other) = &target.behind {
                 let bound = vec![Bound::View(other.clone())];
                 peeled.set(factory, "umbrage peeled layer", peeled_layout, bound);
@@ -207,9 +248,11 @@ impl LightState {
             let made = LightCast {
                 target,
                 layer: cast.layer,
+                texture_layer: self.ranges[cast.image].layers.start + cast.layer,
                 volume,
                 peeled,
                 is_stale: true,
+                still,
             };
             match self.casts.get_mut(i) {
                 Some(held) => *held = made,

@@ -6,16 +6,19 @@ mod casters;
 mod culling;
 mod later_errors;
 mod light;
+mod masks;
 mod plan;
 mod pool;
 mod report;
 mod shader;
 mod steady_box;
+mod still_layers;
 mod submitted;
 mod text;
 
 pub use casters::{CasterId, Mesh, MeshId};
 pub use light::{LightId, SetLight, Unserved};
+pub use masks::{MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers};
 pub use report::SetReport;
 
 use crate::{
@@ -23,10 +26,11 @@ use crate::{
     device::error_scopes::Scopes,
     light_set::{
         buffers::Uploaded,
-        cast_list::{CastList, Instances},
+        cast_list::{CastList, CastPart, Instances},
         casters::Casters,
         later_errors::LaterErrors,
-        light::LightState,
+        light::{LightCast, LightState, StillLayer},
+        masks::MaskStage,
         plan::{Difference, LightPlan},
         pool::LayerPool,
         shader::SetShader,
@@ -43,12 +47,12 @@ use crate::{
 };
 use glam::Affine3A;
 use slotmap::SlotMap;
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 use umbrage_core::{
     Aabb, BackendError, BackendLimits, Camera, Geometry, Invalid, Light, RecipeError,
     ShadowTechnique, View, invalid,
 };
-use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, RenderPass};
+use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, RenderPass, TextureView};
 
 /// What a set may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +84,18 @@ pub enum SetErrors {
     AtOnce,
 }
 
+/// Whether a layer in which something moves keeps what is still in a layer of its own, which is copied instead of drawn again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StillLayers {
+    /// Where drawing what is still would take longer than the copy.
+    #[default]
+    Auto,
+    /// Wherever something moves.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
 /// Options that hold for all that a set does.
 #[derive(Clone, Debug, Default)]
 pub struct LightSetOptions {
@@ -89,6 +105,8 @@ pub struct LightSetOptions {
     pub prefix: String,
     /// What the set may take.
     pub budget: SetBudget,
+    /// Whether layers are split by what moves.
+    pub still_layers: StillLayers,
     /// When errors of the graphics API are told.
     pub errors: SetErrors,
 }
@@ -118,7 +136,7 @@ pub struct FrameGeometry<'a> {
 /// moved, or when a caster that may show in it did. In a frame in which nothing changed, nothing is drawn or written.
 ///
 /// ```no_run
-/// use std::sync::Arc;
+/// use std::{ops::Range, sync::Arc};
 /// use umbrage_core::{BackendError, Camera, Light, ShadowTechnique};
 /// use umbrage_wgpu::{LightSet, LightSetOptions, SetFrame, SetLight, wgpu};
 ///
@@ -167,9 +185,15 @@ pub struct LightSet {
     indices: Vec<bool>,
     pool: LayerPool,
     shader: SetShader,
+    masks: MaskStage,
     list: CastList,
+    /// Scratch: runs of slots.
+    runs: Vec<Range<u32>>,
     errors: LaterErrors,
     submission: Submission,
+    layouts: Option<Layouts>,
+    /// The lights that get new numbers or layers in this frame. Its memory is used again.
+    chosen: Vec<LightId>,
     /// What the last plans were made for.
     planned: Option<PlannedFor>,
     /// Whether layers must be dealt out anew.
@@ -211,9 +235,13 @@ impl LightSet {
             indices: Vec::new(),
             pool: LayerPool::default(),
             shader,
+            masks: MaskStage::default(),
             list: CastList::default(),
+            runs: Vec::new(),
             errors: LaterErrors::default(),
             submission: Submission::default(),
+            layouts: None,
+            chosen: Vec::new(),
             planned: None,
             layers_changed: false,
             report: SetReport::default(),
@@ -401,16 +429,21 @@ impl LightSet {
         }
         self.list.clear();
         self.report = SetReport::default();
+        self.casters.begin_frame();
         self.plan_lights(frame);
         self.deal_out_layers();
         for light in self.lights.values_mut() {
-            light.mark_stale(self.casters.changed());
+            light.mark_stale(self.casters.changed(), self.casters.still_changed());
         }
-        let chosen = self.choose_redraws();
-        // Where nothing is made, nothing can fail, and there is nothing to ask the device.
-        let scopes =
-            (!chosen.is_empty() || self.shader.is_outdated()).then(|| Scopes::open(device));
-        let result = self.write(queue, &chosen);
+        let mut chosen = std::mem::take(&mut self.chosen);
+        self.choose_redraws(&mut chosen);
+        // Where nothing new is shown nothing is made, and there is no error to ask the device for.
+        let makes = self.shader.is_outdated()
+            || self.casters.has_grown()
+            || chosen.iter().any(|&id| self.lights[id].wanted.is_some());
+        let scopes = makes.then(|| Scopes::open(device));
+        let result = self.write(queue, &mut chosen);
+        self.chosen = chosen;
         let result = match (scopes, self.options.errors) {
             (None, _) => result,
             (Some(scopes), SetErrors::AtOnce) => scopes.close().and(result),
@@ -456,7 +489,7 @@ impl LightSet {
         self.submission.watch(encoder, &self.device);
         let mut filtered: Option<LightId> = None;
         let mut casts = self.list.casts().enumerate().peekable();
-        while let Some((pass, (id, cast))) = casts.next() {
+        while let Some((pass, (id, cast, _))) = casts.next() {
             let light = &self.lights[id];
             if filtered != Some(id) {
                 light.filters.clear(encoder);
@@ -471,13 +504,17 @@ impl LightSet {
                 &mut own_draws,
             );
             // The light's last cast: its filters follow.
-            if casts.peek().is_none_or(|&(_, (next, _))| next != id) {
+            if casts.peek().is_none_or(|&(_, (next, ..))| next != id) {
                 light.filters.encode(encoder, None);
             }
         }
         drop(casts);
-        for (id, cast) in self.list.casts() {
-            self.lights[id].casts[cast].is_stale = false;
+        for (id, cast, part) in self.list.casts() {
+            let cast = &mut self.lights[id].casts[cast];
+            match (part, &mut cast.still) {
+                (CastPart::Still, Some(still)) => still.is_stale = false,
+                _ => cast.is_stale = false,
+            }
         }
         self.list.clear();
         Ok(())
@@ -509,6 +546,63 @@ impl LightSet {
         self.shader.bind_group().ok_or_else(unprepared)
     }
 
+    /// Makes what [`encode_masks`](Self::encode_masks) needs, for renderers that shade from a G-buffer. Call it after
+    /// [`prepare`](Self::prepare).
+    ///
+    /// # Errors
+    /// Errors if nothing is prepared, if there is no such light, or if textures can't be used: with what to change. As
+    /// [`prepare`](Self::prepare), with [`SetErrors::AtOnce`] also with errors of the graphics API.
+    pub fn prepare_masks(
+        &mut self,
+        queue: &Queue,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<(), BackendError> {
+        inputs.validate()?;
+        let mut lights = Vec::with_capacity(inputs.lights.len());
+        for &id in inputs.lights {
+            let light = self.lights.get(id).ok_or_else(unknown_light)?;
+            lights.push(light.shown.is_some().then_some(light.index));
+        }
+        let device = self.device.clone();
+        let scopes = Scopes::open(&device);
+        let mut factory = ResourceFactory {
+            device: &device,
+            queue,
+            counters: &mut self.counters,
+        };
+        let result = self.masks.prepare(
+            &mut factory,
+            &mut self.pipelines,
+            &self.shader,
+            inputs,
+            lights.into_iter(),
+        );
+        let closed = match self.options.errors {
+            SetErrors::AtOnce => scopes.close(),
+            SetErrors::Later => {
+                self.errors.wait_for(scopes);
+                Ok(())
+            }
+        };
+        let outcome = closed.and(result);
+        if outcome.is_err() {
+            self.masks = MaskStage::default();
+        }
+        outcome
+    }
+
+    /// Records a pass for each light that [`prepare_masks`](Self::prepare_masks) was given, after those of
+    /// [`encode`](Self::encode). Returns the masks: a texture with a layer for each light, its visibility, 1 where nothing receives.
+    ///
+    /// # Errors
+    /// Errors if [`prepare_masks`](Self::prepare_masks) has not succeeded before.
+    pub fn encode_masks(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
+        let help = "call `prepare_masks` first, and look at its error";
+        self.masks
+            .encode(encoder, &self.shader)
+            .ok_or_else(|| Invalid::new("masks", "have nothing prepared", help).into())
+    }
+
     /// Returns an error of the graphics API that came since this was last asked, with [`SetErrors::Later`]. After one, everything is
     /// made anew with the next frame.
     pub fn take_error(&mut self) -> Option<BackendError> {
@@ -517,9 +611,9 @@ impl LightSet {
         Some(error)
     }
 
-    /// Returns the bytes of all maps.
+    /// Returns the bytes of all maps, and of the layers that hold still casters.
     pub fn map_bytes(&self) -> u64 {
-        self.pool.bytes()
+        self.pool.bytes() + still_bytes(&self.lights)
     }
 
     /// Returns how many GPU objects were made so far.
@@ -601,43 +695,44 @@ impl LightSet {
         }
     }
 
-    /// Returns the lights that get new numbers or layers in this frame, those with the greatest urgency first.
-    fn choose_redraws(&mut self) -> Vec<LightId> {
-        let mut waiting: Vec<(f32, LightId, u32)> = Vec::new();
-        let mut chosen = Vec::new();
+    /// Writes the lights that get new numbers or layers in this frame, those with the greatest urgency first.
+    fn choose_redraws(&mut self, chosen: &mut Vec<LightId>) {
+        chosen.clear();
         for (id, light) in &self.lights {
-            if !light.has_room || light.refused.is_some() {
-                continue;
-            }
-            let layers = light.waiting_layers();
-            if layers > 0 {
-                let urgency = light.settings.priority * (1 + light.age) as f32;
-                waiting.push((urgency, id, layers));
-            } else if light.wanted.is_some() {
-                // New numbers cost nothing.
+            let is_idle = light.waiting_layers() == 0 && light.wanted.is_none();
+            if light.has_room && light.refused.is_none() && !is_idle {
                 chosen.push(id);
             }
         }
-        let index = |id: LightId| self.lights[id].index;
-        waiting.sort_by(|a, b| b.0.total_cmp(&a.0).then(index(a.1).cmp(&index(b.1))));
+        let lights = &mut self.lights;
+        chosen.sort_unstable_by(|&a, &b| {
+            let a = &lights[a];
+            let b = &lights[b];
+            b.urgency()
+                .total_cmp(&a.urgency())
+                .then(a.index.cmp(&b.index))
+        });
         let mut left = self.options.budget.redraws;
         let mut is_first = true;
-        for (_, id, layers) in waiting {
-            if layers <= left || is_first {
+        chosen.retain(|&id| {
+            let light = &mut lights[id];
+            let layers = light.waiting_layers();
+            // New numbers alone cost nothing.
+            let is_chosen = layers == 0 || layers <= left || is_first;
+            if is_chosen {
                 left = left.saturating_sub(layers);
-                self.lights[id].age = 0;
-                chosen.push(id);
+                light.age = 0;
             } else {
-                self.lights[id].age += 1;
+                light.age += 1;
                 self.report.waiting += layers;
             }
-            is_first = false;
-        }
-        chosen
+            is_first &= layers == 0;
+            is_chosen
+        });
     }
 
     /// Makes and writes all that the chosen lights, moved casters and the shaders need.
-    fn write(&mut self, queue: &Queue, chosen: &[LightId]) -> Result<(), BackendError> {
+    fn write(&mut self, queue: &Queue, chosen: &mut Vec<LightId>) -> Result<(), BackendError> {
         let device = self.device.clone();
         let mut factory = ResourceFactory {
             device: &device,
@@ -645,9 +740,13 @@ impl LightSet {
             counters: &mut self.counters,
         };
         let mut uploaded = Uploaded::default();
-        let layouts = Layouts::new(&factory, &mut self.pipelines);
+        let held = self.pool.bytes() + still_bytes(&self.lights);
+        let mut bytes_left = self.options.budget.bytes.saturating_sub(held);
+        let layouts = match self.layouts.take() {
+            Some(layouts) => layouts,
+            None => Layouts::new(&factory, &mut self.pipelines),
+        };
         let lost = self.pool.make_textures(&mut factory);
-        let mut chosen = chosen.to_vec();
         for (id, light) in &mut self.lights {
             let has_lost = light.ranges.iter().any(|range| lost.contains(&range.class));
             if has_lost && light.shown.is_some() {
@@ -659,8 +758,11 @@ impl LightSet {
                 }
             }
         }
-        for &id in &chosen {
+        for &id in &*chosen {
             let light = &mut self.lights[id];
+            if light.wanted.is_some() {
+                self.shader.change();
+            }
             show_wanted(
                 light,
                 &mut factory,
@@ -669,9 +771,29 @@ impl LightSet {
                 &self.pool,
                 &layouts,
             );
+            let may_split = light.may_split();
             for index in 0..light.casts.len() {
-                if light.casts[index].is_stale {
-                    let cast = &light.casts[index];
+                let cast = &mut light.casts[index];
+                if !cast.is_stale {
+                    continue;
+                }
+                let is_wanted = still_layers::is_wanted(
+                    self.options.still_layers,
+                    &self.casters,
+                    cast,
+                    &mut self.runs,
+                );
+                let is_split =
+                    may_split && is_wanted && has_still_layer(&mut factory, cast, &mut bytes_left);
+                let parts: &[CastPart] = match &cast.still {
+                    _ if !is_split => &[CastPart::Whole],
+                    Some(still) if !still.is_stale => &[CastPart::Moving],
+                    _ => &[CastPart::Still, CastPart::Moving],
+                };
+                if !is_split {
+                    cast.still = None;
+                }
+                for &part in parts {
                     self.list.push(
                         &mut factory,
                         &mut self.pipelines,
@@ -680,10 +802,12 @@ impl LightSet {
                         id,
                         index,
                         cast,
+                        part,
                     );
                 }
             }
         }
+        self.layouts = Some(layouts);
         self.tables.forget_unreachable();
         uploaded.add(self.instances.upload(&mut factory, &mut self.casters));
         self.list.upload(&mut factory, &mut self.pipelines);
@@ -710,6 +834,8 @@ impl LightSet {
     /// Forgets all GPU objects, so that the next frame makes them anew.
     fn make_anew(&mut self) {
         self.pipelines = Pipelines::default();
+        self.layouts = None;
+        self.masks = MaskStage::default();
         self.tables = Tables::default();
         self.pool = LayerPool::default();
         self.list = CastList::default();
@@ -818,6 +944,33 @@ fn show_wanted(
     if difference > Difference::Numbers {
         light.make_casts(factory, &layouts.peeled);
     }
+}
+
+/// Returns the bytes of all layers that hold still casters.
+fn still_bytes(lights: &SlotMap<LightId, LightState>) -> u64 {
+    let casts = lights.values().flat_map(|light| &light.casts);
+    casts
+        .filter_map(|cast| cast.still.as_ref())
+        .map(StillLayer::bytes)
+        .sum()
+}
+
+/// Returns whether a cast has a layer for the casters that are still; makes one, if it takes no more than the bytes that are left.
+fn has_still_layer(
+    factory: &mut ResourceFactory<'_>,
+    cast: &mut LightCast,
+    bytes_left: &mut u64,
+) -> bool {
+    if cast.still.is_some() {
+        return true;
+    }
+    let bytes = still_layers::bytes_of(&cast.target);
+    if bytes > *bytes_left {
+        return false;
+    }
+    *bytes_left -= bytes;
+    cast.still = Some(StillLayer::beside(factory, &cast.target));
+    true
 }
 
 fn check_light(light: &Light, priority: f32) -> Result<(), Invalid> {

@@ -43,6 +43,8 @@ pub(crate) struct SetShader {
     is_outdated: bool,
     /// Whether a light was forgotten since entries were written.
     has_forgotten: bool,
+    /// Whether entries and uniforms are other than those that were written.
+    has_changed: bool,
 }
 
 /// Storage buffers beside those of the kinds: entries and tables.
@@ -70,11 +72,20 @@ impl SetShader {
             binding: Binding::default(),
             is_outdated: true,
             has_forgotten: false,
+            has_changed: true,
         })
     }
 
     pub(crate) fn text(&self) -> &str {
         &self.text
+    }
+
+    pub(crate) fn group(&self) -> u32 {
+        self.group
+    }
+
+    pub(crate) fn prefix(&self) -> &str {
+        &self.prefix
     }
 
     pub(crate) fn revision(&self) -> u64 {
@@ -87,6 +98,11 @@ impl SetShader {
 
     pub(crate) fn bind_group(&self) -> Option<(&BindGroup, &BindGroupLayout)> {
         self.binding.group().zip(self.binding.layout())
+    }
+
+    /// Says that lights show other plans than those that were written.
+    pub(crate) fn change(&mut self) {
+        self.has_changed = true;
     }
 
     /// Frees what a light has here. Shaders see it as not served from the next [`write`](Self::write) on.
@@ -105,6 +121,7 @@ impl SetShader {
         self.entries.lose_buffer();
         self.tables.lose_buffer();
         self.binding = Binding::default();
+        self.has_changed = true;
     }
 
     /// Writes the numbers of all lights, and makes text and bind group anew where that is needed. `maps_changed` says that textures
@@ -119,12 +136,16 @@ impl SetShader {
         pool: &LayerPool,
         maps_changed: bool,
     ) -> Result<Uploaded, BackendError> {
+        if !self.has_changed && !self.has_forgotten && !self.is_outdated && !maps_changed {
+            return Ok(Uploaded::default());
+        }
         self.register_all(lights);
         self.set_records(lights);
         if self.has_forgotten && self.retain_tables(lights) {
             self.set_records(lights);
         }
         self.has_forgotten = false;
+        self.has_changed = false;
         let mut uploaded = Uploaded::default();
         for (kind, records) in self.kinds.iter().zip(&mut self.kernels) {
             if let Some((name, _)) = kind.uniforms {

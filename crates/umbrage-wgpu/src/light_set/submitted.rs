@@ -1,18 +1,20 @@
 //! Whether what was recorded has been thrown away.
 
 use std::sync::{
-    Arc,
+    Arc, Mutex, MutexGuard, PoisonError,
     atomic::{AtomicBool, Ordering},
 };
 use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, MapMode};
 
-/// Watches the last encoder that a set recorded into.
+/// Watches the encoders that a set records into.
 ///
 /// [`CommandEncoder::map_buffer_on_submit`] keeps a closure that is called once the encoder's commands are submitted, and dropped
 /// without a call where they never are.
 #[derive(Debug, Default)]
 pub(crate) struct Submission {
     dropped: Arc<AtomicBool>,
+    /// Buffers that wait for no submission.
+    spare: Arc<Mutex<Vec<Buffer>>>,
 }
 
 /// Tells on being dropped, unless its commands were submitted.
@@ -38,16 +40,21 @@ impl Submission {
 
     /// Watches an encoder that draws layers.
     pub(crate) fn watch(&self, encoder: &CommandEncoder, device: &Device) {
-        let buffer = marker(device);
+        let spare = locked(&self.spare).pop();
+        let buffer = spare.unwrap_or_else(|| marker(device));
         let mapped = buffer.clone();
+        let spare = self.spare.clone();
         let mut watch = Watch {
             dropped: self.dropped.clone(),
             submitted: false,
         };
-        encoder.map_buffer_on_submit(&buffer, MapMode::Read, .., move |_| {
+        encoder.map_buffer_on_submit(&buffer, MapMode::Read, .., move |result| {
             watch.submitted = true;
             drop(watch);
-            mapped.destroy();
+            if result.is_ok() {
+                mapped.unmap();
+                locked(&spare).push(mapped);
+            }
         });
     }
 }
@@ -60,4 +67,9 @@ fn marker(device: &Device) -> Buffer {
         usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
+}
+
+/// Locks the list. A thread that panicked while it held the lock has left a list of whole buffers, so poisoning is ignored.
+fn locked(spare: &Mutex<Vec<Buffer>>) -> MutexGuard<'_, Vec<Buffer>> {
+    spare.lock().unwrap_or_else(PoisonError::into_inner)
 }

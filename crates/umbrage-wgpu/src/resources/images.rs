@@ -118,13 +118,29 @@ fn layer_views(
 
 /// Makes a texture for the layers of several images.
 pub(crate) fn layered_texture(factory: &mut ResourceFactory<'_>, desc: &ImageDesc) -> Texture {
-    make_texture(factory, desc, texture_format(desc.format))
+    let format = texture_format(desc.format);
+    // Layers are copied to from others of the same format, depth, too.
+    make_texture_with(
+        factory,
+        desc,
+        format,
+        usage(format) | TextureUsages::COPY_DST,
+    )
 }
 
 fn make_texture(
     factory: &mut ResourceFactory<'_>,
     desc: &ImageDesc,
     format: TextureFormat,
+) -> Texture {
+    make_texture_with(factory, desc, format, usage(format))
+}
+
+fn make_texture_with(
+    factory: &mut ResourceFactory<'_>,
+    desc: &ImageDesc,
+    format: TextureFormat,
+    usage: TextureUsages,
 ) -> Texture {
     factory.texture(&TextureDescriptor {
         label: Some(desc.label),
@@ -133,7 +149,7 @@ fn make_texture(
         sample_count: 1,
         dimension: TextureDimension::D2,
         format,
-        usage: usage(format),
+        usage,
         view_formats: &[],
     })
 }

@@ -1,13 +1,15 @@
 //! A program with a forward renderer that asks a light set.
 
-use bytemuck::cast_slice;
-use glam::{UVec2, Vec3};
-use umbrage_core::Receivers;
-use umbrage_tests::{
+use crate::{
     adapter::{TestDevice, device},
     foreign,
 };
-use umbrage_wgpu::{LightSet, LightSetOptions, SetErrors, SetFrame};
+use bytemuck::cast_slice;
+use glam::{UVec2, Vec3};
+use umbrage_core::Receivers;
+use umbrage_wgpu::{
+    GBuffer, LightSet, LightSetOptions, SetBudget, SetErrors, SetFrame, StillLayers,
+};
 use wgpu::{
     BindGroup, BindGroupLayout, BindingResource, Color, CommandEncoder, LoadOp, Operations,
     RenderPassColorAttachment, RenderPassDescriptor, RenderPipeline, StoreOp, TextureFormat,
@@ -42,8 +44,10 @@ struct OwnPixel {
 ";
 
 /// What the program sees.
-pub(crate) struct Program {
-    pub(crate) d: &'static TestDevice,
+#[derive(Debug)]
+pub struct Program {
+    /// The device.
+    pub d: &'static TestDevice,
     position: TextureView,
     normal: TextureView,
     triangle: TextureView,
@@ -51,6 +55,7 @@ pub(crate) struct Program {
 }
 
 /// A pipeline that contains a set's text, and what it draws into.
+#[derive(Debug)]
 struct Drawn {
     revision: u64,
     pipeline: RenderPipeline,
@@ -58,12 +63,14 @@ struct Drawn {
 }
 
 /// A program's renderer of one set.
-pub(crate) struct Forward {
+#[derive(Debug, Default)]
+pub struct Forward {
     drawn: Option<Drawn>,
 }
 
 impl Program {
-    pub(crate) fn new(receivers: &Receivers) -> Self {
+    /// A program that sees these receivers.
+    pub fn new(receivers: &Receivers) -> Self {
         let mut positions: Vec<[f32; 4]> = Vec::new();
         let mut normals: Vec<[f32; 4]> = Vec::new();
         for i in 0..receivers.len() {
@@ -75,7 +82,7 @@ impl Program {
     }
 
     /// A program that sees a floor of `size` points, a quarter of a metre apart, around the origin.
-    pub(crate) fn floor(size: UVec2) -> Self {
+    pub fn floor(size: UVec2) -> Self {
         let mut positions: Vec<[f32; 4]> = Vec::new();
         for y in 0..size.y {
             for x in 0..size.x {
@@ -89,7 +96,8 @@ impl Program {
         Self::of_texels(size, &positions, &normals, &vec![u32::MAX; count])
     }
 
-    fn of_texels(
+    /// A program that sees these positions (w is 1 where a shadow may fall), normals and triangles.
+    pub fn of_texels(
         size: UVec2,
         positions: &[[f32; 4]],
         normals: &[[f32; 4]],
@@ -107,23 +115,46 @@ impl Program {
     }
 
     /// Returns an empty set that tells errors at once.
-    pub(crate) fn set(&self) -> LightSet {
+    ///
+    /// # Panics
+    /// Panics if the device has one bind group only.
+    pub fn set(&self, budget: SetBudget, still_layers: StillLayers) -> LightSet {
         let options = LightSetOptions {
             group: GROUP,
             errors: SetErrors::AtOnce,
+            budget,
+            still_layers,
             ..LightSetOptions::default()
         };
         LightSet::new(&self.d.device, options).expect("the device has two bind groups")
     }
 
-    pub(crate) fn encoder(&self) -> CommandEncoder {
+    /// Returns the textures of what is seen.
+    pub fn gbuffer(&self) -> GBuffer<'_> {
+        GBuffer {
+            position: &self.position,
+            normal: &self.normal,
+            triangle: Some(&self.triangle),
+        }
+    }
+
+    /// Returns how many pixels it sees.
+    pub const fn size(&self) -> UVec2 {
+        self.size
+    }
+
+    /// Returns a new encoder.
+    pub fn encoder(&self) -> CommandEncoder {
         self.d
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
     /// Prepares, encodes and submits a frame of the set, without looking at anything.
-    pub(crate) fn update(&self, set: &mut LightSet, frame: &SetFrame<'_>) {
+    ///
+    /// # Panics
+    /// Panics if the set reports an error.
+    pub fn update(&self, set: &mut LightSet, frame: &SetFrame<'_>) {
         set.prepare(&self.d.device, &self.d.queue, frame)
             .expect("prepares");
         let mut encoder = self.encoder();
@@ -133,12 +164,11 @@ impl Program {
 }
 
 impl Forward {
-    pub(crate) const fn new() -> Self {
-        Self { drawn: None }
-    }
-
     /// Returns the visibility of the light with this index at every receiver, as of the set's last frame.
-    pub(crate) fn mask(&mut self, program: &Program, set: &LightSet, light: u32) -> Vec<f32> {
+    ///
+    /// # Panics
+    /// Panics if the set was not prepared.
+    pub fn mask(&mut self, program: &Program, set: &LightSet, light: u32) -> Vec<f32> {
         let (group, layout) = set.bind_group().expect("was prepared");
         let revision = set.wgsl_revision();
         let drawn = match self.drawn.take() {

@@ -1,0 +1,447 @@
+//! Masks of a set's lights, for renderers that shade from a G-buffer: one layer a light.
+
+use crate::{
+    filter::color_attachment,
+    frame::{GBuffer, check, check_readable},
+    gbuffer_from_depth::{DepthBuffer, DepthCamera},
+    light_set::{light::LightId, shader::SetShader},
+    receive::gbuffer,
+    resources::{
+        bindings::{Binding, Bound, Slot},
+        counters::ResourceFactory,
+        images::extent,
+        pipelines::{Pipelines, Targets, fullscreen_pipeline},
+    },
+};
+use encase::UniformBuffer;
+use glam::UVec2;
+use umbrage_core::{BackendError, Invalid};
+use wgpu::{
+    BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, RenderPassDescriptor,
+    RenderPipeline, ShaderStages, Texture, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
+};
+
+/// What masks are made for.
+#[derive(Clone, Copy, Debug)]
+pub struct MaskInputs<'a> {
+    /// Size of the masks and of the receivers' textures, pixels.
+    pub size: UVec2,
+    /// What the camera sees.
+    pub receivers: SetReceivers<'a>,
+    /// The lights, one layer each, in this order.
+    pub lights: &'a [LightId],
+    /// How visibility is stored.
+    pub format: MaskFormat,
+}
+
+/// What the camera sees, in textures of the caller's with usage `TEXTURE_BINDING`.
+#[derive(Clone, Copy, Debug)]
+pub enum SetReceivers<'a> {
+    /// World positions and normals.
+    Positions(GBuffer<'a>),
+    /// A depth buffer, from which positions are computed where they are needed.
+    Depth {
+        /// The depth buffer, and its camera.
+        depth: DepthBuffer<'a>,
+        /// Normals; none to compute them from neighbouring pixels, which is rough where a surface is only a pixel wide.
+        normals: Option<SetNormals<'a>>,
+    },
+}
+
+/// Normals in world space, in a texture of any float or normalised format.
+#[derive(Clone, Copy, Debug)]
+pub struct SetNormals<'a> {
+    /// The texture.
+    pub texture: &'a TextureView,
+    /// How it holds normals.
+    pub coding: NormalCoding,
+}
+
+/// How a texture holds unit normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalCoding {
+    /// x, y and z, each in -1..=1.
+    Components,
+    /// x, y and z, each as half of it plus .5, in 0..=1.
+    Halved,
+    /// Octahedral coordinates, two components in -1..=1: Meyer, Suessmuth, Sussner, Stamminger and Greiner 2010, "On floating-point
+    /// normal vectors".
+    Octahedral,
+    /// Octahedral coordinates, each as half of it plus .5, in 0..=1.
+    OctahedralHalved,
+}
+
+/// How masks store visibility, 0..=1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MaskFormat {
+    /// `R8Unorm`: in steps of 1/255, a byte a pixel and light.
+    #[default]
+    Unorm8,
+    /// `R32Float`: as it was computed.
+    Float32,
+}
+
+impl MaskFormat {
+    const fn texture_format(self) -> TextureFormat {
+        match self {
+            Self::Unorm8 => TextureFormat::R8Unorm,
+            Self::Float32 => TextureFormat::R32Float,
+        }
+    }
+}
+
+/// What the shader of masks depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct MaskKey {
+    revision: u64,
+    receivers: ReceiversKey,
+    format: MaskFormat,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ReceiversKey {
+    Positions {
+        triangles: bool,
+    },
+    Depth {
+        samples: bool,
+        normals: Option<NormalCoding>,
+    },
+}
+
+/// All that makes masks, ready to be encoded.
+#[derive(Debug, Default)]
+pub(crate) struct MaskStage {
+    made_for: Option<MaskKey>,
+    pipeline: Option<RenderPipeline>,
+    receivers: Binding,
+    camera: Option<Buffer>,
+    texture: Option<Texture>,
+    /// All layers.
+    whole: Option<TextureView>,
+    layers: Vec<TextureView>,
+    /// For each layer, the light's index in shaders; none of lights that are not served.
+    lights: Vec<Option<u32>>,
+}
+
+impl MaskInputs<'_> {
+    pub(crate) fn validate(&self) -> Result<(), BackendError> {
+        if self.size.min_element() == 0 {
+            let why = format!("are {} x {} pixels", self.size.x, self.size.y);
+            return Err(Invalid::new("masks", why, "use at least one pixel each way").into());
+        }
+        match &self.receivers {
+            SetReceivers::Positions(gbuffer) => {
+                let floats = TextureFormat::Rgba32Float;
+                check(gbuffer.position, "position", floats, self.size)?;
+                check(gbuffer.normal, "normal", floats, self.size)?;
+                if let Some(triangle) = gbuffer.triangle {
+                    check(triangle, "triangle", TextureFormat::R32Uint, self.size)?;
+                }
+            }
+            SetReceivers::Depth { depth, normals } => {
+                depth.validate()?;
+                self.check_texture(depth.depth.texture(), "depth buffer")?;
+                if let Some(normals) = normals {
+                    let texture = normals.texture.texture();
+                    check_readable(texture, "receivers' normals")?;
+                    self.check_texture(texture, "receivers' normals")?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Errors if a texture has another size than the masks.
+    fn check_texture(&self, texture: &Texture, what: &str) -> Result<(), Invalid> {
+        let size = UVec2::new(texture.width(), texture.height());
+        if size == self.size {
+            return Ok(());
+        }
+        let why = format!("has {} x {} pixels", size.x, size.y);
+        let help = format!(
+            "make it {} x {}, as the masks are",
+            self.size.x, self.size.y
+        );
+        Err(Invalid::new(what, why, help))
+    }
+}
+
+impl MaskStage {
+    /// Makes what is missing, and writes the camera. `lights` are the lights' indices in shaders, none where they are not served.
+    pub(crate) fn prepare(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        shader: &SetShader,
+        inputs: &MaskInputs<'_>,
+        lights: impl Iterator<Item = Option<u32>>,
+    ) -> Result<(), BackendError> {
+        self.lights.clear();
+        self.lights.extend(lights);
+        self.fit_texture(factory, inputs);
+        let key = MaskKey {
+            revision: shader.revision(),
+            receivers: ReceiversKey::of(&inputs.receivers),
+            format: inputs.format,
+        };
+        let layout = self.bind(factory, pipelines, &inputs.receivers)?;
+        if self.made_for == Some(key) && self.pipeline.is_some() {
+            return Ok(());
+        }
+        let Some((_, set_layout)) = shader.bind_group() else {
+            return Err(
+                Invalid::new("light set", "has nothing prepared", "call `prepare` first").into(),
+            );
+        };
+        let own_group = own_group(shader.group());
+        let mut groups = [None, None, None, None];
+        let mut count = 0;
+        for (group, layout) in [(shader.group(), set_layout), (own_group, &layout)] {
+            groups[group as usize] = Some(layout);
+            count = count.max(group as usize + 1);
+        }
+        let text = mask_shader(shader, key.receivers);
+        factory.counters.pipelines += 1;
+        self.pipeline = Some(fullscreen_pipeline(
+            factory.device,
+            "umbrage masks",
+            &text,
+            ["umbrage_mask_vertex", "umbrage_mask"],
+            &Targets::Colors(&[inputs.format.texture_format()]),
+            &groups[..count],
+        ));
+        self.made_for = Some(key);
+        Ok(())
+    }
+
+    /// Records one pass a light. Returns the masks.
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut CommandEncoder,
+        shader: &SetShader,
+    ) -> Option<&TextureView> {
+        let pipeline = self.pipeline.as_ref()?;
+        let (set_group, _) = shader.bind_group()?;
+        for (layer, light) in self.layers.iter().zip(&self.lights) {
+            let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+                label: Some("umbrage mask"),
+                // What receives nothing, and lights that are not served, stay lit.
+                color_attachments: &[Some(color_attachment(layer, Color::WHITE))],
+                ..RenderPassDescriptor::default()
+            });
+            let Some(light) = *light else {
+                continue;
+            };
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(shader.group(), set_group, &[]);
+            pass.set_bind_group(own_group(shader.group()), self.receivers.group(), &[]);
+            pass.draw(0..3, light..light + 1);
+        }
+        self.whole.as_ref()
+    }
+
+    /// Makes the texture anew if it doesn't fit.
+    fn fit_texture(&mut self, factory: &mut ResourceFactory<'_>, inputs: &MaskInputs<'_>) {
+        let size = extent(inputs.size, inputs.lights.len().max(1) as u32);
+        let format = inputs.format.texture_format();
+        let fits = self
+            .texture
+            .as_ref()
+            .is_some_and(|held| held.size() == size && held.format() == format);
+        if fits {
+            return;
+        }
+        let texture = factory.texture(&TextureDescriptor {
+            label: Some("umbrage masks"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format,
+            usage: TextureUsages::RENDER_ATTACHMENT
+                | TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = |first: u32, count: u32, dimension| {
+            texture.create_view(&TextureViewDescriptor {
+                label: Some("umbrage masks"),
+                dimension: Some(dimension),
+                base_array_layer: first,
+                array_layer_count: Some(count),
+                ..TextureViewDescriptor::default()
+            })
+        };
+        let layers = size.depth_or_array_layers;
+        self.whole = Some(view(0, layers, TextureViewDimension::D2Array));
+        self.layers = (0..layers)
+            .map(|layer| view(layer, 1, TextureViewDimension::D2))
+            .collect();
+        self.texture = Some(texture);
+    }
+
+    /// Binds what is seen. Returns the layout.
+    fn bind(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        receivers: &SetReceivers<'_>,
+    ) -> Result<BindGroupLayout, BackendError> {
+        let (slots, bound) = match receivers {
+            SetReceivers::Positions(textures) => gbuffer(textures),
+            SetReceivers::Depth { depth, normals } => {
+                self.bound_depth(factory, depth, normals.as_ref())?
+            }
+        };
+        let layout = pipelines
+            .layouts
+            .get(factory, ShaderStages::FRAGMENT, &slots);
+        self.receivers
+            .set(factory, "umbrage receivers", &layout, bound);
+        Ok(layout)
+    }
+
+    fn bound_depth(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        depth: &DepthBuffer<'_>,
+        normals: Option<&SetNormals<'_>>,
+    ) -> Result<(Vec<Slot>, Vec<Bound>), BackendError> {
+        let camera = DepthCamera::of(depth)?;
+        let mut bytes = UniformBuffer::new(Vec::new());
+        // Writing to a growing vector cannot fail.
+        bytes.write(&camera).unwrap_or_default();
+        let usage = BufferUsages::UNIFORM;
+        let bytes = bytes.into_inner();
+        let uniforms = factory.write(&mut self.camera, "umbrage camera", usage, &bytes);
+        let floats = Slot::Floats { layered: false };
+        let has_samples = depth.depth.texture().sample_count() > 1;
+        let depth_slot = if has_samples { Slot::Samples } else { floats };
+        let mut slots = vec![Slot::Uniform, depth_slot];
+        let mut bound = vec![Bound::Buffer(uniforms), Bound::View(depth.depth.clone())];
+        if let Some(normals) = normals {
+            slots.push(floats);
+            bound.push(Bound::View(normals.texture.clone()));
+        }
+        Ok((slots, bound))
+    }
+}
+
+impl ReceiversKey {
+    fn of(receivers: &SetReceivers<'_>) -> Self {
+        match receivers {
+            SetReceivers::Positions(gbuffer) => Self::Positions {
+                triangles: gbuffer.triangle.is_some(),
+            },
+            SetReceivers::Depth { depth, normals } => Self::Depth {
+                samples: depth.depth.texture().sample_count() > 1,
+                normals: normals.map(|normals| normals.coding),
+            },
+        }
+    }
+}
+
+/// Returns the index of the bind group that holds what is seen: 0, or 1 where the set's is 0.
+fn own_group(set_group: u32) -> u32 {
+    u32::from(set_group == 0)
+}
+
+/// Returns the shader that asks the set at every pixel; the instance's index is the light's.
+fn mask_shader(shader: &SetShader, receivers: ReceiversKey) -> String {
+    let g = own_group(shader.group());
+    let seen = match receivers {
+        ReceiversKey::Positions { triangles } => positions_text(g, triangles),
+        ReceiversKey::Depth { samples, normals } => depth_text(g, samples, normals),
+    };
+    let set = shader.text();
+    let prefix = shader.prefix();
+    format!(
+        "{set}{seen}
+struct UmbrageMaskPixel {{
+    @builtin(position) at: vec4f,
+    @location(0) @interpolate(flat) light: u32,
+}}
+@vertex fn umbrage_mask_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) light: u32) -> UmbrageMaskPixel {{
+    return UmbrageMaskPixel(vec4f(f32(i32(i & 1u) * 4 - 1), f32(i32(i & 2u) * 2 - 1), 0.0, 1.0), light);
+}}
+@fragment fn umbrage_mask(pixel: UmbrageMaskPixel) -> @location(0) f32 {{
+    let texel = vec2i(pixel.at.xy);
+    let seen = umbrage_seen(texel);
+    if !seen.receives {{
+        return 1.0;
+    }}
+    return {prefix}shadow_on(pixel.light, seen.position, seen.normal, vec2u(texel), seen.triangle);
+}}
+"
+    )
+}
+
+/// Declares what a pixel sees.
+const SEEN: &str = "
+struct UmbrageSeen {
+    receives: bool,
+    position: vec3f,
+    normal: vec3f,
+    triangle: u32,
+}
+";
+
+fn positions_text(g: u32, triangles: bool) -> String {
+    let mut declaration = String::new();
+    // NO_TRIANGLE.
+    let mut load = "0xffffffffu";
+    if triangles {
+        declaration = format!("@group({g}) @binding(2) var umbrage_triangle: texture_2d<u32>;\n");
+        load = "textureLoad(umbrage_triangle, texel, 0).x";
+    }
+    format!(
+        "{SEEN}@group({g}) @binding(0) var umbrage_position: texture_2d<f32>;
+@group({g}) @binding(1) var umbrage_normal: texture_2d<f32>;
+{declaration}fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
+    let position = textureLoad(umbrage_position, texel, 0);
+    let normal = textureLoad(umbrage_normal, texel, 0).xyz;
+    return UmbrageSeen(position.w != 0.0, position.xyz, normal, {load});
+}}
+"
+    )
+}
+
+fn depth_text(g: u32, samples: bool, normals: Option<NormalCoding>) -> String {
+    let unproject = crate::gbuffer_from_depth::shader_text(g, samples);
+    let Some(coding) = normals else {
+        return format!(
+            "{SEEN}{unproject}
+fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
+    let surface = surface_at(texel);
+    return UmbrageSeen(surface.position.w != 0.0, surface.position.xyz, surface.normal.xyz, 0xffffffffu);
+}}
+"
+        );
+    };
+    let decode = match coding {
+        NormalCoding::Components => "stored.xyz",
+        NormalCoding::Halved => "stored.xyz * 2.0 - 1.0",
+        NormalCoding::Octahedral => "umbrage_from_octahedron(stored.xy)",
+        NormalCoding::OctahedralHalved => "umbrage_from_octahedron(stored.xy * 2.0 - 1.0)",
+    };
+    format!(
+        "{SEEN}{unproject}
+@group({g}) @binding(2) var umbrage_normals: texture_2d<f32>;
+fn umbrage_from_octahedron(folded: vec2f) -> vec3f {{
+    let z = 1.0 - abs(folded.x) - abs(folded.y);
+    let fold = max(-z, 0.0);
+    return vec3f(folded - select(vec2f(-fold), vec2f(fold), folded >= vec2f(0.0)), z);
+}}
+fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
+    let depth = load_depth(texel);
+    let stored = textureLoad(umbrage_normals, texel, 0);
+    let normal = {decode};
+    // A cleared texture holds no normal: nothing receives there.
+    let receives = depth != camera.empty && dot(normal, normal) > 0.0;
+    return UmbrageSeen(receives, unproject(texel, depth), normalize(normal), 0xffffffffu);
+}}
+"
+    )
+}

@@ -1,0 +1,112 @@
+//! Layers that hold the casters that are still, so that a frame in which one caster moves does not draw all the others again: the layer
+//! is copied, and what moves is drawn on top. Depth tests keep the nearest in any order, so the bits are those of drawing everything.
+//!
+//! A copy has a price, too: Godot's engine lost more by such copies than it gained on small scenes (pull request 77683). So a layer is
+//! split only where what need not be drawn costs more than the copy.
+
+use crate::{
+    light_set::{
+        StillLayers,
+        casters::Casters,
+        culling::{Volume, Wanted},
+        light::{LightCast, StillLayer},
+    },
+    resources::{
+        counters::ResourceFactory,
+        images::{extent, texture_format},
+    },
+    targets::CastTarget,
+};
+use std::ops::Range;
+use wgpu::{
+    Texture, TextureDescriptor, TextureDimension, TextureUsages, TextureViewDescriptor,
+    TextureViewDimension,
+};
+
+/// Texels that are copied in the time in which a triangle is drawn: measured on lavapipe, see `docs/measured.md`.
+const TEXELS_A_TRIANGLE: u64 = 24;
+
+/// Returns whether a layer that must be drawn again is to be split: whether something moves in it, and drawing what doesn't would cost
+/// more than copying it. `runs` is scratch.
+pub(crate) fn is_wanted(
+    option: StillLayers,
+    casters: &Casters,
+    cast: &LightCast,
+    runs: &mut Vec<Range<u32>>,
+) -> bool {
+    let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
+    let moving = Wanted::Moving(casters.moving());
+    if option == StillLayers::Never || triangles(casters, &cast.volume, moving, runs) == 0 {
+        return false;
+    }
+    if option == StillLayers::Always {
+        return true;
+    }
+    // What is still is drawn once into its own layer, and then copied.
+    let still = Wanted::Still(casters.moving());
+    triangles(casters, &cast.volume, still, runs) * TEXELS_A_TRIANGLE > texels
+}
+
+/// Returns how many triangles of the wanted casters may show in a layer.
+fn triangles(
+    casters: &Casters,
+    volume: &Volume,
+    wanted: Wanted<'_>,
+    runs: &mut Vec<Range<u32>>,
+) -> u64 {
+    let mut total = 0;
+    for (_, mesh) in casters.meshes() {
+        runs.clear();
+        volume.runs(casters.boxes(), mesh.slots(), wanted, runs);
+        let shown: u64 = runs.iter().map(|run| u64::from(run.end - run.start)).sum();
+        total += shown * mesh.draw.triangles();
+    }
+    runs.clear();
+    total
+}
+
+impl StillLayer {
+    /// Returns an empty layer beside that of a cast.
+    pub(crate) fn beside(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
+        let texture = factory.texture(&TextureDescriptor {
+            label: Some("umbrage still casters"),
+            size: extent(target.size, 1),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: texture_format(target.format()),
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let layer = texture.create_view(&TextureViewDescriptor {
+            label: Some("umbrage still casters"),
+            dimension: Some(TextureViewDimension::D2),
+            ..TextureViewDescriptor::default()
+        });
+        Self {
+            target: target.with_layer(layer),
+            texture,
+            is_stale: true,
+        }
+    }
+
+    /// Returns the layer's bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        bytes_of(&self.target)
+    }
+}
+
+/// Returns the bytes of a layer like that of a cast.
+pub(crate) fn bytes_of(target: &CastTarget) -> u64 {
+    let texels = u64::from(target.size.x) * u64::from(target.size.y);
+    texels * target.format().bytes() as u64
+}
+
+/// What is copied before a cast is drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct LayerCopy {
+    pub(crate) from: Texture,
+    pub(crate) to: Texture,
+    /// Layer of `to`.
+    pub(crate) layer: u32,
+}

@@ -1,0 +1,140 @@
+//! Triangles above a floor, with spots that shine down on them: what the tests of light sets play.
+
+use crate::{
+    foreign,
+    light_program::{Forward, Program},
+};
+use bytemuck::cast_slice;
+use glam::{Affine3A, UVec2, Vec3};
+use std::sync::Arc;
+use umbrage_core::{Aabb, Camera, Light};
+use umbrage_techniques::{Hard, ShadowMap};
+use umbrage_wgpu::{
+    CasterId, LightId, LightSet, Mesh, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
+    VertexLayout,
+};
+use wgpu::BufferUsages;
+
+/// Side of the maps, texels.
+pub const SIDE: u32 = 64;
+/// Bytes of a map.
+pub const LAYER: u64 = 4 * SIDE as u64 * SIDE as u64;
+
+/// One comparison on a small map.
+pub fn hard() -> Arc<Hard> {
+    let map = ShadowMap {
+        size: SIDE,
+        ..ShadowMap::default()
+    };
+    Arc::new(Hard { map })
+}
+
+/// Returns a spot that shines down on the floor around `x`.
+pub fn spot(x: f32) -> Light {
+    Light::Spot {
+        position: Vec3::new(x, 6.0, 0.0),
+        direction: Vec3::NEG_Y,
+        inner: 0.2,
+        outer: 0.25,
+        radius: 0.0,
+    }
+}
+
+/// Returns a camera that stands to the right by `x` metres.
+///
+/// # Panics
+/// Panics if `x` is not finite.
+pub fn camera(x: f32) -> Camera {
+    let size = UVec2::new(64, 48);
+    let eye = Vec3::new(x, 5.0, 12.0);
+    Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid")
+}
+
+/// A set, and the program that uses it.
+#[derive(Debug)]
+pub struct Stage {
+    /// The program.
+    pub program: Program,
+    /// The set.
+    pub set: LightSet,
+    /// The triangles.
+    pub casters: Vec<CasterId>,
+    /// What the set is prepared for.
+    pub camera: Camera,
+}
+
+impl Stage {
+    /// A set with a triangle above the floor at each of these places.
+    ///
+    /// # Panics
+    /// Panics if a place is not finite.
+    pub fn new(budget: SetBudget, places: &[f32]) -> Self {
+        let program = Program::floor(UVec2::new(64, 48));
+        let mut set = program.set(budget, StillLayers::Auto);
+        let corners = [[-0.5_f32, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5]];
+        let vertices = foreign::buffer(program.d, BufferUsages::VERTEX, cast_slice(&corners));
+        let mesh = Mesh {
+            label: "triangle",
+            vertices: &vertices,
+            layout: VertexLayout::PACKED,
+            indices: None,
+            range: 0..3,
+            base_vertex: 0,
+            bounds: Aabb::around(corners.map(Vec3::from_array)),
+        };
+        let mesh = set.add_mesh(&mesh).expect("valid");
+        let casters = places
+            .iter()
+            .map(|&x| set.add_caster(mesh, at(x)).expect("valid"))
+            .collect();
+        Self {
+            program,
+            set,
+            casters,
+            camera: camera(0.0),
+        }
+    }
+
+    /// Adds a spot that shines down on `x`.
+    ///
+    /// # Panics
+    /// Panics if a number is not finite.
+    pub fn light(&mut self, x: f32, priority: f32) -> LightId {
+        let light = SetLight {
+            light: spot(x),
+            technique: hard(),
+            priority,
+        };
+        self.set.add_light(light).expect("valid")
+    }
+
+    /// Plays a frame, and returns what it took.
+    pub fn frame(&mut self) -> SetReport {
+        let frame = SetFrame {
+            camera: &self.camera,
+            geometry: None,
+        };
+        self.program.update(&mut self.set, &frame);
+        *self.set.report()
+    }
+
+    /// Returns the lights that cast no shadows.
+    pub fn unserved(&self) -> Vec<LightId> {
+        self.set.unserved().map(|(id, _)| id).collect()
+    }
+
+    /// Returns how many receivers are in a light's shadow.
+    ///
+    /// # Panics
+    /// Panics if there is no such light.
+    pub fn shadowed(&self, id: LightId) -> usize {
+        let index = self.set.index_of(id).expect("is there");
+        let mask = Forward::default().mask(&self.program, &self.set, index);
+        mask.iter().filter(|&&v| v < 1.0).count()
+    }
+}
+
+/// Returns where a triangle stands.
+pub fn at(x: f32) -> Affine3A {
+    Affine3A::from_translation(Vec3::new(x, 2.0, 0.0))
+}

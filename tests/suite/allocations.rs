@@ -1,0 +1,90 @@
+//! What a frame of a light set allocates: nothing while all stands still, and only what wgpu's own writes allocate while casters move.
+
+use dhat::HeapStats;
+use umbrage_tests::light_stage::{Stage, at};
+use umbrage_wgpu::{SetBudget, SetFrame};
+use wgpu::BufferUsages;
+
+#[global_allocator]
+static ALLOCATIONS: dhat::Alloc = dhat::Alloc;
+
+/// Returns how many blocks `work` allocated.
+fn blocks(work: impl FnOnce()) -> u64 {
+    let before = HeapStats::get().total_blocks;
+    work();
+    HeapStats::get().total_blocks - before
+}
+
+/// Calls `work` from a depth of so many calls more. wgpu captures a backtrace at each write in debug builds, and the list of frames
+/// that it allocates grows with the depth.
+#[inline(never)]
+fn from_below(depth: u32, work: &mut dyn FnMut()) {
+    if depth == 0 {
+        work();
+    } else {
+        from_below(depth - 1, std::hint::black_box(work));
+    }
+}
+
+fn prepare(stage: &mut Stage) {
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: None,
+    };
+    let d = stage.program.d;
+    stage
+        .set
+        .prepare(&d.device, &d.queue, &frame)
+        .expect("prepares");
+}
+
+/// One test, since the counts are those of the whole program.
+#[test]
+fn steady_frames_allocate_nothing() {
+    let _profiler = dhat::Profiler::builder().testing().build();
+    let mut stage = Stage::new(SetBudget::default(), &[-4.0, 0.0, 4.0]);
+    for x in [-4.0, 0.0, 4.0] {
+        stage.light(x, 1.0);
+    }
+    stage.frame();
+    let d = stage.program.d;
+    // Lists have grown as far as they will after a frame in which a caster moved.
+    for x in [0.1, 0.2] {
+        let caster = stage.casters[1];
+        stage.set.move_caster(caster, at(x)).expect("is there");
+        stage.frame();
+    }
+    let still = blocks(|| prepare(&mut stage));
+    assert_eq!(still, 0, "a still frame");
+    let counted = blocks(|| drop(Box::new(1_u8)));
+    assert_eq!(counted, 1, "the counter counts");
+    // wgpu allocates for each write, and now and then for many; a frame with a moved caster writes twice: its placement, and the
+    // matrix of the layer in which it shows.
+    let buffer =
+        |usage| umbrage_tests::foreign::buffer(d, usage | BufferUsages::COPY_DST, &[0; 1024]);
+    let placements = buffer(BufferUsages::VERTEX);
+    let matrices = buffer(BufferUsages::UNIFORM);
+    const FRAMES: u64 = 200;
+    let written = blocks(|| {
+        for _ in 0..FRAMES {
+            from_below(6, &mut || {
+                d.queue.write_buffer(&placements, 48, &[1; 48]);
+                d.queue.write_buffer(&matrices, 0, &[2; 64]);
+            });
+        }
+    });
+    let moved = blocks(|| {
+        for i in 0..FRAMES {
+            let caster = stage.casters[1];
+            let x = 0.1 + 0.1 * (i % 3) as f32;
+            stage.set.move_caster(caster, at(x)).expect("is there");
+            prepare(&mut stage);
+            assert_eq!(stage.set.report().redrawn, 1);
+        }
+    });
+    let own = moved as f64 / FRAMES as f64 - written as f64 / FRAMES as f64;
+    assert!(
+        own < 0.5,
+        "a frame in which a caster moved allocated {own:.2} blocks more than wgpu's writes do"
+    );
+}

@@ -1,0 +1,206 @@
+//! Masks of a set, for renderers that shade from a G-buffer, are what the forward renderer sees.
+
+use bytemuck::cast_slice;
+use glam::{Mat4, UVec2, Vec3, Vec4};
+use umbrage_core::Camera;
+use umbrage_tests::{
+    foreign,
+    light_program::{Forward, Program},
+    light_stage::{Stage, camera},
+};
+use umbrage_wgpu::{
+    DepthBuffer, LightId, LightSet, MaskFormat, MaskInputs, NormalCoding, SetBudget, SetNormals,
+    SetReceivers,
+};
+use wgpu::{TextureFormat, TextureView};
+
+const PLACES: [f32; 3] = [-4.0, 0.0, 4.0];
+
+/// Returns the masks of these lights, in their order.
+fn masks(
+    program: &Program,
+    set: &mut LightSet,
+    receivers: SetReceivers<'_>,
+    lights: &[LightId],
+) -> Vec<Vec<f32>> {
+    let inputs = MaskInputs {
+        size: program.size(),
+        receivers,
+        lights,
+        format: MaskFormat::Float32,
+    };
+    set.prepare_masks(&program.d.queue, &inputs)
+        .expect("prepares");
+    let mut encoder = program.encoder();
+    let masks = set
+        .encode_masks(&mut encoder)
+        .expect("was prepared")
+        .clone();
+    let texels = foreign::read(program.d, encoder, &masks);
+    let pixels = texels.len() / lights.len();
+    texels.chunks(pixels).map(<[f32]>::to_vec).collect()
+}
+
+fn forward(program: &Program, set: &LightSet, light: LightId) -> Vec<f32> {
+    let index = set.index_of(light).expect("is there");
+    Forward::default().mask(program, set, index)
+}
+
+#[test]
+fn masks_are_what_the_forward_renderer_sees() {
+    let mut stage = Stage::new(SetBudget::default(), &PLACES);
+    let lights = PLACES.map(|x| stage.light(x, 1.0));
+    stage.frame();
+    // Without the light in the middle, and in another order than that of their indices.
+    let asked = [lights[2], lights[0]];
+    let expected = asked.map(|id| forward(&stage.program, &stage.set, id));
+    assert!(expected.iter().all(|mask| mask.iter().any(|&v| v < 1.0)));
+    assert_ne!(expected[0], expected[1]);
+    let seen = SetReceivers::Positions(stage.program.gbuffer());
+    let found = masks(&stage.program, &mut stage.set, seen, &asked);
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn lights_that_are_not_served_have_white_masks() {
+    let budget = SetBudget {
+        bytes: 0,
+        ..SetBudget::default()
+    };
+    let mut stage = Stage::new(budget, &PLACES);
+    let light = stage.light(0.0, 1.0);
+    stage.frame();
+    let seen = SetReceivers::Positions(stage.program.gbuffer());
+    let found = masks(&stage.program, &mut stage.set, seen, &[light]);
+    assert!(found[0].iter().all(|&v| v == 1.0));
+}
+
+/// The floor, as a camera sees it: positions for one renderer, depths for another.
+struct SeenFloor {
+    positions: Vec<[f32; 4]>,
+    depths: Vec<f32>,
+    world_from_clip: Mat4,
+}
+
+impl SeenFloor {
+    fn new(camera: &Camera) -> Self {
+        let clip_from_world = camera.space().clip_from_world();
+        let world_from_clip = clip_from_world.as_dmat4().inverse();
+        let size = camera.size;
+        let mut positions = Vec::new();
+        let mut depths = Vec::new();
+        for y in 0..size.y {
+            for x in 0..size.x {
+                let u = (f64::from(x) + 0.5) / f64::from(size.x);
+                let v = (f64::from(y) + 0.5) / f64::from(size.y);
+                let at = |z: f64| {
+                    let clip = glam::DVec3::new(2.0 * u - 1.0, 1.0 - 2.0 * v, z);
+                    world_from_clip.project_point3(clip)
+                };
+                let near = at(0.0);
+                let direction = at(1.0) - near;
+                let t = -near.y / direction.y;
+                if !(0.0..1.0).contains(&t) {
+                    positions.push([0.0; 4]);
+                    depths.push(1.0);
+                    continue;
+                }
+                let p = (near + direction * t).as_vec3();
+                positions.push([p.x, 0.0, p.z, 1.0]);
+                let clip: Vec4 = clip_from_world * Vec3::new(p.x, 0.0, p.z).extend(1.0);
+                depths.push(clip.z / clip.w);
+            }
+        }
+        Self {
+            positions,
+            depths,
+            world_from_clip: world_from_clip.as_mat4(),
+        }
+    }
+}
+
+/// Returns a texture of one normal, (0, 1, 0), and how it is held.
+fn normals(program: &Program) -> [(TextureView, NormalCoding); 3] {
+    let size = program.size();
+    let count = (size.x * size.y) as usize;
+    let d = program.d;
+    // 1 and -1 in 16-bit floats.
+    let one = 0x3c00_u16;
+    let components = vec![[0, one, 0, 0]; count];
+    let octahedral = vec![[0, one]; count];
+    let halved = vec![[128_u8, 255, 128, 0]; count];
+    [
+        (
+            foreign::upload(d, size, TextureFormat::Rgba16Float, cast_slice(&components)),
+            NormalCoding::Components,
+        ),
+        (
+            foreign::upload(d, size, TextureFormat::Rg16Float, cast_slice(&octahedral)),
+            NormalCoding::Octahedral,
+        ),
+        (
+            foreign::upload(d, size, TextureFormat::Rgba8Unorm, cast_slice(&halved)),
+            NormalCoding::Halved,
+        ),
+    ]
+}
+
+/// Straight from a depth buffer, with normals in three formats and without: a few pixels at edges may differ, since positions are
+/// rounded otherwise.
+#[test]
+fn masks_come_from_depth_and_normals_of_any_format() {
+    let mut stage = Stage::new(SetBudget::default(), &PLACES);
+    let lights = PLACES.map(|x| stage.light(x, 1.0));
+    stage.frame();
+    let camera = camera(0.5).resized(UVec2::new(160, 120));
+    let floor = SeenFloor::new(&camera);
+    let up = vec![Vec3::Y.extend(0.0).to_array(); floor.positions.len()];
+    let ids = vec![u32::MAX; floor.positions.len()];
+    let program = Program::of_texels(camera.size, &floor.positions, &up, &ids);
+    let exact = SetReceivers::Positions(program.gbuffer());
+    let expected = masks(&program, &mut stage.set, exact, &lights);
+    let shadowed = expected.iter().flatten().filter(|&&v| v < 1.0).count();
+    assert!(shadowed > 80, "{shadowed}");
+    let texture = foreign::upload(
+        program.d,
+        camera.size,
+        TextureFormat::R32Float,
+        cast_slice(&floor.depths),
+    );
+    let depth = DepthBuffer {
+        depth: &texture,
+        world_from_clip: floor.world_from_clip,
+        empty: 1.0,
+    };
+    let held = normals(&program);
+    let mut ways: Vec<Option<SetNormals<'_>>> = vec![None];
+    ways.extend(held.iter().map(|(texture, coding)| {
+        Some(SetNormals {
+            texture,
+            coding: *coding,
+        })
+    }));
+    for normals in ways {
+        let seen = SetReceivers::Depth { depth, normals };
+        let found = masks(&program, &mut stage.set, seen, &lights);
+        let pairs = found.iter().flatten().zip(expected.iter().flatten());
+        let differing = pairs.filter(|(a, b)| (*a - *b).abs() > 0.01).count();
+        assert!(
+            differing * 20 <= shadowed,
+            "{differing} of {shadowed}: {normals:?}"
+        );
+    }
+    // Another camera's matrix gives other positions: the comparison can fail.
+    let camera_beside = umbrage_tests::light_stage::camera(1.5);
+    let wrong = DepthBuffer {
+        world_from_clip: SeenFloor::new(&camera_beside).world_from_clip,
+        ..depth
+    };
+    let seen = SetReceivers::Depth {
+        depth: wrong,
+        normals: None,
+    };
+    let found = masks(&program, &mut stage.set, seen, &lights);
+    let pairs = found.iter().flatten().zip(expected.iter().flatten());
+    assert!(pairs.filter(|(a, b)| (*a - *b).abs() > 0.01).count() > 40);
+}
