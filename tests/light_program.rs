@@ -8,7 +8,7 @@ use bytemuck::cast_slice;
 use glam::{UVec2, Vec3};
 use umbrage_core::Receivers;
 use umbrage_wgpu::{
-    GBuffer, LightSet, LightSetOptions, SetBudget, SetErrors, SetFrame, StillLayers,
+    ApiErrors, GBuffer, LightSet, LightSetOptions, SetBudget, SetFrame, StillLayers,
 };
 use wgpu::{
     BindGroup, BindGroupLayout, BindingResource, Color, CommandEncoder, LoadOp, Operations,
@@ -121,7 +121,7 @@ impl Program {
     pub fn set(&self, budget: SetBudget, still_layers: StillLayers) -> LightSet {
         let options = LightSetOptions {
             group: GROUP,
-            errors: SetErrors::AtOnce,
+            errors: ApiErrors::AtOnce,
             budget,
             still_layers,
             ..LightSetOptions::default()

@@ -1,7 +1,10 @@
 //! [`GBufferFromDepth`]: for engines that have a depth buffer and no positions.
 
 use crate::{
-    device::error_scopes::Scopes,
+    device::{
+        error_scopes::Scopes,
+        later_errors::{ApiErrors, LaterErrors},
+    },
     filter::color_attachment,
     frame::{GBuffer, check_readable},
     resources::{
@@ -33,6 +36,7 @@ pub struct GBufferFromDepth {
     binding: Binding,
     images: Vec<GpuImage>,
     samples: bool,
+    errors: LaterErrors,
 }
 
 /// A depth buffer and the camera that it was drawn with.
@@ -92,7 +96,7 @@ impl GBufferFromDepth {
             counters: &mut counters,
         };
         self.prepare_with(&mut factory, source, &camera);
-        let closed = scopes.close();
+        let closed = self.errors.close(scopes, ApiErrors::default());
         if closed.is_err() {
             *self = Self::default();
         }
@@ -153,6 +157,14 @@ impl GBufferFromDepth {
                 &[Some(&layout)],
             )
         });
+    }
+
+    /// Returns an error of the graphics API that came since this was last asked: in browsers, where [`prepare`](Self::prepare) can't
+    /// wait for it. After one, everything is made anew.
+    pub fn take_error(&mut self) -> Option<BackendError> {
+        let error = self.errors.take()?;
+        *self = Self::default();
+        Some(error)
     }
 
     /// Records the pass and returns what it writes. Every pixel in which something was drawn receives shadows.

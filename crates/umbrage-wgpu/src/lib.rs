@@ -33,6 +33,7 @@ mod wgsl;
 pub use backend::Gpu;
 pub use device::{
     adapter::{AdapterChoice, Software},
+    later_errors::ApiErrors,
     probe::probe_snapping,
     requirements::check_adapter,
 };
@@ -40,8 +41,8 @@ pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexL
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 pub use light_set::{
     CasterId, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs, Mesh,
-    MeshId, NormalCoding, SetBudget, SetErrors, SetFrame, SetLight, SetNormals, SetReceivers,
-    SetReport, StillLayers, Unserved,
+    MeshId, NormalCoding, SetBudget, SetFrame, SetLight, SetNormals, SetReceivers, SetReport,
+    StillLayers, Unserved,
 };
 #[cfg(feature = "testing")]
 pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};

@@ -1,7 +1,10 @@
 //! [`ShadowRenderer`]: plays recipes on the caller's device, into the caller's encoder.
 
 use crate::{
-    device::error_scopes::Scopes,
+    device::{
+        error_scopes::Scopes,
+        later_errors::{ApiErrors, LaterErrors},
+    },
     frame::FrameInputs,
     resources::{
         counters::{Counters, ResourceFactory},
@@ -24,6 +27,8 @@ pub struct RendererOptions {
     /// Index of the bind group that holds what the receive kernel reads, so that [`receive_wgsl`](crate::receive_wgsl) and
     /// [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
     pub kernel_group: u32,
+    /// When errors of the graphics API are told.
+    pub errors: ApiErrors,
 }
 
 /// Plays recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes and writes what a frame
@@ -60,6 +65,7 @@ pub struct ShadowRenderer {
     limits: BackendLimits,
     counters: Counters,
     submissions: Submissions,
+    errors: LaterErrors,
     shared: Shared,
     /// One entry for each light that was ever encoded between two submissions.
     lights: Vec<Resources>,
@@ -88,6 +94,7 @@ impl ShadowRenderer {
             limits: limits(device),
             counters: Counters::default(),
             submissions: Submissions::of(device),
+            errors: LaterErrors::default(),
             shared: Shared::default(),
             lights: Vec::new(),
             prepared: None,
@@ -132,7 +139,7 @@ impl ShadowRenderer {
             &pairs,
             frame,
         );
-        if let Err(e) = scopes.close() {
+        if let Err(e) = self.errors.close(scopes, self.options.errors) {
             (self.shared, self.lights) = Default::default();
             return Err(e);
         }
@@ -307,6 +314,15 @@ impl ShadowRenderer {
     /// Returns the recipe's colours, `Rgba32Float`, linear; `None` before a recipe that shades is prepared.
     pub fn picture(&self) -> Option<&TextureView> {
         self.gpu_picture().map(|image| &image.whole)
+    }
+
+    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`]. After one, nothing is
+    /// prepared, and everything is made anew.
+    pub fn take_error(&mut self) -> Option<BackendError> {
+        let error = self.errors.take()?;
+        (self.shared, self.lights) = Default::default();
+        self.prepared = None;
+        Some(error)
     }
 
     /// Returns how many GPU objects were made so far.

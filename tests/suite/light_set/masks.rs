@@ -2,15 +2,19 @@
 
 use bytemuck::cast_slice;
 use glam::{Mat4, UVec2, Vec3, Vec4};
-use umbrage_core::Camera;
+use std::sync::Arc;
+use umbrage_core::{
+    Camera, Inputs, Kernel, Module, Receive, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, View,
+};
 use umbrage_tests::{
     foreign,
     light_program::{Forward, Program},
-    light_stage::{Stage, camera},
+    light_stage::{Stage, camera, hard, spot},
 };
 use umbrage_wgpu::{
-    DepthBuffer, LightId, LightSet, MaskFormat, MaskInputs, NormalCoding, SetBudget, SetNormals,
-    SetReceivers,
+    ApiErrors, DepthBuffer, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs,
+    NormalCoding, SetBudget, SetLight, SetNormals, SetReceivers,
 };
 use wgpu::{TextureFormat, TextureView};
 
@@ -73,6 +77,96 @@ fn lights_that_are_not_served_have_white_masks() {
     let seen = SetReceivers::Positions(stage.program.gbuffer());
     let found = masks(&stage.program, &mut stage.set, seen, &[light]);
     assert!(found[0].iter().all(|&v| v == 1.0));
+}
+
+/// A kernel whose WGSL no compiler takes.
+#[derive(Debug)]
+struct Broken;
+
+impl Kernel for Broken {
+    fn modules(&self) -> Vec<Module> {
+        Vec::from([Module {
+            name: "broken",
+            text: "fn receive(r: Receiver) -> f32 { return no_such_name; }",
+        }])
+    }
+}
+
+impl ReceiveKernel for Broken {
+    fn receive(&self, _: &Inputs<'_>, _: &Span<'_>, out: &mut [f32]) {
+        out.fill(1.0);
+    }
+}
+
+impl ShadowTechnique for Broken {
+    fn name(&self) -> &'static str {
+        "broken"
+    }
+
+    fn settings(&self) -> String {
+        String::new()
+    }
+
+    fn recipe(&self, _: &View<'_>) -> Result<Recipe, RecipeError> {
+        Ok(Recipe {
+            images: Vec::new(),
+            tables: Vec::new(),
+            casts: Vec::new(),
+            filters: Vec::new(),
+            receive: Receive {
+                kernel: Arc::new(Self),
+                inputs: Vec::new(),
+                tables: Vec::new(),
+            },
+            shade: None,
+            keep_images: false,
+        })
+    }
+}
+
+/// Errors of the compiler come at once, or when they are asked for, and the set goes on without the light that made them.
+#[test]
+fn errors_of_the_compiler_are_told_at_once_or_later() {
+    for when in [ApiErrors::AtOnce, ApiErrors::Later] {
+        let mut stage = Stage::new(SetBudget::default(), &PLACES);
+        let options = LightSetOptions {
+            group: 1,
+            errors: when,
+            ..LightSetOptions::default()
+        };
+        stage.set = LightSet::new(&stage.program.d.device, options).expect("fits");
+        let light = SetLight {
+            light: spot(0.0),
+            technique: Arc::new(Broken),
+            priority: 1.0,
+        };
+        let light = stage.set.add_light(light).expect("valid");
+        stage.frame();
+        assert_eq!(stage.set.take_error().map(|e| e.to_string()), None);
+        let inputs = MaskInputs {
+            size: stage.program.size(),
+            receivers: SetReceivers::Positions(stage.program.gbuffer()),
+            lights: &[light],
+            format: MaskFormat::Unorm8,
+        };
+        let queue = &stage.program.d.queue;
+        let told = stage.set.prepare_masks(queue, &inputs).err();
+        let asked = stage.set.take_error();
+        let (error, other) = match when {
+            ApiErrors::AtOnce => (told, asked),
+            ApiErrors::Later => (asked, told),
+        };
+        assert_eq!(other.map(|e| e.to_string()), None, "{when:?}");
+        let text = error.expect("a name is unknown").to_string();
+        assert!(text.contains("no_such_name"), "{text}");
+        // With another technique all is well again.
+        stage.set.set_technique(light, hard()).expect("is there");
+        stage.frame();
+        let seen = SetReceivers::Positions(stage.program.gbuffer());
+        let found = masks(&stage.program, &mut stage.set, seen, &[light]);
+        assert!(found[0].iter().all(|&v| v == 1.0), "nothing casts here");
+        assert_eq!(stage.set.take_error().map(|e| e.to_string()), None);
+    }
 }
 
 /// The floor, as a camera sees it: positions for one renderer, depths for another.

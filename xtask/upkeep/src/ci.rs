@@ -62,6 +62,7 @@ fn steps(options: &CiOptions) -> Vec<Step> {
     steps.push(("tidy", Box::new(tidy::tidy)));
     steps.push(("format", Box::new(|| run(cargo().args(FORMAT)))));
     steps.push(("clippy", Box::new(|| run(cargo().args(CLIPPY)))));
+    steps.push(("browser", Box::new(browser)));
     steps.push(("doc", Box::new(doc)));
     steps.push(("package", Box::new(package)));
     steps
@@ -78,6 +79,30 @@ const CLIPPY: [&str; 7] = [
     "-D",
     "warnings",
 ];
+
+/// What programs in browsers use.
+const IN_BROWSERS: [&str; 4] = [
+    "umbrage-core",
+    "umbrage-techniques",
+    "umbrage-wgpu",
+    "umbrage",
+];
+
+/// Checks that what programs in browsers use compiles for them.
+fn browser() -> Result<()> {
+    let mut command = cargo();
+    command.args([
+        "check",
+        "--target",
+        "wasm32-unknown-unknown",
+        "--no-default-features",
+    ]);
+    command.args(["--features", "umbrage/wgpu"]);
+    for package in IN_BROWSERS {
+        command.args(["--package", package]);
+    }
+    run(&mut command).context("`rustup target add wasm32-unknown-unknown` installs the target")
+}
 
 fn doc() -> Result<()> {
     let mut command = cargo();

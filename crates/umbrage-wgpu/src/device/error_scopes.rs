@@ -2,6 +2,7 @@
 
 use std::{
     pin::Pin,
+    sync::{Mutex, PoisonError},
     task::{Context, Poll, Waker},
 };
 use umbrage_core::BackendError;
@@ -36,12 +37,12 @@ impl Scopes {
         let memory = self.memory.pop();
         let internal = self.internal.pop();
         ClosedScopes {
-            pending: Box::pin(async move {
+            pending: Mutex::new(Box::pin(async move {
                 let validation = validation.await;
                 let memory = memory.await;
                 let internal = internal.await;
                 worst(validation, memory, internal)
-            }),
+            })),
         }
     }
 
@@ -67,9 +68,16 @@ fn worst(
         .map_or(Ok(()), |e| Err(backend_error(&e)))
 }
 
+/// What closed scopes caught, once it is known. Browsers know one thread alone, to which their futures are bound.
+#[cfg(not(target_arch = "wasm32"))]
+type Caught = dyn Future<Output = Result<(), BackendError>> + Send;
+#[cfg(target_arch = "wasm32")]
+type Caught = dyn Future<Output = Result<(), BackendError>>;
+
 /// Scopes that are closed, and whose errors may still be on the way.
 pub(crate) struct ClosedScopes {
-    pending: Pin<Box<dyn Future<Output = Result<(), BackendError>> + Send>>,
+    /// Behind a lock, which nobody waits for, so that what holds it may be shared between threads.
+    pending: Mutex<Pin<Box<Caught>>>,
 }
 
 impl std::fmt::Debug for ClosedScopes {
@@ -82,7 +90,11 @@ impl ClosedScopes {
     /// Returns what the scopes caught, or `None` while that isn't known. Not to be asked again once it is.
     pub(crate) fn poll(&mut self) -> Option<Result<(), BackendError>> {
         let mut context = Context::from_waker(Waker::noop());
-        match self.pending.as_mut().poll(&mut context) {
+        let pending = self
+            .pending
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner);
+        match pending.as_mut().poll(&mut context) {
             Poll::Ready(result) => Some(result),
             Poll::Pending => None,
         }

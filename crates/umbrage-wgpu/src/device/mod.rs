@@ -4,6 +4,7 @@ pub(crate) mod adapter;
 pub(crate) mod convert;
 pub(crate) mod device_errors;
 pub(crate) mod error_scopes;
+pub(crate) mod later_errors;
 pub(crate) mod probe;
 pub(crate) mod probe_offset;
 pub(crate) mod readback;

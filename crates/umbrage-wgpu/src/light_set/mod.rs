@@ -4,7 +4,6 @@ mod buffers;
 mod cast_list;
 mod casters;
 mod culling;
-mod later_errors;
 mod light;
 mod masks;
 mod plan;
@@ -23,12 +22,14 @@ pub use report::SetReport;
 
 use crate::{
     cast::Layouts,
-    device::error_scopes::Scopes,
+    device::{
+        error_scopes::Scopes,
+        later_errors::{ApiErrors, LaterErrors},
+    },
     light_set::{
         buffers::Uploaded,
         cast_list::{CastList, CastPart, Instances},
         casters::Casters,
-        later_errors::LaterErrors,
         light::{LightCast, LightState, StillLayer},
         masks::MaskStage,
         plan::{Difference, LightPlan},
@@ -74,16 +75,6 @@ impl Default for SetBudget {
     }
 }
 
-/// When errors of the graphics API are told.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SetErrors {
-    /// By [`LightSet::take_error`], in the same frame or one of the next: nothing blocks. The only way in browsers.
-    #[default]
-    Later,
-    /// By [`LightSet::prepare`], which then waits for the device's answer wherever it made something.
-    AtOnce,
-}
-
 /// Whether a layer in which something moves keeps what is still in a layer of its own, which is copied instead of drawn again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StillLayers {
@@ -108,7 +99,7 @@ pub struct LightSetOptions {
     /// Whether layers are split by what moves.
     pub still_layers: StillLayers,
     /// When errors of the graphics API are told.
-    pub errors: SetErrors,
+    pub errors: ApiErrors,
 }
 
 /// What a frame is planned for.
@@ -414,7 +405,7 @@ impl LightSet {
     /// Plans the lights that changed, finds the layers that must be drawn, and writes what they need.
     ///
     /// # Errors
-    /// Errors if the camera can't be used or the device is another than the set's; with [`SetErrors::AtOnce`] also if memory runs
+    /// Errors if the camera can't be used or the device is another than the set's; with [`ApiErrors::AtOnce`] also if memory runs
     /// out, or a kernel's WGSL is at fault (with the compiler's message). After an error everything is made anew.
     pub fn prepare(
         &mut self,
@@ -444,14 +435,10 @@ impl LightSet {
         let scopes = makes.then(|| Scopes::open(device));
         let result = self.write(queue, &mut chosen);
         self.chosen = chosen;
-        let result = match (scopes, self.options.errors) {
-            (None, _) => result,
-            (Some(scopes), SetErrors::AtOnce) => scopes.close().and(result),
-            (Some(scopes), SetErrors::Later) => {
-                self.errors.wait_for(scopes);
-                result
-            }
-        };
+        let closed = scopes.map_or(Ok(()), |scopes| {
+            self.errors.close(scopes, self.options.errors)
+        });
+        let result = closed.and(result);
         if let Err(error) = result {
             self.make_anew();
             return Err(error);
@@ -551,7 +538,7 @@ impl LightSet {
     ///
     /// # Errors
     /// Errors if nothing is prepared, if there is no such light, or if textures can't be used: with what to change. As
-    /// [`prepare`](Self::prepare), with [`SetErrors::AtOnce`] also with errors of the graphics API.
+    /// [`prepare`](Self::prepare), with [`ApiErrors::AtOnce`] also with errors of the graphics API.
     pub fn prepare_masks(
         &mut self,
         queue: &Queue,
@@ -577,13 +564,7 @@ impl LightSet {
             inputs,
             lights.into_iter(),
         );
-        let closed = match self.options.errors {
-            SetErrors::AtOnce => scopes.close(),
-            SetErrors::Later => {
-                self.errors.wait_for(scopes);
-                Ok(())
-            }
-        };
+        let closed = self.errors.close(scopes, self.options.errors);
         let outcome = closed.and(result);
         if outcome.is_err() {
             self.masks = MaskStage::default();
@@ -603,7 +584,7 @@ impl LightSet {
             .ok_or_else(|| Invalid::new("masks", "have nothing prepared", help).into())
     }
 
-    /// Returns an error of the graphics API that came since this was last asked, with [`SetErrors::Later`]. After one, everything is
+    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`]. After one, everything is
     /// made anew with the next frame.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
@@ -987,3 +968,10 @@ fn unprepared() -> BackendError {
     let help = "call `prepare` first, and look at its error";
     Invalid::new("light set", "has nothing prepared", help).into()
 }
+
+/// Programs share a set between threads.
+#[cfg(not(target_arch = "wasm32"))]
+const _: () = {
+    const fn may_be_shared<T: Send + Sync>() {}
+    may_be_shared::<LightSet>();
+};

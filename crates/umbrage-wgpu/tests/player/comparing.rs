@@ -252,8 +252,14 @@ fn pasted_text_compares_on_a_foreign_device() {
         normal: &texture,
         triangle: None,
     };
-    let mut renderer = ShadowRenderer::new(&foreign.device, RendererOptions { kernel_group: 1 })
-        .expect("there are two groups");
+    let mut renderer = ShadowRenderer::new(
+        &foreign.device,
+        RendererOptions {
+            kernel_group: 1,
+            ..RendererOptions::default()
+        },
+    )
+    .expect("there are two groups");
     let frame = FrameInputs {
         size: q.size,
         casters: &[],

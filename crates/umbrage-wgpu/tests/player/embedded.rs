@@ -140,7 +140,10 @@ fn a_foreign_device_gives_the_same_mask() {
     let e = Embedded::new();
     let casters = [e.casters()];
     for kernel_group in 0..3 {
-        let mut renderer = e.renderer(RendererOptions { kernel_group });
+        let mut renderer = e.renderer(RendererOptions {
+            kernel_group,
+            ..RendererOptions::default()
+        });
         let Foreign { device, queue } = &e.foreign;
         renderer
             .prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters))
@@ -227,7 +230,10 @@ fn pasted_text_gives_the_same_mask() {
     let e = Embedded::new();
     let casters = [e.casters()];
     let recipe = e.stage.recipe(64);
-    let mut renderer = e.renderer(RendererOptions { kernel_group: 1 });
+    let mut renderer = e.renderer(RendererOptions {
+        kernel_group: 1,
+        ..RendererOptions::default()
+    });
     renderer
         .prepare(
             &e.foreign.device,
@@ -286,8 +292,14 @@ fn a_second_frame_makes_nothing() {
 fn misuse_is_an_error() {
     let e = Embedded::new();
     let Foreign { device, queue } = &e.foreign;
-    let error = ShadowRenderer::new(device, RendererOptions { kernel_group: 99 })
-        .expect_err("no device has 100 groups");
+    let error = ShadowRenderer::new(
+        device,
+        RendererOptions {
+            kernel_group: 99,
+            ..RendererOptions::default()
+        },
+    )
+    .expect_err("no device has 100 groups");
     assert!(
         error
             .to_string()

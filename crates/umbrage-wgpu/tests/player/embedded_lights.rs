@@ -116,7 +116,10 @@ fn encoders_may_be_submitted_in_any_order() {
 fn forward_shaders_may_read_the_maps_of_both() {
     let e = Embedded::new();
     let recipes = lights(&e);
-    let mut renderer = e.renderer(RendererOptions { kernel_group: 1 });
+    let mut renderer = e.renderer(RendererOptions {
+        kernel_group: 1,
+        ..RendererOptions::default()
+    });
     let mut encoder = e.foreign.encoder();
     let groups = recipes.each_ref().map(|recipe| {
         prepare(&e, &mut renderer, recipe);

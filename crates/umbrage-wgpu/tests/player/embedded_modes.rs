@@ -144,7 +144,10 @@ fn a_picture_on_a_foreign_device_is_the_same() {
         .picture
         .expect("the recipe shades");
     for kernel_group in [0, 2] {
-        let mut renderer = e.renderer(RendererOptions { kernel_group });
+        let mut renderer = e.renderer(RendererOptions {
+            kernel_group,
+            ..RendererOptions::default()
+        });
         assert!(renderer.picture().is_none());
         renderer
             .prepare(
