@@ -255,8 +255,9 @@ impl VertexLayout {
         let position = self.format.bytes();
         let most = u64::from(limits.max_vertex_buffer_array_stride);
         if !stride.is_multiple_of(4) || stride < position || stride > most {
-            let help =
-                format!("use a multiple of 4 from {position}, the bytes of a position, to {most}");
+            let help = format!(
+                "use a multiple of 4 from {position} to {most}: a position takes {position} bytes"
+            );
             let why = format!("is {stride} bytes");
             return Err(Invalid::new("vertex layout's stride", why, help));
         }

@@ -72,6 +72,8 @@ struct Place {
     mesh: MeshId,
     /// Among the mesh's casters.
     index: u32,
+    /// The frame in which it moved last.
+    moved_in: u64,
 }
 
 /// World from local as three columns and a translation, what instances are made of.
@@ -88,8 +90,8 @@ pub(crate) struct Casters {
     columns: Vec<Columns>,
     /// By slot, whether the caster moved lately.
     moving: Vec<bool>,
-    /// The casters that moved lately, each with the last frame in which it did.
-    moving_since: Vec<(CasterId, u64)>,
+    /// The casters that moved lately.
+    moved_lately: Vec<CasterId>,
     /// Counts frames.
     frame: u64,
     /// Boxes in which something changed.
@@ -237,6 +239,7 @@ impl Casters {
         let id = self.places.insert(Place {
             mesh: mesh_id,
             index,
+            moved_in: 0,
         });
         // It was found above.
         let mesh = &mut self.meshes[mesh_id];
@@ -266,16 +269,11 @@ impl Casters {
         self.put(slot, &bounds, &world_from_local);
         self.changed.push(before);
         self.changed.push(bounds);
-        let frame = self.frame;
-        if self.moving[slot as usize] {
-            let known = self.moving_since.iter_mut().find(|(other, _)| *other == id);
-            if let Some((_, since)) = known {
-                *since = frame;
-            }
-        } else {
+        self.places[id].moved_in = self.frame;
+        if !self.moving[slot as usize] {
             // It leaves the casters that are still.
             self.moving[slot as usize] = true;
-            self.moving_since.push((id, frame));
+            self.moved_lately.push(id);
             self.still_changed.push(before);
         }
         Ok(())
@@ -290,7 +288,7 @@ impl Casters {
         let bounds = self.boxes.get(slot);
         self.changed.push(bounds);
         if self.moving[slot as usize] {
-            self.moving_since.retain(|(other, _)| *other != id);
+            self.moved_lately.retain(|other| *other != id);
         } else {
             self.still_changed.push(bounds);
         }
@@ -325,16 +323,17 @@ impl Casters {
             still_changed,
             ..
         } = self;
-        self.moving_since.retain(|&(id, since)| {
-            if frame - since <= REST {
+        self.moved_lately.retain(|&id| {
+            let Some(place) = places.get(id) else {
+                return false;
+            };
+            if frame - place.moved_in <= REST {
                 return true;
             }
-            if let Some(place) = places.get(id) {
-                let slot = meshes[place.mesh].block.start + place.index;
-                moving[slot as usize] = false;
-                // It joins the casters that are still.
-                still_changed.push(boxes.get(slot));
-            }
+            let slot = meshes[place.mesh].block.start + place.index;
+            moving[slot as usize] = false;
+            // It joins the casters that are still.
+            still_changed.push(boxes.get(slot));
             false
         });
     }

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3, Vec4};
 use std::ops::Range;
-use umbrage_core::Aabb;
+use umbrage_core::{Aabb, Simd, SimdTask};
 
 /// Relative bound of what is rounded where a box is compared with a plane. Each product and sum of the comparison and of the box itself
 /// has a relative error of 2^-24, and there are fewer than sixteen of them: this is 2^-18.
@@ -98,10 +98,34 @@ impl Boxes {
     pub(crate) fn around_all(&self) -> Aabb {
         let mut all = Aabb::EMPTY;
         for axis in 0..3 {
-            let mut min = f32::INFINITY;
-            let mut max = f32::NEG_INFINITY;
-            for (&centre, &half) in self.centre[axis].iter().zip(&self.half[axis]) {
-                // Of empty boxes the lower end is the greater one, far out: neither changes anything.
+            let [min, max] = Simd::Native.run_task(FindEnds {
+                centre: &self.centre[axis],
+                half: &self.half[axis],
+            });
+            all.min[axis] = min;
+            all.max[axis] = max;
+        }
+        all
+    }
+}
+
+/// Finds the lowest and the highest end of intervals.
+struct FindEnds<'a> {
+    centre: &'a [f32],
+    half: &'a [f32],
+}
+
+impl SimdTask for FindEnds<'_> {
+    type Output = [f32; 2];
+
+    #[inline(always)]
+    fn run(self) -> [f32; 2] {
+        // Lanes of their own: the least of several numbers is the same in any order.
+        let mut min = [f32::INFINITY; CHUNK];
+        let mut max = [f32::NEG_INFINITY; CHUNK];
+        for (centre, half) in self.centre.chunks(CHUNK).zip(self.half.chunks(CHUNK)) {
+            for (i, (&centre, &half)) in centre.iter().zip(half).enumerate() {
+                // Empty boxes change nothing.
                 let is_empty = half < 0.0;
                 let low = if is_empty {
                     f32::INFINITY
@@ -113,13 +137,13 @@ impl Boxes {
                 } else {
                     centre + half
                 };
-                min = if low < min { low } else { min };
-                max = if high > max { high } else { max };
+                min[i] = if low < min[i] { low } else { min[i] };
+                max[i] = if high > max[i] { high } else { max[i] };
             }
-            all.min[axis] = min;
-            all.max[axis] = max;
         }
-        all
+        let lowest = min.into_iter().fold(f32::INFINITY, f32::min);
+        let highest = max.into_iter().fold(f32::NEG_INFINITY, f32::max);
+        [lowest, highest]
     }
 }
 
@@ -148,48 +172,111 @@ impl Volume {
             .all(|plane| farthest_inside(plane, centre, half) >= 0.0)
     }
 
-    /// Appends the runs of slots within `slots` whose boxes may show in the layer, rising. Of the slots that are wanted alone, if
-    /// not all are.
-    pub(crate) fn runs(
-        &self,
-        boxes: &Boxes,
-        slots: Range<u32>,
-        wanted: Wanted<'_>,
-        out: &mut Vec<Range<u32>>,
-    ) {
+    /// Finds out of each slot whether its box may show in the layer.
+    pub(crate) fn find(&self, boxes: &Boxes, shown: &mut ShownSlots) {
+        let slots = boxes.centre[0].len();
+        shown.0.clear();
+        shown.0.resize(slots, 0);
+        Simd::Native.run_task(FindShown {
+            planes: &self.planes,
+            boxes,
+            out: &mut shown.0,
+        });
+    }
+}
+
+/// Compares all boxes with the planes of a volume.
+struct FindShown<'a> {
+    planes: &'a [Vec4; 6],
+    boxes: &'a Boxes,
+    out: &'a mut [u32],
+}
+
+impl SimdTask for FindShown<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let mut start = 0;
+        for out in self.out.chunks_mut(CHUNK) {
+            let part = start..start + out.len();
+            let centre = self
+                .boxes
+                .centre
+                .each_ref()
+                .map(|values| &values[part.clone()]);
+            let half = self
+                .boxes
+                .half
+                .each_ref()
+                .map(|values| &values[part.clone()]);
+            find_chunk(self.planes, centre, half, out);
+            start += out.len();
+        }
+    }
+}
+
+/// Finds out of at most [`CHUNK`] boxes whether they may show.
+#[inline(always)]
+fn find_chunk(planes: &[Vec4; 6], centre: [&[f32]; 3], half: [&[f32]; 3], out: &mut [u32]) {
+    // Whole chunks, so that compilers know how often loops run; the rest is not copied out.
+    let mut middle = [[0.0_f32; CHUNK]; 3];
+    // Half extents with room for what is rounded.
+    let mut padded = [[0.0_f32; CHUNK]; 3];
+    for axis in 0..3 {
+        let count = out.len();
+        middle[axis][..count].copy_from_slice(centre[axis]);
+        padded[axis][..count].copy_from_slice(half[axis]);
+        for i in 0..CHUNK {
+            let reach = padded[axis][i].abs() + middle[axis][i].abs();
+            padded[axis][i] += reach * ROUNDING;
+        }
+    }
+    let mut inside = [1_u32; CHUNK];
+    for plane in planes {
+        let outwards = plane.abs();
+        let constant = plane.w + outwards.w * ROUNDING;
+        for i in 0..CHUNK {
+            let x = plane.x * middle[0][i] + outwards.x * padded[0][i];
+            let y = plane.y * middle[1][i] + outwards.y * padded[1][i];
+            let z = plane.z * middle[2][i] + outwards.z * padded[2][i];
+            inside[i] &= u32::from(x + y + z + constant >= 0.0);
+        }
+    }
+    out.copy_from_slice(&inside[..out.len()]);
+}
+
+/// How many boxes are compared with a plane at a time.
+const CHUNK: usize = 64;
+
+/// Which slots may show in a layer.
+#[derive(Debug, Default)]
+pub(crate) struct ShownSlots(Vec<u32>);
+
+impl ShownSlots {
+    /// Returns how many slots of a part may show, of those that are wanted.
+    pub(crate) fn count(&self, slots: Range<u32>, wanted: Wanted<'_>) -> u64 {
+        let slots = slots.start as usize..slots.end as usize;
+        let is_shown = |slot: &usize| self.0[*slot] != 0 && wanted.has(*slot);
+        slots.filter(is_shown).count() as u64
+    }
+
+    /// Appends the runs of slots of a part that may show, of those that are wanted, rising.
+    pub(crate) fn runs(&self, slots: Range<u32>, wanted: Wanted<'_>, out: &mut Vec<Range<u32>>) {
         let gap = match wanted {
             Wanted::All => GREATEST_GAP,
             // What lies between two runs may be what isn't wanted.
             Wanted::Moving(_) | Wanted::Still(_) => 0,
         };
-        const CHUNK: usize = 64;
         let first_run = out.len();
-        let mut start = slots.start as usize;
-        let end = slots.end as usize;
-        while start < end {
-            let count = CHUNK.min(end - start);
-            let mut inside = [true; CHUNK];
-            let part = start..start + count;
-            let [cx, cy, cz] = boxes.centre.each_ref().map(|values| &values[part.clone()]);
-            let [hx, hy, hz] = boxes.half.each_ref().map(|values| &values[part.clone()]);
-            for plane in &self.planes {
-                for i in 0..count {
-                    let centre = Vec3::new(cx[i], cy[i], cz[i]);
-                    let half = Vec3::new(hx[i], hy[i], hz[i]);
-                    inside[i] &= farthest_inside(plane, centre, half) >= 0.0;
-                }
+        for slot in slots {
+            if self.0[slot as usize] == 0 || !wanted.has(slot as usize) {
+                continue;
             }
-            for (i, &is_inside) in inside[..count].iter().enumerate() {
-                if !is_inside || !wanted.has(start + i) {
-                    continue;
-                }
-                let slot = (start + i) as u32;
-                match out[first_run..].last_mut() {
-                    Some(run) if slot - run.end <= gap => run.end = slot + 1,
-                    _ => out.push(slot..slot + 1),
-                }
+            match out[first_run..].last_mut() {
+                Some(run) if slot - run.end <= gap => run.end = slot + 1,
+                _ => out.push(slot..slot + 1),
             }
-            start += count;
         }
     }
 }
@@ -234,14 +321,18 @@ mod tests {
         let clip_from_world = Mat4::from_scale(Vec3::new(1.0 / 40.0, 1.0, 1.0))
             * Mat4::from_translation(Vec3::new(-50.0, 0.0, 0.0));
         let volume = Volume::new(&clip_from_world, 80);
+        let mut found = ShownSlots::default();
+        volume.find(&boxes, &mut found);
         let mut runs = Vec::new();
-        volume.runs(&boxes, 0..100, Wanted::All, &mut runs);
+        found.runs(0..100, Wanted::All, &mut runs);
         let moving: Vec<bool> = (0..100).map(|slot| slot % 2 == 0).collect();
         let mut apart = Vec::new();
-        volume.runs(&boxes, 0..100, Wanted::Moving(&moving), &mut apart);
+        found.runs(0..100, Wanted::Moving(&moving), &mut apart);
         assert!(apart.iter().all(|run| run.len() == 1 && run.start % 2 == 0));
         let odd = apart.len();
-        volume.runs(&boxes, 0..100, Wanted::Still(&moving), &mut apart);
+        let counted = found.count(0..100, Wanted::Moving(&moving));
+        assert_eq!(counted, odd as u64);
+        found.runs(0..100, Wanted::Still(&moving), &mut apart);
         assert!(odd > 10 && apart.len() > odd + 10, "{apart:?}");
         let shown = |slot: u32| runs.iter().any(|run| run.contains(&slot));
         for slot in 0..100 {

@@ -30,6 +30,7 @@ use crate::{
         buffers::Uploaded,
         cast_list::{CastList, CastPart, Instances},
         casters::Casters,
+        culling::ShownSlots,
         light::{LightCast, LightState, StillLayer},
         masks::MaskStage,
         plan::{Difference, LightPlan},
@@ -48,7 +49,7 @@ use crate::{
 };
 use glam::Affine3A;
 use slotmap::SlotMap;
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 use umbrage_core::{
     Aabb, BackendError, BackendLimits, Camera, Geometry, Invalid, Light, RecipeError,
     ShadowTechnique, View, invalid,
@@ -127,7 +128,7 @@ pub struct FrameGeometry<'a> {
 /// moved, or when a caster that may show in it did. In a frame in which nothing changed, nothing is drawn or written.
 ///
 /// ```no_run
-/// use std::{ops::Range, sync::Arc};
+/// use std::sync::Arc;
 /// use umbrage_core::{BackendError, Camera, Light, ShadowTechnique};
 /// use umbrage_wgpu::{LightSet, LightSetOptions, SetFrame, SetLight, wgpu};
 ///
@@ -178,8 +179,8 @@ pub struct LightSet {
     shader: SetShader,
     masks: MaskStage,
     list: CastList,
-    /// Scratch: runs of slots.
-    runs: Vec<Range<u32>>,
+    /// Scratch: the slots that show in a layer.
+    shown: ShownSlots,
     errors: LaterErrors,
     submission: Submission,
     layouts: Option<Layouts>,
@@ -228,7 +229,7 @@ impl LightSet {
             shader,
             masks: MaskStage::default(),
             list: CastList::default(),
-            runs: Vec::new(),
+            shown: ShownSlots::default(),
             errors: LaterErrors::default(),
             submission: Submission::default(),
             layouts: None,
@@ -758,11 +759,12 @@ impl LightSet {
                 if !cast.is_stale {
                     continue;
                 }
+                cast.volume.find(self.casters.boxes(), &mut self.shown);
                 let is_wanted = still_layers::is_wanted(
                     self.options.still_layers,
                     &self.casters,
                     cast,
-                    &mut self.runs,
+                    &self.shown,
                 );
                 let is_split =
                     may_split && is_wanted && has_still_layer(&mut factory, cast, &mut bytes_left);
@@ -783,6 +785,7 @@ impl LightSet {
                         id,
                         index,
                         cast,
+                        &self.shown,
                         part,
                     );
                 }

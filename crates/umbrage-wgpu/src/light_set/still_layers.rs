@@ -8,7 +8,7 @@ use crate::{
     light_set::{
         StillLayers,
         casters::Casters,
-        culling::{Volume, Wanted},
+        culling::{ShownSlots, Wanted},
         light::{LightCast, StillLayer},
     },
     resources::{
@@ -17,7 +17,6 @@ use crate::{
     },
     targets::CastTarget,
 };
-use std::ops::Range;
 use wgpu::{
     Texture, TextureDescriptor, TextureDimension, TextureUsages, TextureViewDescriptor,
     TextureViewDimension,
@@ -27,16 +26,16 @@ use wgpu::{
 const TEXELS_A_TRIANGLE: u64 = 24;
 
 /// Returns whether a layer that must be drawn again is to be split: whether something moves in it, and drawing what doesn't would cost
-/// more than copying it. `runs` is scratch.
+/// more than copying it. `shown` are the slots that show in it.
 pub(crate) fn is_wanted(
     option: StillLayers,
     casters: &Casters,
     cast: &LightCast,
-    runs: &mut Vec<Range<u32>>,
+    shown: &ShownSlots,
 ) -> bool {
     let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
     let moving = Wanted::Moving(casters.moving());
-    if option == StillLayers::Never || triangles(casters, &cast.volume, moving, runs) == 0 {
+    if option == StillLayers::Never || triangles(casters, shown, moving) == 0 {
         return false;
     }
     if option == StillLayers::Always {
@@ -44,25 +43,15 @@ pub(crate) fn is_wanted(
     }
     // What is still is drawn once into its own layer, and then copied.
     let still = Wanted::Still(casters.moving());
-    triangles(casters, &cast.volume, still, runs) * TEXELS_A_TRIANGLE > texels
+    triangles(casters, shown, still) * TEXELS_A_TRIANGLE > texels
 }
 
 /// Returns how many triangles of the wanted casters may show in a layer.
-fn triangles(
-    casters: &Casters,
-    volume: &Volume,
-    wanted: Wanted<'_>,
-    runs: &mut Vec<Range<u32>>,
-) -> u64 {
-    let mut total = 0;
-    for (_, mesh) in casters.meshes() {
-        runs.clear();
-        volume.runs(casters.boxes(), mesh.slots(), wanted, runs);
-        let shown: u64 = runs.iter().map(|run| u64::from(run.end - run.start)).sum();
-        total += shown * mesh.draw.triangles();
-    }
-    runs.clear();
-    total
+fn triangles(casters: &Casters, shown: &ShownSlots, wanted: Wanted<'_>) -> u64 {
+    casters
+        .meshes()
+        .map(|(_, mesh)| shown.count(mesh.slots(), wanted) * mesh.draw.triangles())
+        .sum()
 }
 
 impl StillLayer {

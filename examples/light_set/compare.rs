@@ -1,0 +1,184 @@
+//! What frames take, beside a program that was written by hand, and what preparing many casters takes.
+
+use crate::{
+    by_hand::{ByHand, Kernel},
+    scene::{self, Device, LIGHTS, Stage, lights, read},
+};
+use anyhow::{Result, ensure};
+use std::time::{Duration, Instant};
+use umbrage::{
+    Aabb,
+    glam::{Affine3A, Vec3},
+    wgpu::{LightSet, LightSetOptions, Mesh, SetFrame, SetLight, VertexLayout, wgpu},
+};
+
+/// Frames of each program, in turn.
+const PAIRS: usize = 24;
+/// Frames of each program before any is timed: shaders are compiled in them.
+const WARM_UP: usize = 3;
+/// Most pixels that may differ, of 921,600: where the two round a map's edge otherwise.
+const MOST_DIFFERING: usize = 2000;
+
+/// Plays both programs in turn, and prints the median of the quotients of their times.
+pub(crate) fn frames() -> Result<()> {
+    let d = Device::open()?;
+    println!(
+        "{}: times of the set over times by hand, median of {PAIRS} pairs",
+        d.name
+    );
+    let kernels = [("hard", scene::hard(), 0), ("pcf 3x3", scene::pcf(), 1)];
+    for (name, technique, radius) in kernels {
+        let kernel = Kernel {
+            bias: 0.002,
+            radius,
+        };
+        let mut set = Stage::new(&d, technique.clone())?;
+        let hand = ByHand::new(&d, &*technique, set.set.casters_box(), kernel)?;
+        check_alike(&d, &mut set, &hand)?;
+        let mut moving = Vec::new();
+        let mut still = Vec::new();
+        let mut recorded = Vec::new();
+        for i in 0..WARM_UP + PAIRS {
+            let time = i as f32 * 0.01;
+            let a = timed(&d, || set.frame(&d, time))?;
+            let b = timed(&d, || {
+                hand.frame(&d, time);
+                Ok(())
+            })?;
+            // By now nothing waits to be drawn again.
+            let c = timed(&d, || set.still_frame(&d))?;
+            let e = timed(&d, || {
+                hand.still_frame(&d);
+                Ok(())
+            })?;
+            if i >= WARM_UP {
+                moving.push(a.all.as_secs_f64() / b.all.as_secs_f64());
+                still.push(c.all.as_secs_f64() / e.all.as_secs_f64());
+                recorded.push(a.recording.as_secs_f64() / b.recording.as_secs_f64());
+            }
+        }
+        println!(
+            "{name:8} all casters move {:.3}   nothing moves {:.3}   recording {:.2}",
+            median(&mut moving),
+            median(&mut still),
+            median(&mut recorded)
+        );
+    }
+    Ok(())
+}
+
+struct FrameTime {
+    /// Until the commands are submitted.
+    recording: Duration,
+    /// Until they are done.
+    all: Duration,
+}
+
+fn timed(d: &Device, frame: impl FnOnce() -> Result<()>) -> Result<FrameTime> {
+    let start = Instant::now();
+    frame()?;
+    let recording = start.elapsed();
+    d.wait()?;
+    Ok(FrameTime {
+        recording,
+        all: start.elapsed(),
+    })
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Errors unless both draw the same picture: else their times are of different work.
+fn check_alike(d: &Device, set: &mut Stage, hand: &ByHand) -> Result<()> {
+    set.frame(d, 0.0)?;
+    hand.frame(d, 0.0);
+    let a = set.read(d)?;
+    let b = read(d, &hand.shared.color)?;
+    let pairs = a.chunks_exact(4).zip(b.chunks_exact(4));
+    let differing = pairs
+        .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2))
+        .count();
+    println!("pixels that differ: {differing} of {}", a.len() / 4);
+    ensure!(
+        differing <= MOST_DIFFERING,
+        "the two programs draw different pictures: {differing} pixels"
+    );
+    Ok(())
+}
+
+/// Prints what preparing takes with 10,000 casters of which 100 move.
+pub(crate) fn casters() -> Result<()> {
+    const CASTERS: usize = 10_000;
+    const MOVED: usize = 100;
+    const FRAMES: usize = 60;
+    let d = Device::open()?;
+    let camera = scene::camera()?;
+    let mut set = LightSet::new(&d.device, LightSetOptions::default())?;
+    let vertices = scene::box_vertices();
+    let buffer = d.buffer(wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&vertices));
+    let mesh = set.add_mesh(&Mesh {
+        label: "box",
+        vertices: &buffer,
+        layout: VertexLayout {
+            stride: 24,
+            ..VertexLayout::PACKED
+        },
+        indices: None,
+        range: 0..vertices.len() as u32,
+        base_vertex: 0,
+        bounds: Aabb {
+            min: Vec3::NEG_ONE,
+            max: Vec3::ONE,
+        },
+    })?;
+    let at = |i: usize, y: f32| {
+        let x = (i % 100) as f32 * 0.4 - 20.0;
+        let z = (i / 100) as f32 * 0.4 - 20.0;
+        Affine3A::from_scale_rotation_translation(
+            Vec3::splat(0.1),
+            umbrage::glam::Quat::IDENTITY,
+            Vec3::new(x, y, z),
+        )
+    };
+    let mut ids = Vec::new();
+    for i in 0..CASTERS {
+        ids.push(set.add_caster(mesh, at(i, 1.0))?);
+    }
+    for light in lights() {
+        set.add_light(SetLight {
+            light,
+            technique: scene::pcf(),
+            priority: 1.0,
+        })?;
+    }
+    let frame = SetFrame {
+        camera: &camera,
+        geometry: None,
+    };
+    let mut times = Vec::new();
+    for n in 0..FRAMES {
+        let moves = Instant::now();
+        for k in 0..MOVED {
+            let i = (k * 97 + n) % CASTERS;
+            set.move_caster(ids[i], at(i, 1.0 + 0.01 * (n % 7) as f32))?;
+        }
+        set.prepare(&d.device, &d.queue, &frame)?;
+        times.push(moves.elapsed().as_secs_f64() * 1e3);
+        let mut encoder = d
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        set.encode(&mut encoder)?;
+        d.queue.submit([encoder.finish()]);
+        d.wait()?;
+    }
+    let report = *set.report();
+    println!(
+        "{CASTERS} casters, {MOVED} of them moved, {LIGHTS} lights: {:.2} ms to move and prepare (median of {FRAMES} frames), {} layers drawn again, {} bytes written",
+        median(&mut times),
+        report.redrawn,
+        report.uploaded
+    );
+    Ok(())
+}
