@@ -45,7 +45,7 @@ struct OwnPixel {
 
 /// What the program sees.
 #[derive(Debug)]
-pub struct Program {
+pub struct ForwardProgram {
     /// The device.
     pub d: &'static TestDevice,
     position: TextureView,
@@ -68,7 +68,7 @@ pub struct Forward {
     drawn: Option<Drawn>,
 }
 
-impl Program {
+impl ForwardProgram {
     /// A program that sees these receivers.
     pub fn new(receivers: &Receivers) -> Self {
         let mut positions: Vec<[f32; 4]> = Vec::new();
@@ -168,7 +168,7 @@ impl Forward {
     ///
     /// # Panics
     /// Panics if the set was not prepared.
-    pub fn mask(&mut self, program: &Program, set: &LightSet, light: u32) -> Vec<f32> {
+    pub fn mask(&mut self, program: &ForwardProgram, set: &LightSet, light: u32) -> Vec<f32> {
         let (group, layout) = set.bind_group().expect("was prepared");
         let revision = set.wgsl_revision();
         let drawn = match self.drawn.take() {
@@ -202,7 +202,7 @@ impl Forward {
     }
 }
 
-impl Program {
+impl ForwardProgram {
     fn compile(&self, set_text: &str, revision: u64, set_layout: &BindGroupLayout) -> Drawn {
         let device = &self.d.device;
         let text = format!("{set_text}{OWN_SHADER}");

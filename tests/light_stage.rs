@@ -2,7 +2,7 @@
 
 use crate::{
     foreign,
-    light_program::{Forward, Program},
+    light_program::{Forward, ForwardProgram},
 };
 use bytemuck::cast_slice;
 use glam::{Affine3A, UVec2, Vec3};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use umbrage_core::{Aabb, Camera, Light};
 use umbrage_techniques::{Hard, ShadowMap};
 use umbrage_wgpu::{
-    CasterId, LightId, LightSet, Mesh, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
+    CasterId, CasterMesh, LightId, LightSet, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
     VertexLayout,
 };
 use wgpu::BufferUsages;
@@ -54,7 +54,7 @@ pub fn camera(x: f32) -> Camera {
 #[derive(Debug)]
 pub struct Stage {
     /// The program.
-    pub program: Program,
+    pub program: ForwardProgram,
     /// The set.
     pub set: LightSet,
     /// The triangles.
@@ -69,11 +69,11 @@ impl Stage {
     /// # Panics
     /// Panics if a place is not finite.
     pub fn new(budget: SetBudget, places: &[f32]) -> Self {
-        let program = Program::floor(UVec2::new(64, 48));
+        let program = ForwardProgram::floor(UVec2::new(64, 48));
         let mut set = program.set(budget, StillLayers::Auto);
         let corners = [[-0.5_f32, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5]];
         let vertices = foreign::buffer(program.d, BufferUsages::VERTEX, cast_slice(&corners));
-        let mesh = Mesh {
+        let mesh = CasterMesh {
             label: "triangle",
             vertices: &vertices,
             layout: VertexLayout::PACKED,

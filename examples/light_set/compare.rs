@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use umbrage::{
     Aabb,
     glam::{Affine3A, Vec3},
-    wgpu::{LightSet, LightSetOptions, Mesh, SetFrame, SetLight, VertexLayout, wgpu},
+    wgpu::{CasterMesh, LightSet, LightSetOptions, SetFrame, SetLight, VertexLayout, wgpu},
 };
 
 /// Frames of each program, in turn.
@@ -118,7 +118,7 @@ pub(crate) fn casters() -> Result<()> {
     let mut set = LightSet::new(&d.device, LightSetOptions::default())?;
     let vertices = scene::box_vertices();
     let buffer = d.buffer(wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&vertices));
-    let mesh = set.add_mesh(&Mesh {
+    let mesh = set.add_mesh(&CasterMesh {
         label: "box",
         vertices: &buffer,
         layout: VertexLayout {

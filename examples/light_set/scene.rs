@@ -7,8 +7,8 @@ use umbrage::{
     glam::{Affine3A, Mat4, Quat, UVec2, Vec3, Vec4},
     techniques::{Bias, Hard, Pcf, ShadowMap},
     wgpu::{
-        CasterId, LightSet, LightSetOptions, Mesh, PositionFormat, SetFrame, SetLight, StillLayers,
-        VertexLayout,
+        CasterId, CasterMesh, LightSet, LightSetOptions, PositionFormat, SetFrame, SetLight,
+        StillLayers, VertexLayout,
         wgpu::{self, util::DeviceExt as _},
     },
 };
@@ -405,7 +405,7 @@ impl Stage {
             ..LightSetOptions::default()
         };
         let mut set = LightSet::new(&d.device, options)?;
-        let mesh = set.add_mesh(&Mesh {
+        let mesh = set.add_mesh(&CasterMesh {
             label: "box",
             vertices: &shared.vertices,
             layout: VertexLayout {

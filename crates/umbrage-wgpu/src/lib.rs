@@ -40,9 +40,9 @@ pub use device::{
 pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexLayout};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 pub use light_set::{
-    CasterId, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs, Mesh,
-    MeshId, NormalCoding, SetBudget, SetFrame, SetLight, SetNormals, SetReceivers, SetReport,
-    StillLayers, Unserved,
+    CasterId, CasterMesh, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat,
+    MaskInputs, MeshId, NormalCoding, SetBudget, SetFrame, SetLight, SetNormals, SetReceivers,
+    SetReport, StillLayers, Unserved,
 };
 #[cfg(feature = "testing")]
 pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};

@@ -9,11 +9,11 @@ use umbrage_techniques::{ShadowMap, TechniqueEntry, TechniquePreset};
 use umbrage_tests::{
     foreign,
     gpu::gpu,
-    light_program::{Forward, Program},
+    light_program::{Forward, ForwardProgram},
 };
 use umbrage_wgpu::{
-    FrameGeometry, Indices, LightId, LightSet, Mesh, SetBudget, SetFrame, SetLight, StillLayers,
-    Unserved, VertexLayout,
+    CasterMesh, FrameGeometry, Indices, LightId, LightSet, SetBudget, SetFrame, SetLight,
+    StillLayers, Unserved, VertexLayout,
 };
 use wgpu::{BufferUsages, IndexFormat};
 
@@ -26,7 +26,7 @@ const REFUSED: [&str; 2] = ["planar", "volumes"];
 struct World {
     scene: Scene,
     geometry: Geometry,
-    program: Program,
+    program: ForwardProgram,
 }
 
 impl World {
@@ -37,7 +37,7 @@ impl World {
         let receivers = Cpu::new()
             .receivers(&scene.cameras[0], &geometry)
             .expect("sees");
-        let program = Program::new(&receivers);
+        let program = ForwardProgram::new(&receivers);
         Self {
             scene,
             geometry,
@@ -67,7 +67,7 @@ impl World {
         let casters = self.geometry.run(&self.geometry.casters());
         let vertices = foreign::buffer(d, BufferUsages::VERTEX, cast_slice(&positions));
         let indices = foreign::buffer(d, BufferUsages::INDEX, cast_slice(casters));
-        let mesh = Mesh {
+        let mesh = CasterMesh {
             label: "casters",
             vertices: &vertices,
             layout: VertexLayout::PACKED,

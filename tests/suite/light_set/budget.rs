@@ -6,7 +6,7 @@ use umbrage_tests::{
     foreign,
     light_stage::{LAYER, Stage, at, camera, hard, spot},
 };
-use umbrage_wgpu::{LightId, Mesh, SetBudget, SetLight, SetReport, Unserved, VertexLayout};
+use umbrage_wgpu::{CasterMesh, LightId, SetBudget, SetLight, SetReport, Unserved, VertexLayout};
 use wgpu::BufferUsages;
 
 #[test]
@@ -109,7 +109,7 @@ fn what_can_not_be_used_is_refused_by_name() {
     );
     let d = stage.program.d;
     let buffer = foreign::buffer(d, BufferUsages::INDEX, &[0; 36]);
-    let mesh = Mesh {
+    let mesh = CasterMesh {
         label: "crate",
         vertices: &buffer,
         layout: VertexLayout::PACKED,

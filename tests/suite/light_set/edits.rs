@@ -8,18 +8,24 @@ use umbrage_core::{Aabb, Camera, Light, ShadowTechnique};
 use umbrage_techniques::{Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
 use umbrage_tests::{
     foreign,
-    light_program::{Forward, Program},
+    light_program::{Forward, ForwardProgram},
 };
 use umbrage_wgpu::{
-    CasterId, Indices, LightId, LightSet, Mesh, MeshId, PositionFormat, SetBudget, SetFrame,
+    CasterId, CasterMesh, Indices, LightId, LightSet, MeshId, PositionFormat, SetBudget, SetFrame,
     SetLight, StillLayers, VertexLayout,
 };
 use wgpu::{Buffer, BufferUsages, IndexFormat};
 
 /// A caster: which mesh, and where.
 type Caster = (usize, Affine3A);
-/// A light: which kind, where, and which technique.
-type Lamp = (usize, Vec3, usize);
+/// A light.
+#[derive(Clone, Copy, Debug)]
+struct Lamp {
+    /// 0: a sun. 1: a spot. 2: a point light.
+    kind: usize,
+    place: Vec3,
+    technique: usize,
+}
 
 /// Something that a program does to its set.
 #[derive(Clone, Debug)]
@@ -59,7 +65,9 @@ fn edit() -> impl Strategy<Value = Edit> {
         3 => (0..3_usize, placement()).prop_map(Edit::AddCaster),
         4 => (any(), placement()).prop_map(|(i, to)| Edit::MoveCaster(i, to)),
         1 => any().prop_map(Edit::RemoveCaster),
-        2 => (0..3_usize, above(), 0..TECHNIQUES).prop_map(Edit::AddLight),
+        2 => (0..3_usize, above(), 0..TECHNIQUES).prop_map(|(kind, place, technique)| {
+            Edit::AddLight(Lamp { kind, place, technique })
+        }),
         2 => (any(), above()).prop_map(|(i, to)| Edit::MoveLight(i, to)),
         1 => (any(), 0..TECHNIQUES).prop_map(|(i, to)| Edit::ChangeTechnique(i, to)),
         1 => any().prop_map(Edit::RemoveLight),
@@ -71,6 +79,12 @@ fn edit() -> impl Strategy<Value = Edit> {
 }
 
 const TECHNIQUES: usize = 5;
+/// What a model begins with.
+const FIRST_LAMP: Lamp = Lamp {
+    kind: 1,
+    place: Vec3::new(1.0, 8.0, 0.5),
+    technique: 0,
+};
 
 /// Maps of two sizes, filtered ones, and one that is compared by the sampler.
 fn technique(index: usize) -> Arc<dyn ShadowTechnique> {
@@ -99,21 +113,22 @@ fn technique(index: usize) -> Arc<dyn ShadowTechnique> {
     }
 }
 
-fn light((kind, place, _): &Lamp) -> Light {
-    match kind {
+fn light(lamp: &Lamp) -> Light {
+    let place = lamp.place;
+    match lamp.kind {
         0 => Light::Directional {
-            direction: -*place,
+            direction: -place,
             angular_diameter: 0.02,
         },
         1 => Light::Spot {
-            position: *place,
+            position: place,
             direction: Vec3::new(-0.1 * place.x, -1.0, -0.1 * place.z),
             inner: 0.5,
             outer: 0.7,
             radius: 0.1,
         },
         _ => Light::Point {
-            position: *place,
+            position: place,
             radius: 0.1,
         },
     }
@@ -128,7 +143,7 @@ struct Meshes {
 }
 
 impl Meshes {
-    fn new(program: &Program) -> Self {
+    fn new(program: &ForwardProgram) -> Self {
         let d = program.d;
         let vertex = BufferUsages::VERTEX;
         // A tetrahedron, as four triangles.
@@ -164,7 +179,7 @@ impl Meshes {
             min: Vec3::NEG_ONE,
             max: Vec3::ONE,
         };
-        let plain = Mesh {
+        let plain = CasterMesh {
             label: "floats",
             vertices: &self.floats,
             layout: VertexLayout::PACKED,
@@ -173,7 +188,7 @@ impl Meshes {
             base_vertex: 0,
             bounds,
         };
-        let packed = |label, vertices, format| Mesh {
+        let packed = |label, vertices, format| CasterMesh {
             label,
             vertices,
             layout: VertexLayout {
@@ -196,7 +211,7 @@ impl Meshes {
 
 /// A set, and what a program knows that it holds.
 struct Model<'a> {
-    program: &'a Program,
+    program: &'a ForwardProgram,
     meshes: &'a Meshes,
     set: LightSet,
     mesh_ids: [MeshId; 3],
@@ -212,7 +227,7 @@ fn camera(turn: f32) -> Camera {
 }
 
 impl<'a> Model<'a> {
-    fn new(program: &'a Program, meshes: &'a Meshes, still_layers: StillLayers) -> Self {
+    fn new(program: &'a ForwardProgram, meshes: &'a Meshes, still_layers: StillLayers) -> Self {
         let mut set = program.set(SetBudget::default(), still_layers);
         let mesh_ids = meshes.add(&mut set);
         Self {
@@ -235,7 +250,7 @@ impl<'a> Model<'a> {
     fn add_light(&mut self, lamp: Lamp) {
         let id = self.set.add_light(SetLight {
             light: light(&lamp),
-            technique: technique(lamp.2),
+            technique: technique(lamp.technique),
             priority: 1.0,
         });
         self.lights.push((id.expect("valid"), lamp));
@@ -256,12 +271,12 @@ impl<'a> Model<'a> {
             Edit::AddLight(lamp) if self.lights.len() < 6 => self.add_light(*lamp),
             Edit::MoveLight(i, to) if !self.lights.is_empty() => {
                 let (id, lamp) = i.get_mut(&mut self.lights);
-                lamp.1 = *to;
+                lamp.place = *to;
                 self.set.set_light(*id, light(lamp)).expect("is there");
             }
             Edit::ChangeTechnique(i, to) if !self.lights.is_empty() => {
                 let (id, lamp) = i.get_mut(&mut self.lights);
-                lamp.2 = *to;
+                lamp.technique = *to;
                 self.set
                     .set_technique(*id, technique(*to))
                     .expect("is there");
@@ -332,7 +347,7 @@ impl<'a> Model<'a> {
 /// Random edits, with frames in between that are submitted, dropped, or never recorded.
 #[test]
 fn a_set_never_shows_what_is_stale() {
-    let program = Program::floor(UVec2::new(64, 48));
+    let program = ForwardProgram::floor(UVec2::new(64, 48));
     let meshes = Meshes::new(&program);
     let config = ProptestConfig {
         cases: 40,
@@ -346,7 +361,7 @@ fn a_set_never_shows_what_is_stale() {
         let still_layers = if always { StillLayers::Always } else { StillLayers::Auto };
         let mut model = Model::new(&program, &meshes, still_layers);
         model.add_caster((0, Affine3A::from_translation(Vec3::new(0.0, 2.0, 0.0))));
-        model.add_light((1, Vec3::new(1.0, 8.0, 0.5), 0));
+        model.add_light(FIRST_LAMP);
         for edit in &edits {
             model.edit(edit);
         }
@@ -368,11 +383,11 @@ fn a_set_never_shows_what_is_stale() {
 /// The comparison above can fail: a set that isn't told of a change shows what was.
 #[test]
 fn a_change_that_the_set_is_not_told_of_is_seen() {
-    let program = Program::floor(UVec2::new(64, 48));
+    let program = ForwardProgram::floor(UVec2::new(64, 48));
     let meshes = Meshes::new(&program);
     let mut model = Model::new(&program, &meshes, StillLayers::Auto);
     model.add_caster((0, Affine3A::from_translation(Vec3::new(0.0, 2.0, 0.0))));
-    model.add_light((1, Vec3::new(1.0, 8.0, 0.5), 0));
+    model.add_light(FIRST_LAMP);
     let before = model.masks();
     // The vertices shrink behind the set's back.
     let small: Vec<[f32; 3]> = vec![[0.0; 3]; 12];

@@ -9,7 +9,7 @@ use umbrage_core::{
 };
 use umbrage_tests::{
     foreign,
-    light_program::{Forward, Program},
+    light_program::{Forward, ForwardProgram},
     light_stage::{Stage, camera, hard, spot},
 };
 use umbrage_wgpu::{
@@ -22,7 +22,7 @@ const PLACES: [f32; 3] = [-4.0, 0.0, 4.0];
 
 /// Returns the masks of these lights, in their order.
 fn masks(
-    program: &Program,
+    program: &ForwardProgram,
     set: &mut LightSet,
     receivers: SetReceivers<'_>,
     lights: &[LightId],
@@ -45,7 +45,7 @@ fn masks(
     texels.chunks(pixels).map(<[f32]>::to_vec).collect()
 }
 
-fn forward(program: &Program, set: &LightSet, light: LightId) -> Vec<f32> {
+fn forward(program: &ForwardProgram, set: &LightSet, light: LightId) -> Vec<f32> {
     let index = set.index_of(light).expect("is there");
     Forward::default().mask(program, set, index)
 }
@@ -214,7 +214,7 @@ impl SeenFloor {
 }
 
 /// Returns a texture of one normal, (0, 1, 0), and how it is held.
-fn normals(program: &Program) -> [(TextureView, NormalCoding); 3] {
+fn normals(program: &ForwardProgram) -> [(TextureView, NormalCoding); 3] {
     let size = program.size();
     let count = (size.x * size.y) as usize;
     let d = program.d;
@@ -250,7 +250,7 @@ fn masks_come_from_depth_and_normals_of_any_format() {
     let floor = SeenFloor::new(&camera);
     let up = vec![Vec3::Y.extend(0.0).to_array(); floor.positions.len()];
     let ids = vec![u32::MAX; floor.positions.len()];
-    let program = Program::of_texels(camera.size, &floor.positions, &up, &ids);
+    let program = ForwardProgram::of_texels(camera.size, &floor.positions, &up, &ids);
     let exact = SetReceivers::Positions(program.gbuffer());
     let expected = masks(&program, &mut stage.set, exact, &lights);
     let shadowed = expected.iter().flatten().filter(|&&v| v < 1.0).count();

@@ -96,12 +96,28 @@ pub(crate) enum CastPart {
     Moving,
 }
 
-/// One cast that is drawn this frame.
+/// Which cast of which light a pass draws.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PassName {
+    pub(crate) light: LightId,
+    /// Index among the light's casts.
+    pub(crate) cast: usize,
+    pub(crate) part: CastPart,
+}
+
+/// What passes draw from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CastSources<'a> {
+    pub(crate) layouts: &'a Layouts,
+    pub(crate) casters: &'a Casters,
+    /// The slots that show in the cast's layer.
+    pub(crate) shown: &'a ShownSlots,
+}
+
+/// One pass of this frame.
 #[derive(Debug)]
 struct CastPass {
-    light: LightId,
-    cast: usize,
-    part: CastPart,
+    name: PassName,
     /// What is copied first.
     copy: Option<LayerCopy>,
     /// Its part of the list of draws.
@@ -136,28 +152,25 @@ impl CastList {
         self.matrices.clear();
     }
 
-    /// Appends a cast of a light: the casters in the slots that show in it, or a part of them.
+    /// Appends a pass that draws a cast of a light: the casters that show in it, or a part of them.
     pub(crate) fn push(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        layouts: &Layouts,
-        casters: &Casters,
-        light: LightId,
-        index: usize,
+        sources: &CastSources<'_>,
         cast: &LightCast,
-        shown: &ShownSlots,
-        part: CastPart,
+        name: PassName,
     ) {
-        let wanted = match part {
+        let moving = sources.casters.moving();
+        let wanted = match name.part {
             CastPart::Whole => Wanted::All,
-            CastPart::Still => Wanted::Still(casters.moving()),
-            CastPart::Moving => Wanted::Moving(casters.moving()),
+            CastPart::Still => Wanted::Still(moving),
+            CastPart::Moving => Wanted::Moving(moving),
         };
         let first_draw = self.draws.len();
-        for (id, mesh) in casters.meshes() {
+        for (id, mesh) in sources.casters.meshes() {
             let first_run = self.runs.len();
-            shown.runs(mesh.slots(), wanted, &mut self.runs);
+            sources.shown.runs(mesh.slots(), wanted, &mut self.runs);
             let runs = first_run..self.runs.len();
             if runs.is_empty() {
                 continue;
@@ -170,16 +183,14 @@ impl CastList {
             };
             self.draws.push(MeshDraws {
                 mesh: id,
-                pipeline: pipelines.cast(factory, key, &layouts.of(&key)),
+                pipeline: pipelines.cast(factory, key, &sources.layouts.of(&key)),
                 runs,
             });
         }
         self.matrices.push(cast.target.clip_from_world);
         self.passes.push(CastPass {
-            light,
-            cast: index,
-            part,
-            copy: layer_copy(cast, part),
+            name,
+            copy: layer_copy(cast, name.part),
             draws: first_draw..self.draws.len(),
         });
     }
@@ -195,11 +206,9 @@ impl CastList {
         self.passes.len()
     }
 
-    /// Returns the casts: their lights, and their indices among the lights' casts.
-    pub(crate) fn casts(&self) -> impl Iterator<Item = (LightId, usize, CastPart)> + '_ {
-        self.passes
-            .iter()
-            .map(|pass| (pass.light, pass.cast, pass.part))
+    /// Returns which casts the passes draw.
+    pub(crate) fn names(&self) -> impl Iterator<Item = PassName> + '_ {
+        self.passes.iter().map(|pass| pass.name)
     }
 
     /// Records a cast; `own_draws` draws what the caller draws itself, in the same pass.
@@ -212,7 +221,7 @@ impl CastList {
         instances: &Instances,
         own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
     ) {
-        let part = self.passes[pass_index].part;
+        let part = self.passes[pass_index].name.part;
         if let Some(copy) = &self.passes[pass_index].copy {
             copy.encode(encoder, &cast.target);
         }

@@ -27,7 +27,7 @@ const REST: u64 = 30;
 
 /// Triangles in the caller's buffers, which casters place into the world.
 #[derive(Clone, Debug)]
-pub struct Mesh<'a> {
+pub struct CasterMesh<'a> {
     /// Names the mesh in errors.
     pub label: &'a str,
     /// Vertices, usage `VERTEX`. The set keeps the buffer alive as long as the mesh is there.
@@ -104,7 +104,7 @@ pub(crate) struct Casters {
     has_grown: bool,
 }
 
-impl Mesh<'_> {
+impl CasterMesh<'_> {
     fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
         self.layout.validate(limits)?;
         check_buffer(
@@ -193,7 +193,11 @@ impl MeshDraw {
 }
 
 impl Casters {
-    pub(crate) fn add_mesh(&mut self, mesh: &Mesh<'_>, limits: &Limits) -> Result<MeshId, Invalid> {
+    pub(crate) fn add_mesh(
+        &mut self,
+        mesh: &CasterMesh<'_>,
+        limits: &Limits,
+    ) -> Result<MeshId, Invalid> {
         let name = || format!("mesh `{}`", mesh.label);
         mesh.validate(limits).map_err(|e| e.within(name()))?;
         let draw = MeshDraw {

@@ -6,7 +6,9 @@ mod casters;
 mod culling;
 mod light;
 mod masks;
+mod options;
 mod plan;
+mod playing;
 mod pool;
 mod report;
 mod shader;
@@ -15,25 +17,22 @@ mod still_layers;
 mod submitted;
 mod text;
 
-pub use casters::{CasterId, Mesh, MeshId};
+pub use casters::{CasterId, CasterMesh, MeshId};
 pub use light::{LightId, SetLight, Unserved};
 pub use masks::{MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers};
+pub use options::{FrameGeometry, LightSetOptions, SetBudget, SetFrame, StillLayers};
 pub use report::SetReport;
 
 use crate::{
     cast::Layouts,
-    device::{
-        error_scopes::Scopes,
-        later_errors::{ApiErrors, LaterErrors},
-    },
+    device::{error_scopes::Scopes, later_errors::LaterErrors},
     light_set::{
-        buffers::Uploaded,
         cast_list::{CastList, CastPart, Instances},
         casters::Casters,
         culling::ShownSlots,
-        light::{LightCast, LightState, StillLayer},
+        light::LightState,
         masks::MaskStage,
-        plan::{Difference, LightPlan},
+        playing::still_bytes,
         pool::LayerPool,
         shader::SetShader,
         submitted::Submission,
@@ -41,7 +40,6 @@ use crate::{
     renderer::{check_device, limits},
     resources::{
         counters::{Counters, ResourceFactory},
-        kernel_stage::Sources,
         pipelines::Pipelines,
         tables::Tables,
     },
@@ -51,75 +49,9 @@ use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, BackendError, BackendLimits, Camera, Geometry, Invalid, Light, RecipeError,
-    ShadowTechnique, View, invalid,
+    Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique, invalid,
 };
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, RenderPass, TextureView};
-
-/// What a set may take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SetBudget {
-    /// Most bytes of all lights' layers together. Lights that don't fit, those of the least priority, are not served.
-    pub bytes: u64,
-    /// Most layers drawn in a frame, but always those of one light. The others keep what was drawn before, or wait: see
-    /// [`Unserved::Waiting`].
-    pub redraws: u32,
-}
-
-impl Default for SetBudget {
-    /// 256 MiB, and no bound on redraws.
-    fn default() -> Self {
-        Self {
-            bytes: 256 << 20,
-            redraws: u32::MAX,
-        }
-    }
-}
-
-/// Whether a layer in which something moves keeps what is still in a layer of its own, which is copied instead of drawn again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StillLayers {
-    /// Where drawing what is still would take longer than the copy.
-    #[default]
-    Auto,
-    /// Wherever something moves.
-    Always,
-    /// Nowhere.
-    Never,
-}
-
-/// Options that hold for all that a set does.
-#[derive(Clone, Debug, Default)]
-pub struct LightSetOptions {
-    /// Index of the bind group that [`LightSet::wgsl`] declares: the only one that the set takes.
-    pub group: u32,
-    /// Stands before every name that [`LightSet::wgsl`] declares.
-    pub prefix: String,
-    /// What the set may take.
-    pub budget: SetBudget,
-    /// Whether layers are split by what moves.
-    pub still_layers: StillLayers,
-    /// When errors of the graphics API are told.
-    pub errors: ApiErrors,
-}
-
-/// What a frame is planned for.
-#[derive(Clone, Copy, Debug)]
-pub struct SetFrame<'a> {
-    /// The camera.
-    pub camera: &'a Camera,
-    /// The casters' triangles, where the program has them: techniques that trace rays need them.
-    pub geometry: Option<FrameGeometry<'a>>,
-}
-
-/// A geometry that may change between frames.
-#[derive(Clone, Copy, Debug)]
-pub struct FrameGeometry<'a> {
-    /// The triangles.
-    pub triangles: &'a Geometry,
-    /// Another number whenever the triangles changed.
-    pub revision: u64,
-}
 
 /// The shadows of any number of lights, each by a technique of its own: one [`prepare`](Self::prepare), one
 /// [`encode`](Self::encode), one bind group and one WGSL text for all of them.
@@ -245,7 +177,7 @@ impl LightSet {
     /// # Errors
     /// Errors, with the mesh's label, if a buffer lacks a usage, if layout or range don't fit the buffers, or if the bounds are empty
     /// or not finite.
-    pub fn add_mesh(&mut self, mesh: &Mesh<'_>) -> Result<MeshId, Invalid> {
+    pub fn add_mesh(&mut self, mesh: &CasterMesh<'_>) -> Result<MeshId, Invalid> {
         self.casters.add_mesh(mesh, &self.device.limits())
     }
 
@@ -406,7 +338,7 @@ impl LightSet {
     /// Plans the lights that changed, finds the layers that must be drawn, and writes what they need.
     ///
     /// # Errors
-    /// Errors if the camera can't be used or the device is another than the set's; with [`ApiErrors::AtOnce`] also if memory runs
+    /// Errors if the camera can't be used or the device is another than the set's; with [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also if memory runs
     /// out, or a kernel's WGSL is at fault (with the compiler's message). After an error everything is made anew.
     pub fn prepare(
         &mut self,
@@ -476,30 +408,33 @@ impl LightSet {
         }
         self.submission.watch(encoder, &self.device);
         let mut filtered: Option<LightId> = None;
-        let mut casts = self.list.casts().enumerate().peekable();
-        while let Some((pass, (id, cast, _))) = casts.next() {
-            let light = &self.lights[id];
-            if filtered != Some(id) {
+        let mut names = self.list.names().enumerate().peekable();
+        while let Some((pass, name)) = names.next() {
+            let light = &self.lights[name.light];
+            if filtered != Some(name.light) {
                 light.filters.clear(encoder);
-                filtered = Some(id);
+                filtered = Some(name.light);
             }
             self.list.encode(
                 encoder,
                 pass,
-                &light.casts[cast],
+                &light.casts[name.cast],
                 &self.casters,
                 &self.instances,
                 &mut own_draws,
             );
-            // The light's last cast: its filters follow.
-            if casts.peek().is_none_or(|&(_, (next, ..))| next != id) {
+            // After the light's last pass its filters follow.
+            if names
+                .peek()
+                .is_none_or(|(_, next)| next.light != name.light)
+            {
                 light.filters.encode(encoder, None);
             }
         }
-        drop(casts);
-        for (id, cast, part) in self.list.casts() {
-            let cast = &mut self.lights[id].casts[cast];
-            match (part, &mut cast.still) {
+        drop(names);
+        for name in self.list.names() {
+            let cast = &mut self.lights[name.light].casts[name.cast];
+            match (name.part, &mut cast.still) {
                 (CastPart::Still, Some(still)) => still.is_stale = false,
                 _ => cast.is_stale = false,
             }
@@ -539,7 +474,7 @@ impl LightSet {
     ///
     /// # Errors
     /// Errors if nothing is prepared, if there is no such light, or if textures can't be used: with what to change. As
-    /// [`prepare`](Self::prepare), with [`ApiErrors::AtOnce`] also with errors of the graphics API.
+    /// [`prepare`](Self::prepare), with [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also with errors of the graphics API.
     pub fn prepare_masks(
         &mut self,
         queue: &Queue,
@@ -585,7 +520,7 @@ impl LightSet {
             .ok_or_else(|| Invalid::new("masks", "have nothing prepared", help).into())
     }
 
-    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`]. After one, everything is
+    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, everything is
     /// made anew with the next frame.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
@@ -603,358 +538,6 @@ impl LightSet {
     pub fn counters(&self) -> Counters {
         self.counters
     }
-
-    /// Makes new plans for the lights whose plan may have changed.
-    fn plan_lights(&mut self, frame: &SetFrame<'_>) {
-        let now = PlannedFor {
-            camera: *frame.camera,
-            casters: self.casters_box(),
-            geometry: frame.geometry.map(|g| g.revision),
-        };
-        let has_changed = self.planned != Some(now);
-        self.planned = Some(now);
-        for light in self.lights.values_mut() {
-            if !has_changed && !light.has_changed {
-                continue;
-            }
-            light.has_changed = false;
-            let view = View {
-                camera: frame.camera,
-                light: &light.settings.light,
-                casters: now.casters,
-                geometry: frame.geometry.map(|g| g.triangles),
-                receivers: None,
-                fits: None,
-            };
-            self.report.planned += 1;
-            match plan(&*light.settings.technique, &view, &self.limits) {
-                Ok(plan) => {
-                    let was_refused = light.refused.is_some();
-                    let difference = light.take_plan(plan);
-                    self.layers_changed |= was_refused || difference == Difference::Images;
-                }
-                Err(error) => {
-                    light.refused = Some(error);
-                    light.wanted = None;
-                    self.layers_changed = true;
-                }
-            }
-        }
-    }
-
-    /// Decides which lights have layers, and gives and takes them.
-    fn deal_out_layers(&mut self) {
-        if !std::mem::take(&mut self.layers_changed) {
-            return;
-        }
-        let mut order: Vec<LightId> = self.lights.keys().collect();
-        order.sort_by(|&a, &b| {
-            let a = &self.lights[a];
-            let b = &self.lights[b];
-            let by_priority = b.settings.priority.total_cmp(&a.settings.priority);
-            by_priority.then(a.index.cmp(&b.index))
-        });
-        let mut bytes = 0;
-        for &id in &order {
-            let light = &mut self.lights[id];
-            let wanted = match light.plan() {
-                Some(plan) if light.refused.is_none() => plan.bytes(),
-                _ => u64::MAX,
-            };
-            light.has_room = wanted <= self.options.budget.bytes - bytes;
-            if light.has_room {
-                bytes += wanted;
-            }
-            if !light.has_room || has_other_images(light, &self.pool) {
-                release(light, &mut self.pool, &mut self.shader);
-            }
-        }
-        for &id in &order {
-            let light = &mut self.lights[id];
-            if light.has_room && light.shown.is_none() {
-                take_layers(light, &mut self.pool, self.limits.layers);
-            }
-        }
-    }
-
-    /// Writes the lights that get new numbers or layers in this frame, those with the greatest urgency first.
-    fn choose_redraws(&mut self, chosen: &mut Vec<LightId>) {
-        chosen.clear();
-        for (id, light) in &self.lights {
-            let is_idle = light.waiting_layers() == 0 && light.wanted.is_none();
-            if light.has_room && light.refused.is_none() && !is_idle {
-                chosen.push(id);
-            }
-        }
-        let lights = &mut self.lights;
-        chosen.sort_unstable_by(|&a, &b| {
-            let a = &lights[a];
-            let b = &lights[b];
-            b.urgency()
-                .total_cmp(&a.urgency())
-                .then(a.index.cmp(&b.index))
-        });
-        let mut left = self.options.budget.redraws;
-        let mut is_first = true;
-        chosen.retain(|&id| {
-            let light = &mut lights[id];
-            let layers = light.waiting_layers();
-            // New numbers alone cost nothing.
-            let is_chosen = layers == 0 || layers <= left || is_first;
-            if is_chosen {
-                left = left.saturating_sub(layers);
-                light.age = 0;
-            } else {
-                light.age += 1;
-                self.report.waiting += layers;
-            }
-            is_first &= layers == 0;
-            is_chosen
-        });
-    }
-
-    /// Makes and writes all that the chosen lights, moved casters and the shaders need.
-    fn write(&mut self, queue: &Queue, chosen: &mut Vec<LightId>) -> Result<(), BackendError> {
-        let device = self.device.clone();
-        let mut factory = ResourceFactory {
-            device: &device,
-            queue,
-            counters: &mut self.counters,
-        };
-        let mut uploaded = Uploaded::default();
-        let held = self.pool.bytes() + still_bytes(&self.lights);
-        let mut bytes_left = self.options.budget.bytes.saturating_sub(held);
-        let layouts = match self.layouts.take() {
-            Some(layouts) => layouts,
-            None => Layouts::new(&factory, &mut self.pipelines),
-        };
-        let lost = self.pool.make_textures(&mut factory);
-        for (id, light) in &mut self.lights {
-            let has_lost = light.ranges.iter().any(|range| lost.contains(&range.class));
-            if has_lost && light.shown.is_some() {
-                // What was drawn is gone with the old texture. The budget can't put this off: shaders would read an empty one.
-                let shown = light.shown.take();
-                light.wanted = light.wanted.take().or(shown);
-                if !chosen.contains(&id) {
-                    chosen.push(id);
-                }
-            }
-        }
-        for &id in &*chosen {
-            let light = &mut self.lights[id];
-            if light.wanted.is_some() {
-                self.shader.change();
-            }
-            show_wanted(
-                light,
-                &mut factory,
-                &mut self.pipelines,
-                &mut self.tables,
-                &self.pool,
-                &layouts,
-            );
-            let may_split = light.may_split();
-            for index in 0..light.casts.len() {
-                let cast = &mut light.casts[index];
-                if !cast.is_stale {
-                    continue;
-                }
-                cast.volume.find(self.casters.boxes(), &mut self.shown);
-                let is_wanted = still_layers::is_wanted(
-                    self.options.still_layers,
-                    &self.casters,
-                    cast,
-                    &self.shown,
-                );
-                let is_split =
-                    may_split && is_wanted && has_still_layer(&mut factory, cast, &mut bytes_left);
-                let parts: &[CastPart] = match &cast.still {
-                    _ if !is_split => &[CastPart::Whole],
-                    Some(still) if !still.is_stale => &[CastPart::Moving],
-                    _ => &[CastPart::Still, CastPart::Moving],
-                };
-                if !is_split {
-                    cast.still = None;
-                }
-                for &part in parts {
-                    self.list.push(
-                        &mut factory,
-                        &mut self.pipelines,
-                        &layouts,
-                        &self.casters,
-                        id,
-                        index,
-                        cast,
-                        &self.shown,
-                        part,
-                    );
-                }
-            }
-        }
-        self.layouts = Some(layouts);
-        self.tables.forget_unreachable();
-        uploaded.add(self.instances.upload(&mut factory, &mut self.casters));
-        self.list.upload(&mut factory, &mut self.pipelines);
-        let shader = self.shader.write(
-            &mut factory,
-            &mut self.pipelines,
-            &mut self.lights,
-            &self.pool,
-            !lost.is_empty(),
-        )?;
-        uploaded.add(shader);
-        self.report.redrawn = self.list.count() as u32;
-        self.report.uploaded = uploaded.bytes + 64 * u64::from(self.report.redrawn);
-        Ok(())
-    }
-
-    /// Marks everything to be drawn.
-    fn draw_all_again(&mut self) {
-        for light in self.lights.values_mut() {
-            light.mark_all_stale();
-        }
-    }
-
-    /// Forgets all GPU objects, so that the next frame makes them anew.
-    fn make_anew(&mut self) {
-        self.pipelines = Pipelines::default();
-        self.layouts = None;
-        self.masks = MaskStage::default();
-        self.tables = Tables::default();
-        self.pool = LayerPool::default();
-        self.list = CastList::default();
-        self.instances.lose_buffer();
-        self.shader.lose_buffers();
-        for light in self.lights.values_mut() {
-            light.ranges.clear();
-            light.images.clear();
-            light.casts.clear();
-            light.filters = Default::default();
-            let shown = light.shown.take();
-            light.wanted = light.wanted.take().or(shown);
-            self.shader.forget(light);
-        }
-        self.layers_changed = true;
-    }
-}
-
-/// Plans a light.
-fn plan(
-    technique: &dyn ShadowTechnique,
-    view: &View<'_>,
-    limits: &BackendLimits,
-) -> Result<LightPlan, RecipeError> {
-    let recipe = technique.recipe(view)?;
-    recipe.validate(limits)?;
-    LightPlan::new(recipe)
-}
-
-/// Returns whether a light's layers are not those that its newest plan needs.
-fn has_other_images(light: &LightState, pool: &LayerPool) -> bool {
-    let Some(plan) = light.plan() else {
-        return true;
-    };
-    let images = &plan.recipe.images;
-    let fit = images.iter().zip(&light.ranges).all(|(image, range)| {
-        pool.class(range.class) == pool::LayerClass::of(image)
-            && range.layers.len() == image.layers as usize
-    });
-    images.len() != light.ranges.len() || !fit
-}
-
-/// Takes a light's layers away. It is shown again once it has layers that are drawn.
-fn release(light: &mut LightState, pool: &mut LayerPool, shader: &mut SetShader) {
-    for range in light.ranges.drain(..) {
-        pool.give_back(&range);
-    }
-    light.images.clear();
-    light.casts.clear();
-    let shown = light.shown.take();
-    light.wanted = light.wanted.take().or(shown);
-    shader.forget(light);
-}
-
-/// Gives layers to a light. It has no room if a texture would need more than `most`.
-fn take_layers(light: &mut LightState, pool: &mut LayerPool, most: u32) {
-    if !light.ranges.is_empty() {
-        return;
-    }
-    let Some(plan) = light.wanted.as_ref() else {
-        return;
-    };
-    for image in &plan.recipe.images {
-        let Some(range) = pool.take(image, most) else {
-            for range in light.ranges.drain(..) {
-                pool.give_back(&range);
-            }
-            light.has_room = false;
-            return;
-        };
-        light.ranges.push(range);
-    }
-}
-
-/// Makes a light's newest plan the one that is shown.
-fn show_wanted(
-    light: &mut LightState,
-    factory: &mut ResourceFactory<'_>,
-    pipelines: &mut Pipelines,
-    tables: &mut Tables,
-    pool: &LayerPool,
-    layouts: &Layouts,
-) {
-    let Some(plan) = light.wanted.take() else {
-        return;
-    };
-    let difference = light
-        .shown
-        .as_ref()
-        .map_or(Difference::Images, |shown| plan.difference(shown));
-    if difference == Difference::Images {
-        let images = plan.recipe.images.iter().zip(&light.ranges);
-        light.images = images
-            .filter_map(|(&desc, range)| pool.image(desc, range))
-            .collect();
-    }
-    if difference > Difference::Numbers {
-        let mut sources = Sources {
-            recipe: &plan.recipe,
-            images: &light.images,
-            tables,
-        };
-        light.filters.prepare(factory, pipelines, &mut sources);
-    }
-    light.shown = Some(plan);
-    if difference > Difference::Numbers {
-        light.make_casts(factory, &layouts.peeled);
-    }
-}
-
-/// Returns the bytes of all layers that hold still casters.
-fn still_bytes(lights: &SlotMap<LightId, LightState>) -> u64 {
-    let casts = lights.values().flat_map(|light| &light.casts);
-    casts
-        .filter_map(|cast| cast.still.as_ref())
-        .map(StillLayer::bytes)
-        .sum()
-}
-
-/// Returns whether a cast has a layer for the casters that are still; makes one, if it takes no more than the bytes that are left.
-fn has_still_layer(
-    factory: &mut ResourceFactory<'_>,
-    cast: &mut LightCast,
-    bytes_left: &mut u64,
-) -> bool {
-    if cast.still.is_some() {
-        return true;
-    }
-    let bytes = still_layers::bytes_of(&cast.target);
-    if bytes > *bytes_left {
-        return false;
-    }
-    *bytes_left -= bytes;
-    cast.still = Some(StillLayer::beside(factory, &cast.target));
-    true
 }
 
 fn check_light(light: &Light, priority: f32) -> Result<(), Invalid> {
