@@ -18,6 +18,7 @@
 
 mod between;
 mod bias;
+pub mod cascades;
 pub(crate) mod choices;
 pub mod coord;
 pub mod layers;

@@ -129,6 +129,10 @@ impl ReceiveKernel for HardKernel {
     fn reach(&self, _: Vec3, _: Vec3) -> Option<f32> {
         Some(0.0)
     }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.0.lookup.layer_of(position)
+    }
 }
 
 struct OneTap<'a> {
