@@ -1,0 +1,377 @@
+//! Cascades: both halves pick the same layers, every seen receiver is held by one of them, and what moves with the camera moves in
+//! whole texels.
+
+use glam::{UVec2, Vec2, Vec3};
+use proptest::prelude::*;
+use umbrage_core::{
+    Arrangement, Backend, Bvh, Camera, CascadePick, Cascades, Fit, Geometry, LayerPicker, Layout,
+    Light, LightSpaces, Receivers, Recipe, RecipeError, ShadowTechnique, SliceEnds, Split, View,
+    math::transform,
+};
+use umbrage_cpu::Cpu;
+use umbrage_scenes::find;
+use umbrage_techniques::{
+    Bias, Border, Hard, MapFormat, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss,
+    ShadowMap, Surface,
+};
+use umbrage_tests::gpu::gpu;
+
+/// A built-in scene whose sun shines along this direction.
+struct Place {
+    geometry: Geometry,
+    camera: Camera,
+    light: Light,
+}
+
+fn place(name: &str, size: UVec2) -> Place {
+    let mut scene = (find(name).expect("a built-in scene").build)();
+    Place {
+        geometry: Geometry::bake(&scene).expect("built-in scenes are valid"),
+        camera: scene.cameras.remove(0).resized(size),
+        light: scene.lights.remove(0),
+    }
+}
+
+fn cascaded(fit: Fit, cascades: Cascades) -> ShadowMap {
+    ShadowMap {
+        size: 256,
+        fit,
+        layout: Layout::Cascades(cascades),
+        ..ShadowMap::default()
+    }
+}
+
+fn splits() -> Vec<Split> {
+    let ends = SliceEnds::new(&[6.0, 20.0, 20.0, 90.0]).expect("rising");
+    vec![
+        Split::Log,
+        Split::Practical { lambda: 0.5 },
+        Split::Receivers,
+        Split::Given(ends),
+    ]
+}
+
+/// The bits of the mask of each backend.
+fn masks(view: &View<'_>, recipe: &Recipe) -> [Vec<u32>; 2] {
+    let cpu = Cpu::new().render(view, recipe).expect("plays");
+    let gpu = gpu().render(view, recipe).expect("plays");
+    [cpu.mask, gpu.mask].map(|mask| mask.into_iter().map(f32::to_bits).collect())
+}
+
+/// Every technique with a map, every split, both fits, with and without blending: the two halves agree to the bit.
+#[test]
+fn both_halves_agree() {
+    let place = place("far-range", UVec2::new(96, 60));
+    let mut cpu = Cpu::new();
+    let seen = cpu.receivers(&place.camera, &place.geometry).expect("seen");
+    let view = View::new(&place.camera, &place.light, &place.geometry).with_receivers(&seen);
+    let soft_light = Light::Directional {
+        direction: Vec3::new(0.6, -0.5, 0.3),
+        angular_diameter: 0.02,
+    };
+    let soft = View {
+        light: &soft_light,
+        ..view
+    };
+    let mut compared = 0;
+    let mut blended = 0;
+    for (i, split) in splits().into_iter().enumerate() {
+        for fit in [Fit::Tight, Fit::Stable { range: 150.0 }] {
+            for blend in [0.0, 12.0] {
+                let cascades = Cascades {
+                    count: 4,
+                    split,
+                    blend,
+                    ..Cascades::default()
+                };
+                let map = cascaded(fit, cascades);
+                for (technique, view) in techniques(map, i).iter().map(|t| (t, &view)).chain([(
+                    &(Box::new(Pcss {
+                        map,
+                        ..Pcss::default()
+                    }) as Box<dyn ShadowTechnique>),
+                    &soft,
+                )]) {
+                    let recipe = technique.recipe(view).expect("plans");
+                    let [on_cpu, on_gpu] = masks(view, &recipe);
+                    let label = format!("{}, {}", technique.name(), technique.settings());
+                    assert_eq!(on_cpu, on_gpu, "{label}");
+                    compared += 1;
+                    blended += usize::from(blend > 0.0);
+                }
+            }
+        }
+    }
+    assert!(compared >= 40 && blended >= 20, "{compared} compared");
+}
+
+/// All techniques with every bias in turn.
+fn techniques(map: ShadowMap, turn: usize) -> Vec<Box<dyn ShadowTechnique>> {
+    let biases = [
+        Bias::ADAPTIVE,
+        Bias::NORMAL_OFFSET,
+        Bias::SLOPE,
+        Bias::RECEIVER_PLANE,
+    ];
+    let map = ShadowMap {
+        bias: biases[turn % 4],
+        ..map
+    };
+    vec![
+        Box::new(Hard {
+            map: ShadowMap {
+                border: Border::Clamp,
+                format: MapFormat::Rgba8,
+                ..map
+            },
+        }),
+        Box::new(Pcf { map, radius: 2 }),
+        Box::new(PcfDisc {
+            map,
+            ..PcfDisc::default()
+        }),
+        Box::new(PcfDithered { map }),
+        Box::new(PcfHardware {
+            map,
+            ..PcfHardware::default()
+        }),
+        Box::new(PcfMerged {
+            map,
+            ..PcfMerged::default()
+        }),
+        Box::new(Hard {
+            map: ShadowMap {
+                surface: Surface::Midpoint,
+                ..map
+            },
+        }),
+    ]
+}
+
+/// Several equal cascades give the bits of a single map, whichever is picked; one that lies elsewhere is seen.
+#[test]
+fn equal_cascades_give_the_bits_of_a_single_map() {
+    let place = place("far-range", UVec2::new(96, 60));
+    let view = View::new(&place.camera, &place.light, &place.geometry);
+    let map = ShadowMap {
+        size: 512,
+        ..ShadowMap::default()
+    };
+    let technique = Hard { map };
+    let single = map.spaces(&view, 0.0).expect("one map");
+    for blend in [0.0, 40.0] {
+        let pick = CascadePick { reach: 0.0, blend };
+        let several = LightSpaces::cascades(vec![single.spaces[0]; 8], pick);
+        let mut spoilt = several.clone();
+        spoilt.spaces[0] = spoilt.spaces[0].nudged(Vec2::splat(0.4), 0.0, UVec2::splat(map.size));
+        let of = |spaces: &LightSpaces| {
+            let recipe = map.recipe_in(spaces, &view, 0.0, |lookup| {
+                umbrage_techniques::HardKernel(
+                    umbrage_techniques::shadow_map::layers::MapOnlyUniforms { lookup },
+                )
+            });
+            masks(&view, &recipe)
+        };
+        let of_single = masks(&view, &technique.recipe(&view).expect("plans"));
+        assert_eq!(of(&several), of_single);
+        let spoilt = of(&spoilt);
+        assert_ne!(spoilt[0], of_single[0], "a spoilt cascade on the CPU");
+        assert_ne!(spoilt[1], of_single[1], "a spoilt cascade on wgpu");
+    }
+}
+
+/// A cascade that is spoilt on one side alone: the comparison above would see it.
+#[test]
+fn one_cascade_is_the_single_map() {
+    let place = place("far-range", UVec2::new(64, 40));
+    let view = View::new(&place.camera, &place.light, &place.geometry);
+    for fit in [Fit::Tight, Fit::Stable { range: 80.0 }] {
+        let one = Cascades {
+            count: 1,
+            ..Cascades::default()
+        };
+        let cascades = fit
+            .light_spaces(Layout::Cascades(one), &view, 512, 2.0)
+            .expect("fits");
+        let single = fit
+            .light_spaces(Layout::Single, &view, 512, 2.0)
+            .expect("fits");
+        assert_eq!(cascades, single);
+    }
+}
+
+#[test]
+fn what_cannot_be_cut_is_refused() {
+    let place = place("far-range", UVec2::new(32, 20));
+    let view = View::new(&place.camera, &place.light, &place.geometry);
+    let layout = Layout::Cascades(Cascades::default());
+    let error = Fit::Whole
+        .light_spaces(layout, &view, 256, 0.0)
+        .expect_err("it doesn't follow the camera");
+    assert!(matches!(error, RecipeError::Invalid(_)), "{error}");
+    assert!(error.to_string().contains("use the fit `tight`"), "{error}");
+    let lamp = Light::Point {
+        position: Vec3::Y,
+        radius: 0.0,
+    };
+    let view = View::new(&place.camera, &lamp, &place.geometry);
+    let error = Fit::Tight
+        .light_spaces(layout, &view, 256, 0.0)
+        .expect_err("a lamp");
+    assert!(matches!(error, RecipeError::Unsupported(_)), "{error}");
+}
+
+fn suns() -> impl Strategy<Value = Light> {
+    (-1.0..1.0_f32, -1.0..-0.05_f32, -1.0..1.0_f32).prop_map(|(x, y, z)| Light::Directional {
+        direction: Vec3::new(x, y, z),
+        angular_diameter: 0.0,
+    })
+}
+
+fn walks() -> impl Strategy<Value = (Vec3, f32, f32, f32)> {
+    let eyes = (-30.0..30.0_f32, 0.3..25.0_f32, -90.0..20.0_f32);
+    (
+        eyes.prop_map(|(x, y, z)| Vec3::new(x, y, z)),
+        -3.2..3.2_f32,
+        -0.8..0.4_f32,
+        20.0..100.0_f32,
+    )
+}
+
+fn walking_camera((eye, turn, tilt, fov): (Vec3, f32, f32, f32)) -> Camera {
+    let ahead = Vec3::new(turn.cos() * tilt.cos(), tilt.sin(), turn.sin() * tilt.cos());
+    let size = UVec2::new(64, 40);
+    let near_far = [0.1, 400.0];
+    Camera::perspective(eye, eye + ahead, Vec3::Y, fov.to_radians(), near_far, size)
+        .expect("a good camera")
+}
+
+fn random_cascades() -> impl Strategy<Value = (Cascades, Fit)> {
+    let splits = prop_oneof![
+        Just(Split::Log),
+        (0.0..1.0_f32).prop_map(|lambda| Split::Practical { lambda }),
+        Just(Split::Receivers),
+    ];
+    let fits = prop_oneof![
+        Just(Fit::Tight),
+        (5.0..600.0_f32).prop_map(|range| Fit::Stable { range })
+    ];
+    let blends = prop_oneof![Just(0.0), 1.0..30.0_f32];
+    (2..9_u32, splits, 0.0..20.0_f32, blends, fits).prop_map(
+        |(count, split, nearest, blend, fit)| {
+            let cascades = Cascades {
+                count,
+                split,
+                nearest,
+                blend,
+            };
+            (cascades, fit)
+        },
+    )
+}
+
+/// Longer than the scene, metres.
+const FAR: f32 = 1e4;
+
+/// Which receivers no cascade holds with room for the kernel.
+fn not_held(seen: &Receivers, spaces: &LightSpaces, size: u32) -> Vec<usize> {
+    let Arrangement::Cascades(pick) = spaces.arrangement else {
+        return Vec::new();
+    };
+    let picker = LayerPicker::new(spaces, size);
+    let rim = 1.0 - 2.0 * pick.reach / size as f32;
+    let mut out = Vec::new();
+    for i in (0..seen.len()).filter(|&i| seen.receives[i]) {
+        let p = seen.position(i);
+        let layer = picker.layer_at(p).expect("a layer");
+        let clip = transform(picker.clip_from_world(layer), p);
+        let is_held = clip.x.abs().max(clip.y.abs()) < rim && clip.z <= 1.0;
+        if !is_held {
+            out.push(i);
+        }
+    }
+    out
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+
+    /// Over random cameras, suns, splits and fits: a receiver that no cascade holds is lit in truth, or lies beyond the stable
+    /// fit's range. And with a hard comparison both halves agree.
+    #[test]
+    fn what_is_seen_is_held(walk in walks(), light in suns(), (cascades, fit) in random_cascades(), known in any::<bool>()) {
+        let place = place("far-range", UVec2::new(64, 40));
+        let camera = walking_camera(walk);
+        let mut cpu = Cpu::new();
+        let seen = cpu.receivers(&camera, &place.geometry).expect("seen");
+        let plain = View::new(&camera, &light, &place.geometry);
+        let view = if known { plain.with_receivers(&seen) } else { plain };
+        let map = cascaded(fit, cascades);
+        let reach = 3.0;
+        let spaces = map.spaces(&view, reach).expect("fits");
+        prop_assert_eq!(spaces.spaces.len(), cascades.count as usize);
+        let bvh = Bvh::build(&place.geometry);
+        let range = match fit {
+            Fit::Stable { range } => range,
+            _ => f32::INFINITY,
+        };
+        let view_from_world = camera.space().view_from_world;
+        for i in not_held(&seen, &spaces, map.size) {
+            let p = seen.position(i);
+            let distance = -transform(view_from_world, p).z;
+            if distance >= range * 0.999 {
+                continue;
+            }
+            let to_light = light.direction_from(p) * FAR;
+            let is_shadowed = bvh.occluded(p, to_light, seen.triangle[i]);
+            prop_assert!(!is_shadowed, "{p} at {distance} m is shadowed, and in no cascade");
+        }
+        let recipe = Hard { map }.recipe(&view).expect("plans");
+        let [on_cpu, on_gpu] = masks(&view, &recipe);
+        prop_assert_eq!(on_cpu, on_gpu);
+    }
+}
+
+/// However the camera pans and turns, points of the world keep their place within the texels of every stable cascade.
+#[test]
+fn stable_cascades_move_by_whole_texels() {
+    let place = place("far-range", UVec2::new(64, 40));
+    let size = 512;
+    let cascades = Cascades::default();
+    let fit = Fit::Stable { range: 120.0 };
+    let walk = |frame: i32| {
+        let along = Vec3::new(0.137, 0.011, -0.093) * frame as f32;
+        let turn = frame as f32 * 0.013;
+        walking_camera((Vec3::new(1.0, 1.7, 6.0) + along, turn, -0.1, 60.0))
+    };
+    let spaces_of = |frame: i32| {
+        let camera = walk(frame);
+        let view = View::new(&camera, &place.light, &place.geometry);
+        fit.light_spaces(Layout::Cascades(cascades), &view, size, 1.0)
+            .expect("fits")
+    };
+    let first = spaces_of(0);
+    let mut moved = 0.0_f32;
+    for frame in 1..20 {
+        let now = spaces_of(frame);
+        for (before, now) in first.spaces.iter().zip(&now.spaces) {
+            let before = before.clip_from_world();
+            let now = now.clip_from_world();
+            assert_eq!(
+                before.x_axis.truncate().truncate(),
+                now.x_axis.truncate().truncate()
+            );
+            let shift = (now.w_axis - before.w_axis).truncate().truncate();
+            let texels = shift * 0.5 * size as f32;
+            assert!(
+                (texels - texels.round()).abs().max_element() < 2e-3,
+                "{texels}"
+            );
+            moved = moved.max(texels.abs().max_element());
+        }
+    }
+    assert!(
+        moved > 2.0,
+        "the maps moved by {moved} texels: nothing is proved"
+    );
+}
