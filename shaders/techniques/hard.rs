@@ -80,7 +80,11 @@ impl ListedTechnique for Hard {
     }
 
     fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Self { map })
+        let mut out = sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Self { map });
+        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
+            Self { map }
+        }));
+        out
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {

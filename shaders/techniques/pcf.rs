@@ -105,6 +105,9 @@ impl ListedTechnique for Pcf {
             map,
             radius: 3,
         }));
+        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
+            Self { map, radius: 1 }
+        }));
         out
     }
 

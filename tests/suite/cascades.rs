@@ -3,6 +3,7 @@
 
 use glam::{UVec2, Vec2, Vec3};
 use proptest::prelude::*;
+use std::collections::HashSet;
 use umbrage_core::{
     Arrangement, Backend, Bvh, Camera, CascadePick, Cascades, Fit, Geometry, LayerPicker, Layout,
     Light, LightSpaces, Receivers, Recipe, RecipeError, ShadowTechnique, SliceEnds, Split, View,
@@ -75,6 +76,8 @@ fn both_halves_agree() {
     };
     let mut compared = 0;
     let mut blended = 0;
+    let mut dark = 0;
+    let mut picked = HashSet::new();
     for (i, split) in splits().into_iter().enumerate() {
         for fit in [Fit::Tight, Fit::Stable { range: 150.0 }] {
             for blend in [0.0, 12.0] {
@@ -85,15 +88,22 @@ fn both_halves_agree() {
                     ..Cascades::default()
                 };
                 let map = cascaded(fit, cascades);
-                for (technique, view) in techniques(map, i).iter().map(|t| (t, &view)).chain([(
-                    &(Box::new(Pcss {
-                        map,
-                        ..Pcss::default()
-                    }) as Box<dyn ShadowTechnique>),
-                    &soft,
-                )]) {
+                let wide = Pcss {
+                    map,
+                    ..Pcss::default()
+                };
+                let mut cases: Vec<(Box<dyn ShadowTechnique>, &View<'_>)> = Vec::new();
+                for technique in techniques(map, i) {
+                    cases.push((technique, &view));
+                }
+                cases.push((Box::new(wide), &soft));
+                for (technique, view) in &cases {
                     let recipe = technique.recipe(view).expect("plans");
                     let [on_cpu, on_gpu] = masks(view, &recipe);
+                    dark += on_cpu.iter().filter(|&&v| v == 0).count();
+                    picked.extend(
+                        (0..seen.len()).map(|i| recipe.receive.kernel.layer(seen.position(i))),
+                    );
                     let label = format!("{}, {}", technique.name(), technique.settings());
                     assert_eq!(on_cpu, on_gpu, "{label}");
                     compared += 1;
@@ -103,6 +113,9 @@ fn both_halves_agree() {
         }
     }
     assert!(compared >= 40 && blended >= 20, "{compared} compared");
+    assert!(dark > 1000, "{dark} pixels are dark");
+    let all_layers = (0..4).all(|layer| picked.contains(&Some(layer)));
+    assert!(all_layers, "{picked:?} are looked up");
 }
 
 /// All techniques with every bias in turn.
@@ -180,7 +193,7 @@ fn equal_cascades_give_the_bits_of_a_single_map() {
     }
 }
 
-/// A cascade that is spoilt on one side alone: the comparison above would see it.
+/// One slice is the fit's one map.
 #[test]
 fn one_cascade_is_the_single_map() {
     let place = place("far-range", UVec2::new(64, 40));
@@ -197,6 +210,34 @@ fn one_cascade_is_the_single_map() {
             .light_spaces(Layout::Single, &view, 512, 2.0)
             .expect("fits");
         assert_eq!(cascades, single);
+    }
+}
+
+/// Ends that are found and given back make the same spaces, so that a program may hold them.
+#[test]
+fn given_ends_cut_like_found_ones() {
+    let place = place("far-range", UVec2::new(64, 40));
+    let seen = Cpu::new()
+        .receivers(&place.camera, &place.geometry)
+        .expect("a good camera");
+    let view = View::new(&place.camera, &place.light, &place.geometry).with_receivers(&seen);
+    for fit in [Fit::Tight, Fit::Stable { range: 150.0 }] {
+        let found = Cascades {
+            split: Split::Receivers,
+            ..Cascades::default()
+        };
+        let ends = fit.slice_ends(&found, &view).expect("slices");
+        assert_eq!(ends.as_slice().len(), 4);
+        assert_eq!(ends.held(&ends), ends);
+        let given = Cascades {
+            split: Split::Given(ends),
+            ..found
+        };
+        let of = |cascades: Cascades| {
+            fit.light_spaces(Layout::Cascades(cascades), &view, 256, 1.0)
+                .expect("fits")
+        };
+        assert_eq!(of(given), of(found));
     }
 }
 
@@ -330,6 +371,35 @@ proptest! {
         let [on_cpu, on_gpu] = masks(&view, &recipe);
         prop_assert_eq!(on_cpu, on_gpu);
     }
+}
+
+/// The negative control of the test above: cascades that lie elsewhere leave receivers in shadow that none holds.
+#[test]
+fn cascades_that_lie_elsewhere_hold_too_little() {
+    let place = place("far-range", UVec2::new(64, 40));
+    let mut cpu = Cpu::new();
+    let seen = cpu
+        .receivers(&place.camera, &place.geometry)
+        .expect("a good camera");
+    let view = View::new(&place.camera, &place.light, &place.geometry).with_receivers(&seen);
+    let map = cascaded(Fit::Tight, Cascades::default());
+    let mut spaces = map.spaces(&view, 3.0).expect("fits");
+    let bvh = Bvh::build(&place.geometry);
+    let in_shadow = |i: &usize| {
+        let p = seen.position(*i);
+        bvh.occluded(p, place.light.direction_from(p) * FAR, seen.triangle[*i])
+    };
+    let shadowed_outside = |spaces: &LightSpaces| {
+        not_held(&seen, spaces, map.size)
+            .iter()
+            .filter(|i| in_shadow(i))
+            .count()
+    };
+    assert_eq!(shadowed_outside(&spaces), 0);
+    for space in &mut spaces.spaces {
+        *space = space.nudged(Vec2::new(90.0, 0.0), 0.0, UVec2::splat(map.size));
+    }
+    assert!(shadowed_outside(&spaces) > 0);
 }
 
 /// However the camera pans and turns, points of the world keep their place within the texels of every stable cascade.

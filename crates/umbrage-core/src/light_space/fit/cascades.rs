@@ -68,11 +68,14 @@ impl<'a> CascadeInput<'a> {
             ..*view
         };
         let input = FitInput::new(view);
-        let view_from_world = parallel::view(&input, direction)?;
+        let frustum = CameraFrustum::new(view.camera);
+        // Slices lie one behind the other along the camera's view: turned so that this goes up the maps, boxes around them are
+        // smallest.
+        let view_from_world = parallel::view(&input, direction, frustum.forward())?;
         Ok(Self {
             fit: *fit,
             cascades: *cascades,
-            frustum: CameraFrustum::new(view.camera),
+            frustum,
             direction,
             view_from_world,
             input,

@@ -101,6 +101,11 @@ impl CameraFrustum {
         distances.into_iter().fold(f64::INFINITY, f64::min)
     }
 
+    /// Returns the direction along the view, world space.
+    pub(super) fn forward(&self) -> Vec3 {
+        (-self.world_from_view.matrix3.z_axis).as_vec3()
+    }
+
     pub(super) fn has_perspective(&self) -> bool {
         self.perspective
     }

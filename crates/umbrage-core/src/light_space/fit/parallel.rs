@@ -28,7 +28,7 @@ pub(super) fn tight(
     margin: f32,
     cull: bool,
 ) -> Result<LightSpace, Invalid> {
-    let view_from_world = view(input, direction)?;
+    let view_from_world = view(input, direction, Vec3::Y)?;
     let receivers = bounds_in(&view_from_world, &receiver_points(input));
     let casters = match input.view.geometry.filter(|_| cull) {
         Some(geometry) => {
@@ -50,15 +50,15 @@ pub(super) fn tight(
     show(view_from_world, &with_border(&b, size, margin))
 }
 
-/// Returns the light's view for tight fits.
-pub(super) fn view(input: &FitInput<'_>, direction: Vec3) -> Result<Mat4, Invalid> {
+/// Returns the light's view for tight fits, turned so that `up` (world space) is up.
+pub(super) fn view(input: &FitInput<'_>, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid> {
     // An eye amid the casters keeps numbers small when the scene is far from the origin.
     let eye = if input.view.casters.is_empty() {
         Vec3::ZERO
     } else {
         input.view.casters.center()
     };
-    look_along(eye, direction, Vec3::Y)
+    look_along(eye, direction, up)
 }
 
 /// Returns the light space for some of all receivers: those in the box `receivers` of the light's view, and, where seen points are
