@@ -297,7 +297,7 @@ fn fits_and_layouts() -> impl Strategy<Value = (Fit, Layout)> {
         prop_oneof![Just(Fit::Tight), stable],
         cascades().prop_map(Layout::Cascades),
     );
-    prop_oneof![5 => (fits(), layouts), 2 => cascaded]
+    prop_oneof![9 => (fits(), layouts), 2 => cascaded]
 }
 
 fn cascades() -> impl Strategy<Value = Cascades> {

@@ -397,7 +397,7 @@ fn cascades_that_lie_elsewhere_hold_too_little() {
     };
     assert_eq!(shadowed_outside(&spaces), 0);
     for space in &mut spaces.spaces {
-        *space = space.nudged(Vec2::new(90.0, 0.0), 0.0, UVec2::splat(map.size));
+        *space = space.nudged(Vec2::new(200.0, 0.0), 0.0, UVec2::splat(map.size));
     }
     assert!(shadowed_outside(&spaces) > 0);
 }
