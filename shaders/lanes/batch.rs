@@ -89,10 +89,10 @@ fn blend_layers(
     let mut next = Batch::new();
     next.layer = [NO_LAYER; BATCH];
     let mut is_needed = false;
-    for i in 0..out.len() {
+    for (i, share) in shares.iter_mut().enumerate().take(out.len()) {
         let layer = batch.layer[i];
-        shares[i] = share_of_layer(m, layer, receivers.position(i));
-        if shares[i] < 1.0 {
+        *share = share_of_layer(m, layer, receivers.position(i));
+        if *share < 1.0 {
             next.layer[i] = layer + 1;
             is_needed = true;
         }
@@ -327,9 +327,9 @@ impl SimdTask for PickCascades<'_> {
         // From the last to the first, so that the first that holds a receiver stays.
         for index in (0..last).rev() {
             let layer = m.layers[index];
-            for i in 0..BATCH {
+            for (i, picked) in picked.iter_mut().enumerate() {
                 let is_held = holds(m, &layer, receivers.position(i));
-                picked[i] = if is_held { index as i32 } else { picked[i] };
+                *picked = if is_held { index as i32 } else { *picked };
             }
         }
         *self.layers = picked;

@@ -45,6 +45,10 @@ pub fn is_held(room: Vec2, reach: f32) -> bool {
 /// Returns the share, 0..=1, of a cascade's own answer for a receiver with this room around it; the rest is that of the next. It
 /// grows over `blend` texels (more than 0), from where the cascade stops to hold the receiver.
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "`clamp` lets NaN through, and this must bound it as the shader does"
+)]
 pub fn own_share(room: Vec2, reach: f32, depth_in_texels: f32, blend: f32) -> f32 {
     let inside = (room.x - reach).min(room.y * depth_in_texels);
     (inside / blend).max(0.0).min(1.0)

@@ -171,7 +171,7 @@ impl CameraFrustum {
         let near = self.corners_at(slice.begin);
         let far = self.corners_at(slice.end);
         let slice_corners =
-            std::array::from_fn(|i| self.to_world(if i < 4 { near[i] } else { far[i - 4] }));
+            std::array::from_fn(|i| self.in_world(if i < 4 { near[i] } else { far[i - 4] }));
         let min = b.min.as_dvec3();
         let max = b.max.as_dvec3();
         let box_corners = std::array::from_fn(|i| {
@@ -186,7 +186,7 @@ impl CameraFrustum {
         out
     }
 
-    fn to_world(&self, p: DVec3) -> DVec3 {
+    fn in_world(&self, p: DVec3) -> DVec3 {
         self.world_from_view.transform_point3(p)
     }
 }

@@ -25,6 +25,8 @@ use glam::{DAffine3, DVec2, DVec3, Mat4, Vec3, Vec4};
 
 /// Steps in which the near plane moves, as a fraction of the sphere's radius.
 const DEPTH_STEP: f64 = 0.25;
+/// Steps in which the radius of a slice's sphere doubles.
+const RADIUS_STEPS_PER_OCTAVE: f64 = 8.0;
 /// Texels beside the sphere: one for the outermost receivers' own, one for the step.
 const BORDER_TEXELS: f64 = 2.0;
 /// Least radius, as a fraction of the coordinates: below, 32-bit positions could not be told apart.
@@ -73,10 +75,19 @@ pub(super) fn slice_radius(frustum: &CameraFrustum, slice: Slice) -> f64 {
     slice_sphere(frustum, slice).radius
 }
 
+/// Returns the sphere around a slice of what a camera sees, its radius rounded up to a step: so texels seldom change size while a field
+/// of view does, or the slices' ends.
 fn slice_sphere(frustum: &CameraFrustum, slice: Slice) -> Sphere {
     let near_corners = frustum.corners_at(slice.begin);
     let far_corners = frustum.corners_at(slice.end);
-    around_view(frustum, &near_corners, &far_corners)
+    let sphere = around_view(frustum, &near_corners, &far_corners);
+    let steps = (sphere.radius.log2() * RADIUS_STEPS_PER_OCTAVE).ceil();
+    let radius = (steps / RADIUS_STEPS_PER_OCTAVE).exp2();
+    Sphere {
+        // Not below, by what the two functions round.
+        radius: radius.max(sphere.radius),
+        ..sphere
+    }
 }
 
 /// Returns the light space around the sphere around what is seen, or a smaller one.
