@@ -183,7 +183,7 @@ fn farthest_seen(rising_distances: &[f32]) -> f32 {
 
 /// How many times as far as the nearest the farthest receivers must be for cascades to be tried: the texels of one map are then that
 /// many times larger nearby, in pixels, than they need to be.
-const LEAST_RANGE_OF_CASCADES: f32 = 4.0;
+const LEAST_RANGE_OF_CASCADES: f32 = 8.0;
 
 /// Returns cascades for a view; none where what is seen is about equally far.
 fn cascades_for(rising_distances: &[f32]) -> Option<Cascades> {
@@ -325,6 +325,41 @@ mod tests {
         };
         assert_eq!(stable.candidates[0].with_map(tight), hard.candidates[0]);
         assert_eq!(Family::single(Traced::default().into()).stable(20.0), None);
+    }
+
+    #[test]
+    fn cascaded_families_take_no_more_memory() {
+        let hard = Family::of_maps(Hard::default().into());
+        let cascaded = hard.cascaded(Cascades::default()).expect("has maps");
+        let largest = |family: &Family| map_side(family.candidates.last().expect("some"));
+        assert_eq!(2 * largest(&cascaded), largest(&hard));
+        let label = cascaded.candidates[0].technique().settings();
+        assert!(label.contains("4 cascades"), "{label}");
+        let stable = cascaded.stable(50.0).expect("tight");
+        assert_eq!(
+            stable.candidates[0].map().expect("a map").layout,
+            Layout::Cascades(Cascades::default())
+        );
+        assert_eq!(
+            Family::single(Traced::default().into()).cascaded(Cascades::default()),
+            None
+        );
+    }
+
+    #[test]
+    fn views_that_are_near_and_far_get_cascades() {
+        let evenly: Vec<f32> = (0..200).map(|i| 10.0 + 0.1 * i as f32).collect();
+        assert_eq!(cascades_for(&evenly), None);
+        assert_eq!(cascades_for(&[]), None);
+        let deep: Vec<f32> = (0..200).map(|i| 2.66 + i as f32).collect();
+        let cascades = cascades_for(&deep).expect("near and far");
+        assert_eq!(cascades.nearest, 4.6);
+        for (value, expected) in [(4.66, 4.6), (123.4, 120.0), (0.0199, 0.019)] {
+            assert!(
+                (two_digits(value) - expected).abs() < 1e-6 * expected,
+                "{value}"
+            );
+        }
     }
 
     #[test]
