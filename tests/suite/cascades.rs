@@ -269,22 +269,40 @@ fn suns() -> impl Strategy<Value = Light> {
     })
 }
 
-fn walks() -> impl Strategy<Value = (Vec3, f32, f32, f32)> {
+/// Where a camera stands, and where it looks.
+#[derive(Clone, Copy, Debug)]
+struct Walk {
+    eye: Vec3,
+    /// About the vertical, radians.
+    turn: f32,
+    /// Above the horizon, radians.
+    tilt: f32,
+    /// Vertical field of view, degrees.
+    fov: f32,
+}
+
+fn walks() -> impl Strategy<Value = Walk> {
     let eyes = (-30.0..30.0_f32, 0.3..25.0_f32, -90.0..20.0_f32);
-    (
-        eyes.prop_map(|(x, y, z)| Vec3::new(x, y, z)),
-        -3.2..3.2_f32,
-        -0.8..0.4_f32,
-        20.0..100.0_f32,
+    (eyes, -3.2..3.2_f32, -0.8..0.4_f32, 20.0..100.0_f32).prop_map(
+        |((x, y, z), turn, tilt, fov)| Walk {
+            eye: Vec3::new(x, y, z),
+            turn,
+            tilt,
+            fov,
+        },
     )
 }
 
-fn walking_camera((eye, turn, tilt, fov): (Vec3, f32, f32, f32)) -> Camera {
-    let ahead = Vec3::new(turn.cos() * tilt.cos(), tilt.sin(), turn.sin() * tilt.cos());
-    let size = UVec2::new(64, 40);
-    let near_far = [0.1, 400.0];
-    Camera::perspective(eye, eye + ahead, Vec3::Y, fov.to_radians(), near_far, size)
-        .expect("a good camera")
+impl Walk {
+    fn camera(&self) -> Camera {
+        let along = Vec3::new(self.turn.cos(), 0.0, self.turn.sin()) * self.tilt.cos();
+        let ahead = along + Vec3::Y * self.tilt.sin();
+        let size = UVec2::new(64, 40);
+        let fov = self.fov.to_radians();
+        let target = self.eye + ahead;
+        Camera::perspective(self.eye, target, Vec3::Y, fov, [0.1, 400.0], size)
+            .expect("a good camera")
+    }
 }
 
 fn random_cascades() -> impl Strategy<Value = (Cascades, Fit)> {
@@ -342,7 +360,7 @@ proptest! {
     #[test]
     fn what_is_seen_is_held(walk in walks(), light in suns(), (cascades, fit) in random_cascades(), known in any::<bool>()) {
         let place = place("far-range", UVec2::new(64, 40));
-        let camera = walking_camera(walk);
+        let camera = walk.camera();
         let mut cpu = Cpu::new();
         let seen = cpu.receivers(&camera, &place.geometry).expect("seen");
         let plain = View::new(&camera, &light, &place.geometry);
@@ -409,13 +427,19 @@ fn stable_cascades_move_by_whole_texels() {
     let size = 512;
     let cascades = Cascades::default();
     let fit = Fit::Stable { range: 120.0 };
-    let walk = |frame: i32| {
+    let camera_of = |frame: i32| {
         let along = Vec3::new(0.137, 0.011, -0.093) * frame as f32;
         let turn = frame as f32 * 0.013;
-        walking_camera((Vec3::new(1.0, 1.7, 6.0) + along, turn, -0.1, 60.0))
+        let walk = Walk {
+            eye: Vec3::new(1.0, 1.7, 6.0) + along,
+            turn,
+            tilt: -0.1,
+            fov: 60.0,
+        };
+        walk.camera()
     };
     let spaces_of = |frame: i32| {
-        let camera = walk(frame);
+        let camera = camera_of(frame);
         let view = View::new(&camera, &place.light, &place.geometry);
         fit.light_spaces(Layout::Cascades(cascades), &view, size, 1.0)
             .expect("fits")
