@@ -42,6 +42,7 @@ pub fn twins() -> impl Iterator<Item = &'static umbrage_core::Twin> {
     [
         shadow_map::layers::TWINS,
         shadow_map::coord::TWINS,
+        shadow_map::cascades::TWINS,
         shadow_map::texel_compare::TWINS,
         shadow_map::packing::TWINS,
         filtering::bilinear_weights::TWINS,

@@ -111,6 +111,34 @@ fn every_preset_survives_a_file() {
 }
 
 #[test]
+fn cascades_are_written_as_they_are_spoken_of() {
+    let text = "technique = 'hard'
+[map]
+fit = { stable = { range = 150.0 } }
+layout = { cascades = { count = 3, split = { given = [5.0, 20.5, 150.0] }, blend = 12.0 } }
+";
+    let preset = TechniquePreset::from_toml(text).unwrap();
+    let written = preset.to_toml().unwrap();
+    assert_eq!(TechniquePreset::from_toml(&written).unwrap(), preset);
+    let settings = preset.technique().settings();
+    assert!(
+        settings.contains("stable fit to 150 m, 3 cascades to 5, 20.5, 150 m blend 12"),
+        "{settings}"
+    );
+    for (layout, word) in [
+        (
+            "{ cascades = { count = 2, split = { given = [5.0, 2.0] } } }",
+            "rising",
+        ),
+        ("{ cascades = { cuont = 2 } }", "cuont"),
+    ] {
+        let text = format!("technique = 'hard'\n[map]\nlayout = {layout}");
+        let error = TechniquePreset::from_toml(&text).unwrap_err().to_string();
+        assert!(error.contains(word), "{error}");
+    }
+}
+
+#[test]
 fn maps_can_be_exchanged_wherever_there_is_one() {
     let map = ShadowMap {
         size: 77,

@@ -4,7 +4,8 @@ use glam::{Affine3A, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, strategy::Union};
 use std::sync::Arc;
 use umbrage_core::{
-    Camera, Cull, Extents, Fit, Instance, Layout, Light, Mesh, RasterBias, Scene, ShadowTechnique,
+    Camera, Cascades, Cull, Extents, Fit, Instance, Layout, Light, MAX_CASCADES, Mesh, RasterBias,
+    Scene, ShadowTechnique, Split,
 };
 use umbrage_techniques::{
     BeyondFar, Bias, Border, MapFormat, Pattern, RandomParameter, ShadowMap, Surface,
@@ -265,19 +266,16 @@ fn number(parameter: RandomParameter) -> BoxedStrategy<f32> {
 
 fn maps() -> impl Strategy<Value = ShadowMap> {
     let surfaces = prop_oneof![5 => Just(Surface::Nearest), 1 => Just(Surface::Midpoint)];
-    let layouts =
-        prop_oneof![4 => Just(Layout::Auto), 1 => Just(Layout::Single), 1 => Just(Layout::Cube)];
     (
         1..200_u32,
         biases(),
-        fits(),
-        layouts,
+        fits_and_layouts(),
         surfaces,
         formats(),
         outside(),
     )
         .prop_map(
-            |(size, bias, fit, layout, surface, format, (border, beyond_far))| ShadowMap {
+            |(size, bias, (fit, layout), surface, format, (border, beyond_far))| ShadowMap {
                 size,
                 fit,
                 bias,
@@ -288,6 +286,35 @@ fn maps() -> impl Strategy<Value = ShadowMap> {
                 beyond_far,
             },
         )
+}
+
+/// Cascades follow the camera, which not all fits do.
+fn fits_and_layouts() -> impl Strategy<Value = (Fit, Layout)> {
+    let layouts =
+        prop_oneof![4 => Just(Layout::Auto), 1 => Just(Layout::Single), 1 => Just(Layout::Cube)];
+    let stable = (1.0..20.0_f32).prop_map(|range| Fit::Stable { range });
+    let cascaded = (
+        prop_oneof![Just(Fit::Tight), stable],
+        cascades().prop_map(Layout::Cascades),
+    );
+    prop_oneof![9 => (fits(), layouts), 2 => cascaded]
+}
+
+fn cascades() -> impl Strategy<Value = Cascades> {
+    let splits = prop_oneof![
+        Just(Split::Log),
+        (0.0..=1.0_f32).prop_map(|lambda| Split::Practical { lambda }),
+        Just(Split::Receivers),
+    ];
+    let blends = prop_oneof![Just(0.0), 0.5..30.0_f32];
+    (1..=MAX_CASCADES as u32, splits, 0.0..6.0_f32, blends).prop_map(
+        |(count, split, nearest, blend)| Cascades {
+            count,
+            split,
+            nearest,
+            blend,
+        },
+    )
 }
 
 fn outside() -> impl Strategy<Value = (Border, BeyondFar)> {

@@ -5,15 +5,14 @@ struct ChebyshevUniforms {
     least_variance: f32,
 }
 
-fn receive(r: Receiver) -> f32 {
-    let l = shadow_coord(kernel.lookup, r.position, r.normal);
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
     let size = i32(kernel.lookup.size);
-    if !l.seen || x < 0 || y < 0 || x >= size || y >= size {
+    if x < 0 || y < 0 || x >= size || y >= size {
         return 1.0;
     }
-    let m = load_0(vec2i(x, y), 0);
+    let m = load_0(vec2i(x, y), l.layer);
     if l.depth <= m.x {
         return 1.0;
     }

@@ -43,6 +43,7 @@ struct shadow_MapLayer {
     normal_offset: f32,
     receiver_plane: f32,
     deepest_tap: f32,
+    depth_in_texels: f32,
 }
 
 struct shadow_ShadowMapUniforms {
@@ -50,7 +51,10 @@ struct shadow_ShadowMapUniforms {
     packed: u32,
     clamped: u32,
     has_receiver_bias: u32,
-    layers: array<shadow_MapLayer, 6>,
+    arrangement: u32,
+    pick_reach: f32,
+    blend: f32,
+    layers: array<shadow_MapLayer, 8>,
     light: vec4f,
     size: f32,
     sample_gain: f32,
@@ -135,7 +139,10 @@ struct shadow_ShadowCoord {
 }
 
 fn shadow_shadow_coord(m: shadow_ShadowMapUniforms, p: vec3f, n: vec3f) -> shadow_ShadowCoord {
-    let index = shadow_layer_at(m.light, p);
+    return shadow_shadow_coord_in(shadow_layer_at(m.light, p), m, p, n);
+}
+
+fn shadow_shadow_coord_in(index: i32, m: shadow_ShadowMapUniforms, p: vec3f, n: vec3f) -> shadow_ShadowCoord {
     let layer = shadow_map_layer(index);
     var moved = p;
     var bias = layer.constant;
@@ -195,6 +202,24 @@ fn shadow_tap(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
     return select(0.0, 1.0, shadow_depth_at(l, x, y) <= shadow_stored_depth(vec2i(x, y), l.layer));
 }
 
+// ---- receive.wgsl
+// What every map technique's kernel does: it picks a layer, finds the receiver's place there, and asks the technique. `visibility` is
+// the technique's, and `full_light` its own or the choice's. `receive` is the map's choice between the variants below.
+
+// The answer of one layer.
+fn shadow_visibility_in(layer: i32, r: shadow_Receiver) -> f32 {
+    let l = shadow_shadow_coord_in(layer, shadow_kernel.lookup, r.position, r.normal);
+    if !l.seen {
+        return shadow_full_light(r);
+    }
+    return shadow_visibility(l, r);
+}
+
+// Where each receiver has one layer.
+fn shadow_receive_from_one(r: shadow_Receiver) -> f32 {
+    return shadow_visibility_in(shadow_layer_at(shadow_kernel.lookup.light, r.position), r);
+}
+
 // ---- packing.wgsl
 // Twin of packing.rs: depth in base 256.
 
@@ -235,6 +260,9 @@ fn shadow_stored_depth(texel: vec2i, layer: i32) -> f32 { return shadow_stored_d
 fn shadow_layer_at(light: vec4f, p: vec3f) -> i32 { return 0; }
 fn shadow_map_layer(layer: i32) -> shadow_MapLayer { return shadow_kernel.lookup.layers[0]; }
 
+// ---- choice: one layer answers
+fn shadow_receive(r: shadow_Receiver) -> f32 { return shadow_receive_from_one(r); }
+
 // ---- choice: no normal offset
 fn shadow_moved_receiver(layer: shadow_MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f { return p; }
 
@@ -247,6 +275,9 @@ fn shadow_depth_at(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow
 // ---- choice: lit border
 fn shadow_tap_outside(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow_tap_outside_lit(size, l, x, y); }
 
+// ---- choice: what no map covers is lit
+fn shadow_full_light(r: shadow_Receiver) -> f32 { return 1.0; }
+
 // ---- pcf.wgsl
 // Twin of pcf.rs: the mean of comparisons over a square of texels.
 
@@ -255,11 +286,7 @@ struct shadow_PcfUniforms {
     radius: i32,
 }
 
-fn shadow_receive(r: shadow_Receiver) -> f32 {
-    let l = shadow_shadow_coord(shadow_kernel.lookup, r.position, r.normal);
-    if !l.seen {
-        return 1.0;
-    }
+fn shadow_visibility(l: shadow_ShadowCoord, r: shadow_Receiver) -> f32 {
     let size = i32(shadow_kernel.lookup.size);
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));

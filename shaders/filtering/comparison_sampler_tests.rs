@@ -25,6 +25,7 @@ fn layer(receiver_plane: f32) -> MapLayer {
         normal_offset: 0.0,
         receiver_plane,
         deepest_tap: 1.0,
+        depth_in_texels: 1.0,
     }
 }
 
@@ -35,6 +36,9 @@ fn lookup(border: Border, receiver_plane: f32) -> ShadowMapUniforms {
         packed: 0,
         clamped: u32::from(border == Border::Clamp),
         has_receiver_bias: 0,
+        arrangement: SINGLE,
+        pick_reach: 0.0,
+        blend: 0.0,
         layers: [layer(receiver_plane); MAX_LAYERS],
         light: Vec4::NEG_Z,
         size: SIZE as f32,

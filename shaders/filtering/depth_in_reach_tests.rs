@@ -1,5 +1,5 @@
 use super::*;
-use crate::filtering::sample_pattern::spread;
+use crate::{filtering::sample_pattern::spread, shadow_map::layers::MAX_LAYERS};
 use glam::Vec4;
 use umbrage_core::{Image, Simd, light_sample::hash};
 
@@ -31,8 +31,8 @@ fn extent() -> LightExtent {
     let half_axis_u = Vec4::new(40.0, 5.0, 0.1, 0.0);
     let half_axis_v = Vec4::new(-3.0, 30.0, 0.05, 1.5);
     LightExtent {
-        half_axis_u: [half_axis_u; 6],
-        half_axis_v: [half_axis_v; 6],
+        half_axis_u: [half_axis_u; MAX_LAYERS],
+        half_axis_v: [half_axis_v; MAX_LAYERS],
     }
 }
 

@@ -11,7 +11,10 @@
 //! along the axis over the receiver's distance else; that a ball's disc faces each receiver, not the map, beyond first
 //! order; and for suns that the cap of directions is flat (an angle's tangent for the angle).
 
-use crate::{filtering::sample_pattern::PatternShape, shadow_map::ShadowMap};
+use crate::{
+    filtering::sample_pattern::PatternShape,
+    shadow_map::{ShadowMap, layers::MAX_LAYERS},
+};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
 use umbrage_core::{
     FitMemory, Light, LightSpace, LightSpaces, Module, RecipeError, View, uniforms,
@@ -31,14 +34,14 @@ const MAX_REACH: f32 = 0.5;
 const FITS: usize = 3;
 
 uniforms! {
-    /// The light's half axes on each face of a map, texels per unit of clip depth.
+    /// The light's half axes on each layer of a map, texels per unit of clip depth.
     pub struct LightExtent {
         /// x, y: right and down in the map's plane. z: towards the light's back, times texels from the map's middle. w: 0;
         /// for balls the tangent that a texel from the middle spans, and y and z are 0.
-        pub half_axis_u: [Vec4; 6],
+        pub half_axis_u: [Vec4; MAX_LAYERS],
         /// The other half axis, x, y, z as before (unused for balls). w: greatest difference of clip depths that is
         /// followed; beyond, a tap could be half a map away.
-        pub half_axis_v: [Vec4; 6],
+        pub half_axis_v: [Vec4; MAX_LAYERS],
     }
 }
 
@@ -88,10 +91,10 @@ impl LightExtent {
     ///
     /// Panics if there are no spaces.
     pub fn new(light: &Light, spaces: &LightSpaces, size: u32) -> Self {
-        let mut half_axis_u = [Vec4::ZERO; 6];
-        let mut half_axis_v = [Vec4::ZERO; 6];
-        for i in 0..6 {
-            // Faces without a space repeat the first.
+        let mut half_axis_u = [Vec4::ZERO; MAX_LAYERS];
+        let mut half_axis_v = [Vec4::ZERO; MAX_LAYERS];
+        for i in 0..MAX_LAYERS {
+            // Layers without a space repeat the first.
             let space = spaces.spaces.get(i).unwrap_or(&spaces.spaces[0]);
             [half_axis_u[i], half_axis_v[i]] = half_axes_on_map(light, space, size);
         }

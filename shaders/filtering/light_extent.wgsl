@@ -1,8 +1,8 @@
 // Twin of light_extent.rs: the light's half axes on the map, texels per unit of clip depth.
 
 struct LightExtent {
-    half_axis_u: array<vec4f, 6>,
-    half_axis_v: array<vec4f, 6>,
+    half_axis_u: array<vec4f, 8>,
+    half_axis_v: array<vec4f, 8>,
 }
 
 fn light_axes(half_axis_u: vec4f, half_axis_v: vec4f, from_middle: vec2f) -> vec4f {

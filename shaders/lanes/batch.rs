@@ -3,11 +3,12 @@
 //! loops over arrays.
 
 use crate::shadow_map::{
+    cascades::{blended, holds, share_of_layer},
     coord::{
         ShadowCoord, clip_w, is_covered, offset_along_normal, plane_gradient, point_over_w,
         slope_bias, texel_from_point, to_light,
     },
-    layers::{MapLayer, ShadowMapUniforms, layer_at},
+    layers::{CASCADES, MapLayer, SINGLE, ShadowMapUniforms, layer_at},
 };
 use glam::{Vec2, Vec3};
 use umbrage_core::{Simd, SimdTask, Span, math::dot3};
@@ -53,15 +54,64 @@ pub fn look_up_span(
     taps: &impl BatchTaps,
 ) {
     let mut batch = Batch::new();
+    let mut padded = PaddedReceivers::new();
     for first in (0..out.len()).step_by(BATCH) {
         let count = BATCH.min(out.len() - first);
-        project(simd, m, span, first, &mut batch);
+        let out = &mut out[first..first + count];
+        let receivers = ReceiverBatch::from(span, first, &mut padded);
+        project(simd, m, &receivers, &mut batch);
         simd.run_task(FollowTaps {
             taps,
             batch: &batch,
             first,
-            out: &mut out[first..first + count],
+            out: &mut *out,
         });
+        if m.blends() {
+            blend_layers(simd, m, &receivers, taps, &batch, first, out);
+        }
+    }
+}
+
+/// Blends the answers in `out` into those of the next layers, where the layers of `batch` end. Twin of `receive_from_two` in
+/// receive_blended.wgsl.
+#[inline(never)]
+fn blend_layers(
+    simd: Simd,
+    m: &ShadowMapUniforms,
+    receivers: &ReceiverBatch<'_>,
+    taps: &impl BatchTaps,
+    batch: &Batch,
+    first: usize,
+    out: &mut [f32],
+) {
+    let mut shares = [1.0; BATCH];
+    // Where no other layer is asked, nothing is covered.
+    let mut next = Batch::new();
+    next.layer = [NO_LAYER; BATCH];
+    let mut is_needed = false;
+    for (i, share) in shares.iter_mut().enumerate().take(out.len()) {
+        let layer = batch.layer[i];
+        *share = share_of_layer(m, layer, receivers.position(i));
+        if *share < 1.0 {
+            next.layer[i] = layer + 1;
+            is_needed = true;
+        }
+    }
+    if !is_needed {
+        return;
+    }
+    project_in_layers(simd, m, receivers, &mut next);
+    let mut answers = [1.0; BATCH];
+    simd.run_task(FollowTaps {
+        taps,
+        batch: &next,
+        first,
+        out: &mut answers[..out.len()],
+    });
+    for (i, out) in out.iter_mut().enumerate() {
+        if shares[i] < 1.0 {
+            *out = blended(*out, answers[i], shares[i]);
+        }
     }
 }
 
@@ -154,6 +204,24 @@ struct ReceiverBatch<'a> {
 }
 
 impl<'a> ReceiverBatch<'a> {
+    /// Returns the receivers from `first` on, at most [`BATCH`] of them, in `room` if the span ends before.
+    fn from(span: &'a Span<'a>, first: usize, room: &'a mut PaddedReceivers) -> Self {
+        if let Some(receivers) = Self::within(span, first) {
+            return receivers;
+        }
+        let values = [span.x, span.y, span.z, span.nx, span.ny, span.nz];
+        room.0 = values.map(|values| padded(values, first));
+        let [x, y, z, nx, ny, nz] = &room.0;
+        Self {
+            x,
+            y,
+            z,
+            nx,
+            ny,
+            nz,
+        }
+    }
+
     /// Returns the [`BATCH`] receivers from `first` on, where they are; none if the span ends before.
     fn within(span: &Span<'a>, first: usize) -> Option<Self> {
         Some(Self {
@@ -177,6 +245,15 @@ impl<'a> ReceiverBatch<'a> {
     }
 }
 
+/// Room for the receivers of a batch that is not full.
+struct PaddedReceivers([Lanes<f32>; 6]);
+
+impl PaddedReceivers {
+    fn new() -> Self {
+        Self([[0.0; BATCH]; 6])
+    }
+}
+
 /// Copies the values from `first` to the span's end, and 0 after them.
 fn padded(values: &[f32], first: usize) -> Lanes<f32> {
     let mut lanes = [0.0; BATCH];
@@ -185,38 +262,41 @@ fn padded(values: &[f32], first: usize) -> Lanes<f32> {
     lanes
 }
 
-/// Looks up the receivers from `first` on, at most [`BATCH`] of them, each in the layer in which it lies.
-fn project(simd: Simd, m: &ShadowMapUniforms, span: &Span<'_>, first: usize, batch: &mut Batch) {
-    if let Some(receivers) = ReceiverBatch::within(span, first) {
-        project_batch(simd, m, &receivers, batch);
-        return;
-    }
-    let receivers = ReceiverBatch {
-        x: &padded(span.x, first),
-        y: &padded(span.y, first),
-        z: &padded(span.z, first),
-        nx: &padded(span.nx, first),
-        ny: &padded(span.ny, first),
-        nz: &padded(span.nz, first),
-    };
-    project_batch(simd, m, &receivers, batch);
-}
+/// [`Batch::layer`] of receivers that are not looked up.
+const NO_LAYER: i32 = -1;
 
 /// Looks up a batch of receivers, each in the layer in which it lies.
-fn project_batch(
+fn project(simd: Simd, m: &ShadowMapUniforms, receivers: &ReceiverBatch<'_>, batch: &mut Batch) {
+    if m.arrangement == SINGLE {
+        project_into(simd, m, &m.layers[0], receivers, batch);
+        return;
+    }
+    if m.arrangement == CASCADES {
+        simd.run_task(PickCascades {
+            m,
+            receivers,
+            layers: &mut batch.layer,
+        });
+    } else {
+        for i in 0..BATCH {
+            batch.layer[i] = layer_at(m, receivers.position(i));
+        }
+    }
+    project_in_layers(simd, m, receivers, batch);
+}
+
+/// Looks up those of a batch of receivers that have a layer, each in its own.
+fn project_in_layers(
     simd: Simd,
     m: &ShadowMapUniforms,
     receivers: &ReceiverBatch<'_>,
     batch: &mut Batch,
 ) {
-    if m.layer_count == 1 {
-        project_into(simd, m, &m.layers[0], receivers, batch);
-        return;
-    }
     let mut present = 0_u32;
-    for i in 0..BATCH {
-        batch.layer[i] = layer_at(m, receivers.position(i));
-        present |= 1 << batch.layer[i];
+    for layer in batch.layer {
+        if layer != NO_LAYER {
+            present |= 1 << layer;
+        }
     }
     // Neighbours mostly lie in one layer. Where a batch has several, all its receivers are looked up in each.
     let mut all = Batch::new();
@@ -225,6 +305,34 @@ fn project_batch(
             project_into(simd, m, uniforms, receivers, &mut all);
             batch.take_layer(layer, &all);
         }
+    }
+}
+
+/// Finds the cascade of each receiver of a batch: [`layer_at`] in vector lanes.
+struct PickCascades<'a> {
+    m: &'a ShadowMapUniforms,
+    receivers: &'a ReceiverBatch<'a>,
+    layers: &'a mut Lanes<i32>,
+}
+
+impl SimdTask for PickCascades<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let m = self.m;
+        let receivers = *self.receivers;
+        let last = m.used_layers().len() - 1;
+        let mut picked = [last as i32; BATCH];
+        // From the last to the first, so that the first that holds a receiver stays.
+        for index in (0..last).rev() {
+            let layer = m.layers[index];
+            for (i, picked) in picked.iter_mut().enumerate() {
+                let is_held = holds(m, &layer, receivers.position(i));
+                *picked = if is_held { index as i32 } else { *picked };
+            }
+        }
+        *self.layers = picked;
     }
 }
 
@@ -354,7 +462,10 @@ fn follow_planes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow_map::{coord::shadow_coord, layers::MAX_LAYERS};
+    use crate::shadow_map::{
+        coord::shadow_coord,
+        layers::{CUBE, MAX_LAYERS},
+    };
     use glam::{Mat4, Quat, Vec4, dcamera::rh::proj::directx};
 
     /// A bias's slope, normal offset and receiver plane.
@@ -364,7 +475,7 @@ mod tests {
         receiver_plane: f32,
     }
 
-    fn map(light: Vec4, layer_count: u32, bias: &BiasCase) -> ShadowMapUniforms {
+    fn map(light: Vec4, layer_count: u32, arrangement: u32, bias: &BiasCase) -> ShadowMapUniforms {
         let clip_from_view = directx::perspective(1.2, 1.0, 0.3, 40.0).as_mat4();
         let layer = |i: usize| {
             // Layers look elsewhere, and differ in all that layers have of their own.
@@ -380,6 +491,7 @@ mod tests {
                 normal_offset: bias.normal_offset * share,
                 receiver_plane: bias.receiver_plane * share,
                 deepest_tap: 1.0,
+                depth_in_texels: 300.0,
             }
         };
         ShadowMapUniforms {
@@ -387,6 +499,9 @@ mod tests {
             packed: 0,
             clamped: 0,
             has_receiver_bias: u32::from(bias.slope != 0.0 || bias.normal_offset != 0.0),
+            arrangement,
+            pick_reach: 40.0,
+            blend: 0.0,
             layers: std::array::from_fn(layer),
             light,
             size: 300.0,
@@ -447,7 +562,14 @@ mod tests {
         };
         let sun = Vec4::new(0.0, 1.0, 0.0, 0.0);
         let lamp = Vec4::new(1.0, 4.0, 2.0, 1.0);
-        for (light, layers) in [(sun, 1), (lamp, 1), (lamp, MAX_LAYERS as u32)] {
+        let many = MAX_LAYERS as u32;
+        for (light, layers, arrangement) in [
+            (sun, 1, SINGLE),
+            (lamp, 1, SINGLE),
+            (lamp, 6, CUBE),
+            (sun, many, CASCADES),
+            (sun, 3, CASCADES),
+        ] {
             for [slope, normal_offset, receiver_plane] in [
                 [0.05, 0.0, 0.0],
                 [0.0, 0.0, 0.0],
@@ -461,7 +583,7 @@ mod tests {
                     normal_offset,
                     receiver_plane,
                 };
-                let m = map(light, layers, &bias);
+                let m = map(light, layers, arrangement, &bias);
                 let check = Check { m: &m, span: &span };
                 for simd in [Simd::Baseline, Simd::Native] {
                     let mut out = vec![9.0; 200];

@@ -1,7 +1,7 @@
 //! Settings over maps and biases: what techniques compare, and what tests play.
 
 use crate::shadow_map::{BeyondFar, Bias, Border, MapFormat, ShadowMap, Surface};
-use umbrage_core::{Fit, Layout};
+use umbrage_core::{Cascades, Fit, Layout, Split};
 
 /// Returns biases for kernels that reach `reach` texels beyond the receiver's own, and need more for it; the textbooks' slope bias is
 /// theirs for 3x3.
@@ -55,6 +55,23 @@ pub fn maps<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap
     out
 }
 
+/// Returns a technique with four cascades of half the middle map side, which take the memory of one map of that side; nothing for fits
+/// that don't follow the camera.
+pub fn cascades<T>(sizes: &[u32], fit: Fit, bias: Bias, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
+    if matches!(fit, Fit::Whole | Fit::Manual { .. }) {
+        return Vec::new();
+    }
+    let side = sizes.get(sizes.len() / 2).map(|side| (side / 2).max(1));
+    let map = side.map(|size| ShadowMap {
+        size,
+        fit,
+        bias,
+        layout: Layout::Cascades(Cascades::default()),
+        ..ShadowMap::default()
+    });
+    map.map(make).into_iter().collect()
+}
+
 /// Returns a technique with every bias, and with all at once, since they must also agree together.
 pub fn every_bias<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     let mut biases = Bias::PRESETS.map(|(_, bias)| bias).to_vec();
@@ -75,7 +92,7 @@ pub fn slope_and_adaptive<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T>
 }
 
 /// Returns every kind of map that differs in code path.
-pub fn kinds_of_map(size: u32) -> [ShadowMap; 6] {
+pub fn kinds_of_map(size: u32) -> [ShadowMap; 8] {
     let map = ShadowMap {
         size,
         bias: Bias::CONSTANT,
@@ -107,6 +124,22 @@ pub fn kinds_of_map(size: u32) -> [ShadowMap; 6] {
             layout: Layout::Cube,
             surface: Surface::Midpoint,
             format: MapFormat::Rgba8,
+            ..map
+        },
+        ShadowMap {
+            layout: Layout::Cascades(Cascades {
+                count: 3,
+                split: Split::Receivers,
+                ..Cascades::default()
+            }),
+            ..map
+        },
+        ShadowMap {
+            layout: Layout::Cascades(Cascades {
+                blend: 8.0,
+                ..Cascades::default()
+            }),
+            fit: Fit::Stable { range: 40.0 },
             ..map
         },
     ]

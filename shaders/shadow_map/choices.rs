@@ -2,8 +2,9 @@
 //! one give the chosen variant the name by which the others call it, so that what is switched off costs nothing.
 
 use super::{
+    cascades::{CASCADE_PICK, CASCADES},
     coord::{COORD, PROJECTION},
-    layers::{LAYERS, ShadowMapUniforms},
+    layers::{self, LAYERS, ShadowMapUniforms},
     packing::PACKING,
     texel_compare::{DEPTH_ON_PLANE, STORED_DEPTH, TEXEL_COMPARE},
 };
@@ -30,6 +31,37 @@ const CUBE: Module = choice!(
 fn map_layer(layer: i32) -> MapLayer { return kernel.lookup.layers[layer]; }
 "
 );
+const CASCADED_MAPS: Module = choice!(
+    "choice: cascades",
+    "fn layer_at(light: vec4f, p: vec3f) -> i32 { return cascade_at(p); }
+fn map_layer(layer: i32) -> MapLayer { return kernel.lookup.layers[layer]; }
+"
+);
+const ONE_LAYER: Module = choice!(
+    "choice: one layer answers",
+    "fn receive(r: Receiver) -> f32 { return receive_from_one(r); }
+"
+);
+const TWO_LAYERS: Module = choice!(
+    "choice: the answers of two layers blend",
+    "fn receive(r: Receiver) -> f32 { return receive_from_two(r); }
+"
+);
+const FULL_LIGHT: Module = choice!(
+    "choice: what no map covers is lit",
+    "fn full_light(r: Receiver) -> f32 { return 1.0; }
+"
+);
+/// The part of `receive` that all maps share.
+const RECEIVE: Module = Module {
+    name: "receive",
+    text: include_str!("receive.wgsl"),
+};
+/// The part of `receive` that blends.
+const RECEIVE_BLENDED: Module = Module {
+    name: "receive_blended",
+    text: include_str!("receive_blended.wgsl"),
+};
 const RECEIVER_STAYS: Module = choice!(
     "choice: no normal offset",
     "fn moved_receiver(layer: MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f { return p; }
@@ -78,20 +110,48 @@ const CLAMPED_BORDER: Module = choice!(
 );
 
 impl ShadowMapUniforms {
-    /// Returns the WGSL of `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them. Its uniforms must be
-    /// the kernel's field `lookup`.
+    /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them. The technique's
+    /// own WGSL gives `fn visibility(l: ShadowCoord, r: Receiver) -> f32`, for receivers that the map covers; all others are lit. The
+    /// map's uniforms must be the kernel's field `lookup`.
     pub fn modules(&self) -> Vec<Module> {
-        let mut modules = vec![LAYERS, PROJECTION, COORD, DEPTH_ON_PLANE, TEXEL_COMPARE];
+        let mut modules = self.modules_without_full_light();
+        modules.push(FULL_LIGHT);
+        modules
+    }
+
+    /// As [`modules`](Self::modules), for techniques whose own WGSL also gives `fn full_light(r: Receiver) -> f32`, the answer for
+    /// receivers that the map doesn't cover.
+    pub fn modules_without_full_light(&self) -> Vec<Module> {
+        let mut modules = vec![
+            LAYERS,
+            PROJECTION,
+            COORD,
+            DEPTH_ON_PLANE,
+            TEXEL_COMPARE,
+            RECEIVE,
+        ];
+        if self.arrangement == layers::CASCADES {
+            modules.extend([CASCADES, CASCADE_PICK]);
+        }
+        if self.blends() {
+            modules.push(RECEIVE_BLENDED);
+        }
         modules.extend(stored_depth(self.packed != 0));
         modules.extend(self.choices());
         modules
     }
 
-    fn choices(&self) -> [Module; 4] {
+    fn choices(&self) -> [Module; 5] {
         // Layers share their bias.
         let layer = &self.layers[0];
+        let arrangement = match self.arrangement {
+            layers::CUBE => CUBE,
+            layers::CASCADES => CASCADED_MAPS,
+            _ => SINGLE_MAP,
+        };
         [
-            either(self.layer_count > 1, CUBE, SINGLE_MAP),
+            arrangement,
+            either(self.blends(), TWO_LAYERS, ONE_LAYER),
             either(layer.moves_receivers(), NORMAL_OFFSET, RECEIVER_STAYS),
             either(layer.follows_plane(), RECEIVER_PLANE, ONE_DEPTH),
             either(self.clamped != 0, CLAMPED_BORDER, LIT_BORDER),

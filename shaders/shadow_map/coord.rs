@@ -180,7 +180,14 @@ pub fn offset_along_normal(layer: &MapLayer, p: Vec3, n: Vec3, n_dot_l: f32) -> 
 /// Returns where a receiver at `p` with the unit normal `n` (world space) is looked up in the map.
 #[inline(always)]
 pub fn shadow_coord(m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> ShadowCoord {
-    let index = layer_at(m, p);
+    shadow_coord_in(layer_at(m, p), m, p, n)
+}
+
+/// Returns the same in the layer `index`, whichever layer is the receiver's.
+///
+/// Panics if there is no such layer.
+#[inline(always)]
+pub fn shadow_coord_in(index: i32, m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> ShadowCoord {
     let layer = &m.layers[index as usize];
     let mut moved = p;
     let mut bias = layer.constant;

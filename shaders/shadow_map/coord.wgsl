@@ -11,7 +11,10 @@ struct ShadowCoord {
 }
 
 fn shadow_coord(m: ShadowMapUniforms, p: vec3f, n: vec3f) -> ShadowCoord {
-    let index = layer_at(m.light, p);
+    return shadow_coord_in(layer_at(m.light, p), m, p, n);
+}
+
+fn shadow_coord_in(index: i32, m: ShadowMapUniforms, p: vec3f, n: vec3f) -> ShadowCoord {
     let layer = map_layer(index);
     var moved = p;
     var bias = layer.constant;

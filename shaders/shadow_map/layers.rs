@@ -1,10 +1,12 @@
-//! A shadow map's layers, as kernels know them: one for a single map, six for a cube. Each has its own transform, texel size, bias
-//! and far bound. [`layer_at`] is the one place that picks a receiver's layer.
+//! A shadow map's layers, as kernels know them: one for a single map, six for a cube, one for each cascade. Each has its own
+//! transform, texel size, bias and far bound. [`layer_at`] is the one place that picks a receiver's layer.
 
-use super::{BeyondFar, Border, MapFormat, ShadowMap, position_error};
+use super::{BeyondFar, Border, MapFormat, ShadowMap, cascades::cascade_at, position_error};
 use crate::shading::facing::homogeneous;
 use glam::{Mat4, Vec3, Vec4};
-use umbrage_core::{LightSpace, LightSpaces, Module, View, uniforms};
+use umbrage_core::{
+    Arrangement, CascadePick, LightSpace, LightSpaces, MAX_CASCADES, Module, View, uniforms,
+};
 
 /// The WGSL half: the structs, and `cube_face`.
 pub const LAYERS: Module = Module {
@@ -12,8 +14,15 @@ pub const LAYERS: Module = Module {
     text: include_str!("layers.wgsl"),
 };
 
-/// Most layers of a map.
-pub const MAX_LAYERS: usize = 6;
+/// Most layers of a map: a cube has six.
+pub const MAX_LAYERS: usize = MAX_CASCADES;
+
+/// [`ShadowMapUniforms::arrangement`] of a single map.
+pub const SINGLE: u32 = 0;
+/// [`ShadowMapUniforms::arrangement`] of a cube.
+pub const CUBE: u32 = 1;
+/// [`ShadowMapUniforms::arrangement`] of cascades.
+pub const CASCADES: u32 = 2;
 
 /// [`MapLayer::deepest_tap`] where no tap is compared deeper than the receiver: nearer than any depth.
 pub const NEVER_DEEPER: f32 = f32::MIN;
@@ -40,13 +49,16 @@ uniforms! {
         /// Clip depth down to which taps on the receiver's plane are compared where the receiver itself is nearer: 1, the far
         /// plane, or [`NEVER_DEEPER`].
         pub deepest_tap: f32,
+        /// How many texels as wide as [`texel`](Self::texel) fill the layer's depth, from its near to its far plane; 1 with
+        /// perspective, where no cascade is.
+        pub depth_in_texels: f32,
     }
 }
 
 uniforms! {
     /// What a lookup in a shadow map needs to know, in both halves.
     pub struct ShadowMapUniforms {
-        /// 1 or 6. It comes first since it has few values: Mesa's lavapipe (seen in 22.3) compiles a shader that branches on
+        /// How many layers there are, 1 to [`MAX_LAYERS`]. It comes first since it has few values: Mesa's lavapipe (seen in 22.3) compiles a shader that branches on
         /// uniforms anew for every value of their buffer's first word.
         pub layer_count: u32,
         /// 1 if depth is packed into four channels, else 0.
@@ -56,7 +68,14 @@ uniforms! {
         /// 1 if the bias has a slope or a normal offset, else 0. Shaders branch on this word and not on the layers' floats:
         /// software drivers compile a variant for each value that a branch depends on.
         pub has_receiver_bias: u32,
-        /// The layers: one, or six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube). Unused ones repeat the first.
+        /// How receivers find their layer: [`SINGLE`], [`CUBE`] or [`CASCADES`].
+        pub arrangement: u32,
+        /// Of cascades: how far from its rim a layer holds a receiver with all that the kernel reaches, texels.
+        pub pick_reach: f32,
+        /// Of cascades: over how many texels the answers of two blend; 0 where they don't.
+        pub blend: f32,
+        /// The layers: one, six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube), or those of cascades from the nearest on.
+        /// Unused ones repeat the first.
         pub layers: [MapLayer; MAX_LAYERS],
         /// xyz: unit direction to the light (w = 0) or the light's position (w = 1), world space.
         pub light: Vec4,
@@ -83,6 +102,7 @@ impl MapLayer {
         let projection = space.clip_from_view;
         // The scale of the longer side is the smaller one.
         let scale = projection.x_axis.x.min(projection.y_axis.y);
+        let texel = 2.0 / (scale * map.size as f32);
         let constant = if bias.covers_rounding() {
             bias.constant.max(position_error::depth_error(space))
         } else {
@@ -90,7 +110,7 @@ impl MapLayer {
         };
         Self {
             clip_from_world: space.clip_from_world(),
-            texel: 2.0 / (scale * map.size as f32),
+            texel,
             far: match map.beyond_far {
                 BeyondFar::Lit => 1.0,
                 BeyondFar::Compared => f32::MAX,
@@ -101,6 +121,7 @@ impl MapLayer {
             normal_offset: bias.normal_offset,
             receiver_plane: bias.plane_limit(),
             deepest_tap: if bias.adaptive { NEVER_DEEPER } else { 1.0 },
+            depth_in_texels: depth_in_texels(projection, texel),
         }
     }
 
@@ -123,6 +144,11 @@ impl ShadowMapUniforms {
     /// Panics if there are no spaces.
     pub fn new(map: &ShadowMap, view: &View<'_>, spaces: &LightSpaces) -> Self {
         let bias = map.bias;
+        let (arrangement, pick) = match spaces.arrangement {
+            Arrangement::Single => (SINGLE, CascadePick::default()),
+            Arrangement::Cube => (CUBE, CascadePick::default()),
+            Arrangement::Cascades(pick) => (CASCADES, pick),
+        };
         let spaces = &spaces.spaces;
         let has_slope = bias.slope != 0.0 || bias.slope_min != 0.0;
         let has_receiver_bias = has_slope || bias.normal_offset != 0.0;
@@ -131,6 +157,9 @@ impl ShadowMapUniforms {
             packed: u32::from(map.format == MapFormat::Rgba8),
             clamped: u32::from(map.border == Border::Clamp),
             has_receiver_bias: u32::from(has_receiver_bias),
+            arrangement,
+            pick_reach: pick.reach,
+            blend: pick.blend,
             layers: std::array::from_fn(|i| {
                 // Unused layers repeat the first.
                 let space = spaces.get(i).unwrap_or(&spaces[0]);
@@ -142,6 +171,18 @@ impl ShadowMapUniforms {
         }
     }
 
+    /// Returns the layer in which a receiver at `position` (world space) is looked up first: what kernels answer as their
+    /// [`ReceiveKernel::layer`](umbrage_core::ReceiveKernel::layer).
+    pub fn layer_of(&self, position: Vec3) -> Option<u32> {
+        Some(layer_at(self, position) as u32)
+    }
+
+    /// Returns whether the answers of two layers blend.
+    #[inline(always)]
+    pub fn blends(&self) -> bool {
+        self.arrangement == CASCADES && self.layer_count > 1 && self.blend > 0.0
+    }
+
     /// Returns the layers that are used.
     #[inline(always)]
     pub fn used_layers(&self) -> &[MapLayer] {
@@ -149,13 +190,23 @@ impl ShadowMapUniforms {
     }
 }
 
+/// Returns [`MapLayer::depth_in_texels`] for texels of this side.
+fn depth_in_texels(clip_from_view: Mat4, texel: f32) -> f32 {
+    let is_orthographic = clip_from_view.row(3) == Vec4::W;
+    if is_orthographic {
+        1.0 / (clip_from_view.z_axis.z.abs() * texel)
+    } else {
+        1.0
+    }
+}
+
 /// Returns the index of the layer in which a receiver at `p` (world space) is looked up. WGSL's `layer_at`.
 #[inline(always)]
 pub fn layer_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
-    if m.layer_count > 1 {
-        cube_face(m.light, p)
-    } else {
-        0
+    match m.arrangement {
+        CUBE => cube_face(m.light, p),
+        CASCADES => cascade_at(m, p),
+        _ => 0,
     }
 }
 

@@ -11,6 +11,7 @@ struct MapLayer {
     normal_offset: f32,
     receiver_plane: f32,
     deepest_tap: f32,
+    depth_in_texels: f32,
 }
 
 struct ShadowMapUniforms {
@@ -18,7 +19,10 @@ struct ShadowMapUniforms {
     packed: u32,
     clamped: u32,
     has_receiver_bias: u32,
-    layers: array<MapLayer, 6>,
+    arrangement: u32,
+    pick_reach: f32,
+    blend: f32,
+    layers: array<MapLayer, 8>,
     light: vec4f,
     size: f32,
     sample_gain: f32,

@@ -14,10 +14,13 @@
 //!   none.
 //! * **Far from the origin** positions are rounded (to 8 mm at 1e5 m, 6 cm at 1e6 m): fits jump from frame to frame, and
 //!   biases that follow the receiver closely ([`Bias::ADAPTIVE`]) show acne that flickers.
+//! * **Cascades change their texels' size** from one to the next, which shows as a step along edges unless their answers blend; and what
+//!   a stable one does not reach is lit.
 //! * **16 bits** over a long range store depth in steps that show as acne under any bias that is right for 32.
 
 mod between;
 mod bias;
+pub mod cascades;
 pub(crate) mod choices;
 pub mod coord;
 pub mod layers;

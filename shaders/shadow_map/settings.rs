@@ -69,7 +69,7 @@ pub struct ShadowMap {
     pub fit: Fit,
     /// What keeps receivers from shadowing themselves. Midpoints take no polygon offset.
     pub bias: Bias,
-    /// One space or six.
+    /// How many spaces, and which.
     pub layout: Layout,
     /// Which depth is kept.
     pub surface: Surface,
@@ -99,11 +99,15 @@ impl Default for ShadowMap {
 impl ShadowMap {
     /// Returns a few words for tables.
     pub fn label(&self) -> String {
-        let mut words = vec![self.size.to_string(), self.fit.label()];
+        let layout = match &self.layout {
+            Layout::Auto => String::new(),
+            Layout::Single => "one map".to_owned(),
+            Layout::Cube => "cube".to_owned(),
+            Layout::Cascades(cascades) => cascades.label(),
+        };
+        let mut words = vec![self.size.to_string(), self.fit.label(), layout];
         words.retain(|word| !word.is_empty());
         let others = [
-            (self.layout == Layout::Single, "one map"),
-            (self.layout == Layout::Cube, "cube"),
             (self.surface == Surface::Midpoint, "midpoint"),
             (self.format == MapFormat::Depth16, "16 bit"),
             (self.format == MapFormat::Rgba8, "rgba8"),
@@ -250,7 +254,7 @@ impl ShadowMap {
         Ok(self.recipe_in(&spaces, view, reach, kernel))
     }
 
-    /// Returns the same recipe with layers that lie in these spaces: one, or six in the order of [`Layout::Cube`].
+    /// Returns the same recipe with layers that lie in these spaces, which needn't be those of the map's layout.
     ///
     /// Panics if there are no spaces.
     pub fn recipe_in<K: ReceiveKernel + 'static>(

@@ -80,7 +80,11 @@ impl ListedTechnique for Hard {
     }
 
     fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Self { map })
+        let mut out = sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Self { map });
+        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
+            Self { map }
+        }));
+        out
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
@@ -128,6 +132,10 @@ impl ReceiveKernel for HardKernel {
     /// Never beyond the receiver's own texel, also where a technique that reaches farther falls back on this kernel.
     fn reach(&self, _: Vec3, _: Vec3) -> Option<f32> {
         Some(0.0)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.0.lookup.layer_of(position)
     }
 }
 

@@ -16,6 +16,7 @@ use crate::{
         Bias, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Fit, Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
@@ -103,6 +104,9 @@ impl ListedTechnique for Pcf {
         out.extend(sweeps::middle(map_sizes, fit, &bias, |map| Self {
             map,
             radius: 3,
+        }));
+        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
+            Self { map, radius: 1 }
         }));
         out
     }
@@ -220,6 +224,10 @@ impl ReceiveKernel for PcfKernel {
     fn cost_per_receiver(&self) -> KernelCost {
         let side = 2 * self.0.radius.unsigned_abs() + 1;
         KernelCost::taps(side * side)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.0.lookup.layer_of(position)
     }
 }
 

@@ -5,11 +5,7 @@ struct PcfUniforms {
     radius: i32,
 }
 
-fn receive(r: Receiver) -> f32 {
-    let l = shadow_coord(kernel.lookup, r.position, r.normal);
-    if !l.seen {
-        return 1.0;
-    }
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let size = i32(kernel.lookup.size);
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));

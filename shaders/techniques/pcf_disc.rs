@@ -16,7 +16,7 @@ use crate::{
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
     shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
 };
-use glam::{UVec2, Vec2, Vec4};
+use glam::{UVec2, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
@@ -271,6 +271,10 @@ impl ReceiveKernel for PcfDiscKernel {
 
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::taps(self.uniforms.taps)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.uniforms.lookup.layer_of(position)
     }
 }
 

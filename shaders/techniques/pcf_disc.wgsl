@@ -7,11 +7,7 @@ struct PcfDiscUniforms {
     turns: u32,
 }
 
-fn receive(r: Receiver) -> f32 {
-    let l = shadow_coord(kernel.lookup, r.position, r.normal);
-    if !l.seen {
-        return 1.0;
-    }
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let turn = pattern_row(kernel.taps + (noise_index(r.pixel.x, r.pixel.y) & kernel.turns));
     let axes = turned(vec4f(kernel.radius, 0.0, 0.0, kernel.radius), turn.xy);
     return f32(lit_taps(l, i32(kernel.lookup.size), axes, 0u, kernel.taps, turn.zw)) / f32(kernel.taps);

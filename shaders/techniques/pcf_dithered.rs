@@ -11,7 +11,7 @@ use crate::{
     listing::{ListedTechnique, sweeps},
     shadow_map::{ShadowMap, coord::ShadowCoord, layers::MapOnlyUniforms, texel_compare::DepthMap},
 };
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Fit, Inputs, Kernel, KernelCost, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
@@ -101,6 +101,10 @@ impl ReceiveKernel for PcfDitheredKernel {
 
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::taps(4)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.0.lookup.layer_of(position)
     }
 }
 

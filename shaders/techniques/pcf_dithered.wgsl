@@ -1,10 +1,6 @@
 // Twin of pcf_dithered.rs: four taps, two texels apart, shifted by the pixel's parity.
 
-fn receive(r: Receiver) -> f32 {
-    let l = shadow_coord(kernel.lookup, r.position, r.normal);
-    if !l.seen {
-        return 1.0;
-    }
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let size = i32(kernel.lookup.size);
     let ox = f32(r.pixel.x & 1u);
     let oy = f32((r.pixel.x ^ r.pixel.y) & 1u);

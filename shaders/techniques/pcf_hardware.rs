@@ -21,6 +21,7 @@ use crate::{
         texel_compare::DepthMap,
     },
 };
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Fit, Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
@@ -233,6 +234,10 @@ impl ReceiveKernel for HardwareKernel {
 
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::samples(self.0.samples.unsigned_abs().pow(2))
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.0.lookup.layer_of(position)
     }
 }
 

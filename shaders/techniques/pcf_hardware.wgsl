@@ -5,11 +5,7 @@ struct HardwareUniforms {
     samples: i32,
 }
 
-fn receive(r: Receiver) -> f32 {
-    let l = shadow_coord(kernel.lookup, r.position, r.normal);
-    if !l.seen {
-        return 1.0;
-    }
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let side = f32(kernel.samples);
     let first = l.texel + (0.5 - 0.5 * side);
     var lit = 0.0;

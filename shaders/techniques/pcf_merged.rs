@@ -21,7 +21,7 @@ use crate::{
     },
     techniques::pcf_hardware::{check_map, check_samples},
 };
-use glam::{Vec2, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
@@ -211,6 +211,10 @@ impl ReceiveKernel for MergedKernel {
 
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::samples(self.0.samples.unsigned_abs().pow(2))
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.0.lookup.layer_of(position)
     }
 }
 

@@ -6,11 +6,7 @@ struct MergedUniforms {
     samples: i32,
 }
 
-fn receive(r: Receiver) -> f32 {
-    let l = shadow_coord(kernel.lookup, r.position, r.normal);
-    if !l.seen {
-        return 1.0;
-    }
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let centre = floor(l.texel - 0.5);
     let part = l.texel - 0.5 - centre;
     // The centre of the first texel.

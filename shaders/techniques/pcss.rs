@@ -315,7 +315,7 @@ impl Kernel for PcssKernel {
         };
         self.uniforms
             .lookup
-            .modules()
+            .modules_without_full_light()
             .into_iter()
             .chain([LIGHT_EXTENT, HORIZON, PATTERN, PATTERN_TAPS, own])
             .collect()
@@ -365,6 +365,10 @@ impl ReceiveKernel for PcssKernel {
         let search = bounded(l.depth, half_axis_v.w) * per_depth;
         let deepest = l.depth + (l.gradient.x.abs() + l.gradient.y.abs()) * search;
         Some((bounded(deepest, half_axis_v.w) * per_depth).max(1.0))
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.uniforms.lookup.layer_of(position)
     }
 }
 

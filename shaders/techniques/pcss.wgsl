@@ -109,12 +109,13 @@ fn depth_in_reach(l: ShadowCoord) -> f32 {
     return load_1(vec2i(x, y), l.layer).x;
 }
 
-fn receive(r: Receiver) -> f32 {
-    let share = light_share(kernel.horizon, kernel.square, kernel.lookup.light, r.position, r.normal);
-    let l = shadow_coord(kernel.lookup, r.position, r.normal);
-    if !l.seen {
-        return share;
-    }
+// The share of the light above the horizon.
+fn full_light(r: Receiver) -> f32 {
+    return light_share(kernel.horizon, kernel.square, kernel.lookup.light, r.position, r.normal);
+}
+
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
+    let share = full_light(r);
     let half_axis_v = kernel.extent.half_axis_v[l.layer];
     let widest = min(max(l.depth - depth_in_reach(l), 0.0), half_axis_v.w);
     if share == 0.0 || widest == 0.0 {

@@ -10,8 +10,8 @@ use proptest::{
 };
 use std::{cell::RefCell, sync::Arc};
 use umbrage_core::{
-    Backend, Faces, Fit, Geometry, Layout, Light, LightSpaces, Receivers, Recipe, RecipeError,
-    Scene, ShadowTechnique, Source, View, glam::Vec3, relevant_casters,
+    Backend, Cascades, Faces, Fit, Geometry, Layout, Light, LightSpaces, Receivers, Recipe,
+    RecipeError, Scene, ShadowTechnique, Source, View, glam::Vec3, relevant_casters,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap};
@@ -56,14 +56,19 @@ fn techniques() -> impl Strategy<Value = Case> {
         Just(Bias::normal_offset(2.0)),
         Just(Bias::RECEIVER_PLANE),
     ];
-    let fits = prop_oneof![
-        Just(Fit::Tight),
-        Just(Fit::Whole),
-        Just(Fit::Stable { range: 9.0 })
-    ];
+    let following = || prop_oneof![Just(Fit::Tight), Just(Fit::Stable { range: 9.0 })];
+    let fits = prop_oneof![2 => following(), 1 => Just(Fit::Whole)];
     let layouts = prop_oneof![Just(Layout::Auto), Just(Layout::Single), Just(Layout::Cube)];
-    (0..3, 16..200_u32, 0..4_u32, biases, fits, layouts).prop_map(
-        |(kind, size, radius, bias, fit, layout)| {
+    let cascades = Layout::Cascades(Cascades {
+        blend: 3.0,
+        ..Cascades::default()
+    });
+    let fits_and_layouts = prop_oneof![
+        3 => (fits, layouts),
+        1 => (following(), Just(cascades)),
+    ];
+    (0..3, 16..200_u32, 0..4_u32, biases, fits_and_layouts).prop_map(
+        |(kind, size, radius, bias, (fit, layout))| {
             let map = ShadowMap {
                 size,
                 bias,

@@ -10,11 +10,11 @@ use umbrage_cpu::Cpu;
 use umbrage_scenes::find;
 use umbrage_techniques::{
     Bias, Border, Hard, HardKernel, HardwareKernel, HardwareUniforms, MapFormat, PcfDitheredKernel,
-    PcfKernel, PcfUniforms, ShadowMap,
-    shadow_map::layers::{MAX_LAYERS, MapOnlyUniforms},
+    PcfKernel, PcfUniforms, ShadowMap, shadow_map::layers::MapOnlyUniforms,
 };
 use umbrage_tests::gpu::gpu;
 
+const CUBE_FACES: usize = 6;
 /// Texels that every kernel here may reach.
 const REACH: f32 = 2.0;
 
@@ -88,7 +88,7 @@ fn several_equal_layers_give_the_bits_of_a_single_map() {
     for map in maps() {
         let single = map.spaces(&view, REACH).expect("one map holds all casters");
         let space = single.spaces[0];
-        let several = LightSpaces::with_all_casters(vec![space; MAX_LAYERS]);
+        let several = LightSpaces::with_all_casters(vec![space; CUBE_FACES]);
         // The negative control: a layer that lies elsewhere is seen. By part of a texel, since map and lookup move alike.
         let mut spoilt = several.clone();
         for space in &mut spoilt.spaces[1..] {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use umbrage_core::{
-    Extents, Fit, Geometry, Layout, Light, LightSpace, RecipeError, View,
+    Cascades, Extents, Fit, Geometry, Layout, Light, LightSpace, RecipeError, Split, View,
     glam::{Mat4, UVec2, Vec3, Vec4},
 };
 use umbrage_tests::stage::{camera, geometry};
@@ -232,6 +232,51 @@ fn cube() {
         let needed = spaces.is_needed(layer);
         let space = spaces.spaces[layer];
         text += &print(&format!("{axis}, needed: {needed}"), &Ok(space));
+    }
+    insta::assert_snapshot!(text);
+}
+
+/// Four cascades of a sun that shines along the view and of one across it: stable, tight around what may be seen, and cut by what is.
+#[test]
+fn cascades() {
+    let geometry = geometry(1.0, Vec3::ZERO);
+    let camera = camera();
+    let seen = umbrage_cpu::Cpu::new()
+        .receivers(&camera, &geometry)
+        .expect("a good camera");
+    let log = Cascades {
+        nearest: 1.0,
+        ..Cascades::default()
+    };
+    let by_receivers = Cascades {
+        split: Split::Receivers,
+        ..log
+    };
+    let mut text = String::new();
+    for (name, light) in lights(1.0, Vec3::ZERO) {
+        if !matches!(light, Light::Directional { .. }) {
+            continue;
+        }
+        let view = View::new(&camera, &light, &geometry);
+        for (fit, cascades, view) in [
+            (Fit::Stable { range: 20.0 }, log, view),
+            (Fit::Tight, log, view),
+            (Fit::Tight, by_receivers, view.with_receivers(&seen)),
+        ] {
+            let ends = fit.slice_ends(&cascades, &view).expect("slices");
+            let spaces = fit
+                .light_spaces(Layout::Cascades(cascades), &view, 256, 3.0)
+                .expect("suns have cascades");
+            text += &format!(
+                "{name}: {}, {} to {ends:.3?}\n",
+                fit.label(),
+                cascades.label()
+            );
+            for (layer, &space) in spaces.spaces.iter().enumerate() {
+                let is_needed = spaces.is_needed(layer);
+                text += &print(&format!("cascade {layer}, needed: {is_needed}"), &Ok(space));
+            }
+        }
     }
     insta::assert_snapshot!(text);
 }

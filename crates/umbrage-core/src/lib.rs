@@ -41,11 +41,12 @@ pub use invalid::Invalid;
 pub use light_space::fit::relevant_casters;
 pub use light_space::{
     Extents, LightSpace,
+    cascades::{Cascades, MAX_CASCADES, SliceEnds, Split},
     caster_set::CasterSet,
     depth_range,
     fit::{Fit, FitMemory},
     footprint,
-    layers::{Layout, LightSpaces},
+    layers::{Arrangement, CascadePick, LayerPicker, Layout, LightSpaces},
 };
 pub use math::MATH;
 #[cfg(feature = "testing")]

@@ -3,6 +3,7 @@
 use crate::{
     Aabb, Receivers,
     geometry::box_tree::{BoxTree, RUN},
+    light_space::fit::SliceOfView,
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -20,6 +21,8 @@ pub(crate) struct SeenPoints<'a> {
     receivers: &'a Receivers,
     tiles_across: usize,
     tree: Arc<BoxTree>,
+    /// Where points count; everywhere if none.
+    slice: Option<SliceOfView>,
 }
 
 impl<'a> SeenPoints<'a> {
@@ -40,6 +43,36 @@ impl<'a> SeenPoints<'a> {
             receivers,
             tiles_across,
             tree: Arc::new(BoxTree::new(boxes.concat())),
+            slice: None,
+        }
+    }
+
+    /// Returns those of the points that lie in a slice of a camera's view.
+    pub(crate) fn within(&self, slice: SliceOfView) -> Self {
+        let unboxed = Self {
+            slice: Some(slice),
+            ..self.clone()
+        };
+        let tile_count = self.entries().end / RUN;
+        let mut boxes = vec![Aabb::EMPTY; tile_count as usize];
+        let mut walk = self.tree.walk(self.entries());
+        while let Some(block) = walk.next() {
+            if block.bounds.is_empty() || slice.holds_none_of(&block.bounds) {
+                continue;
+            }
+            let Some(tile) = &block.run else {
+                walk.enter(&block);
+                continue;
+            };
+            boxes[(tile.start / RUN) as usize] = if slice.holds_all_of(&block.bounds) {
+                block.bounds
+            } else {
+                Aabb::around(unboxed.points_in(tile))
+            };
+        }
+        Self {
+            tree: Arc::new(BoxTree::new(boxes)),
+            ..unboxed
         }
     }
 
@@ -49,6 +82,7 @@ impl<'a> SeenPoints<'a> {
             receivers,
             tiles_across: (receivers.size.x as usize).div_ceil(TILE),
             tree,
+            slice: None,
         }
     }
 
@@ -66,11 +100,13 @@ impl<'a> SeenPoints<'a> {
     /// Returns the world positions of a tile's points. `tile` is its entries.
     pub(crate) fn points_in(&self, tile: &Range<u32>) -> impl Iterator<Item = Vec3> + use<'a> {
         let index = (tile.start / RUN) as usize;
-        points_in(
+        let slice = self.slice;
+        let points = points_in(
             self.receivers,
             index % self.tiles_across,
             index / self.tiles_across,
-        )
+        );
+        points.filter(move |&p| slice.is_none_or(|slice| slice.holds(p)))
     }
 }
 

@@ -22,6 +22,11 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
     }
 
     pub(crate) fn triangle(corners: [P; 3]) -> Self {
+        Self::of(corners)
+    }
+
+    /// Returns the polygon with these corners, of which there are at most `MAX`.
+    pub(crate) fn of<const COUNT: usize>(corners: [P; COUNT]) -> Self {
         let mut polygon = Self::empty();
         for corner in corners {
             polygon.push(corner);

@@ -7,7 +7,7 @@
 //! N / least singular value.
 
 use crate::{
-    CameraRays, LightSpace, LightSpaces, MAX_SIDE, Receivers, View,
+    CameraRays, LayerPicker, LightSpaces, MAX_SIDE, Receivers, View,
     math::{cross3, dot3, transform},
 };
 use glam::{Mat4, Vec2, Vec3};
@@ -22,6 +22,21 @@ pub fn texels_per_pixel(
     spaces: &LightSpaces,
     size: u32,
 ) -> Vec<f32> {
+    let picker = LayerPicker::new(spaces, size);
+    texels_per_pixel_in(view, receivers, size, |position, _| {
+        let layer = picker.layer_at(position)?;
+        Some(picker.clip_from_world(layer))
+    })
+}
+
+/// As [`texels_per_pixel`], where a receiver at a position (world space) with a normal is looked up in the map that `clip_from_world`
+/// returns; in none, if it returns none.
+pub fn texels_per_pixel_in(
+    view: &View<'_>,
+    receivers: &Receivers,
+    size: u32,
+    clip_from_world: impl Fn(Vec3, Vec3) -> Option<Mat4> + Sync,
+) -> Vec<f32> {
     let rays = view.camera.rays();
     let width = receivers.size.x.max(1) as usize;
     let of_receiver = |i: usize| {
@@ -31,13 +46,10 @@ pub fn texels_per_pixel(
         if !receivers.receives[i] || faces_away {
             return None;
         }
-        // Of a cube's faces, the one in which a point lies is that along whose view it is farthest.
-        let space = spaces.spaces.iter().max_by(|a, b| {
-            distance_along_view(a, position).total_cmp(&distance_along_view(b, position))
-        })?;
+        let clip_from_world = clip_from_world(position, normal)?;
         let pixel = Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
         let steps = PixelSteps::new(&rays, pixel, position, normal);
-        fewest_texels(&steps, space.clip_from_world(), position, size as f32)
+        fewest_texels(&steps, clip_from_world, position, size as f32)
     };
     (0..receivers.len())
         .into_par_iter()
@@ -69,10 +81,6 @@ pub fn side_of(texels: &[f32], quantile: f32) -> Option<u32> {
 pub fn at_least(rising: &[f32], quantile: f32) -> Option<f32> {
     let last = rising.len().checked_sub(1)?;
     Some(rising[((1.0 - quantile.clamp(0.0, 1.0)) * last as f32).floor() as usize])
-}
-
-fn distance_along_view(space: &LightSpace, p: Vec3) -> f32 {
-    -transform(space.view_from_world, p).z
 }
 
 /// How far the seen point moves on its plane, metres, when the pixel's ray moves by a pixel: dp/dx and dp/dy.

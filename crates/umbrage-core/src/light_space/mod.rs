@@ -8,6 +8,7 @@
 //!
 //! Matrices are named `destination_from_source` and multiply column vectors. They are built in `f64` and rounded once.
 
+pub(crate) mod cascades;
 pub(crate) mod caster_set;
 pub mod depth_range;
 pub(crate) mod fit;

@@ -59,6 +59,12 @@ pub trait ReceiveKernel: Kernel {
     fn reach(&self, _position: Vec3, _normal: Vec3) -> Option<f32> {
         None
     }
+
+    /// In which layer of its map a receiver at `position` (world space) is looked up, where there are several. None: the layers are
+    /// the faces of a cube, and it is that of the face in which the receiver lies.
+    fn layer(&self, _position: Vec3) -> Option<u32> {
+        None
+    }
 }
 
 /// Makes an image from images of any size. Its WGSL entry is `fn filter_texel(texel: vec2i, layer: i32) -> vec4f`.

@@ -43,6 +43,8 @@ pub enum Measure {
     EdgeDisplacement,
     /// [`cube_seams::wrong_within`] two texels of a cube's seams.
     Seams,
+    /// [`cascade_seams::excess`](super::measures::cascade_seams::excess).
+    CascadeSeams,
     /// [`band::wrong_within`] a part of the picture.
     WrongNear(Band),
     /// [`penumbra::rmse`].
@@ -93,6 +95,7 @@ impl Measure {
             Self::LeakAround(..) => "leak around the contacts",
             Self::EdgeDisplacement => "edge displacement",
             Self::Seams => "wrong on seams",
+            Self::CascadeSeams => "jumps between cascades",
             Self::WrongNear(Band::Creases { .. }) => "wrong along creases",
             Self::WrongNear(Band::ConeRim { .. }) => "wrong along the rim",
             Self::PenumbraRmse => "RMSE in penumbrae",
@@ -115,9 +118,11 @@ impl Measure {
             | Self::Gap(_)
             | Self::ContactLeak(..)
             | Self::LeakAround(..) => Some(Self::Acne),
-            Self::ScaleDrift(_) | Self::Fill | Self::Shimmer | Self::ChangeError => {
-                Some(Self::Rmse)
-            }
+            Self::ScaleDrift(_)
+            | Self::Fill
+            | Self::Shimmer
+            | Self::ChangeError
+            | Self::CascadeSeams => Some(Self::Rmse),
             Self::Wrong
             | Self::Rmse
             | Self::EdgeDisplacement
@@ -168,6 +173,9 @@ impl Measure {
             Self::Seams => {
                 "twice a perfect map's of this size, and one pixel in a thousand; fails at four times that, or near no shadow"
             }
+            Self::CascadeSeams => {
+                "of a hundred neighbours on either side of a seam, one jumps unseen; four are a line"
+            }
             Self::PenumbraRmse => {
                 "passes up to the noise of 16 independent rays a pixel; fails above half the error of a lamp without extent"
             }
@@ -184,8 +192,8 @@ impl Measure {
         }
     }
 
-    /// Returns the figure of a mask, in the measure's unit; 0 for measures that a single mask doesn't determine: fill, shimmer
-    /// and change.
+    /// Returns the figure of a mask, in the measure's unit; 0 for measures that a single mask doesn't determine: fill, shimmer,
+    /// change, and seams between cascades.
     pub fn figure(&self, case_truth: &CaseTruth, mask: &[f32]) -> f64 {
         let truth = &case_truth.truth.visibility;
         let receivers = &case_truth.truth.receivers;
@@ -226,7 +234,7 @@ impl Measure {
                 mean_width_error(&widths)
             }
             Self::AllLit => darkened(mask, &case_truth.truth.pixels),
-            Self::Fill | Self::Shimmer | Self::ChangeError => 0.0,
+            Self::Fill | Self::Shimmer | Self::ChangeError | Self::CascadeSeams => 0.0,
         }
     }
 
@@ -262,6 +270,9 @@ impl Measure {
             ),
             Self::PenumbraWidth => VerdictLimits::new(25.0, 50.0),
             Self::AllLit => VerdictLimits::new(0.0, 0.0),
+            Self::CascadeSeams => {
+                VerdictLimits::new(BAND_SHARE, super::verdict::FAILS_AT * BAND_SHARE)
+            }
             Self::ScaleDrift(_) | Self::Shimmer | Self::ChangeError => {
                 VerdictLimits::new(STEP, super::verdict::FAILS_AT * STEP)
             }

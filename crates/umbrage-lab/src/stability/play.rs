@@ -5,10 +5,11 @@ use super::{
     case_truth::CaseTruth,
     guard::{self, NoMask},
     measure::{Measure, SCREEN, rmse},
+    measures::cascade_seams,
     pictures,
 };
 use crate::{LabError, compare::Backends};
-use umbrage_core::{Light, Recipe, ShadowTechnique, View, Work};
+use umbrage_core::{Light, Receivers, Recipe, ShadowTechnique, View, Work};
 use umbrage_plan::motion::draws_the_picture;
 
 /// A still case, ready to be played.
@@ -27,11 +28,15 @@ struct RenderedOnAll {
     fill: f64,
     /// Whether anything is drawn.
     casts: bool,
+    /// Of each pixel, the cascade that answers for it; none if the technique has no cascades.
+    cascades: Option<Vec<u32>>,
     disagreeing: Option<u64>,
 }
 
 /// Why fill is not measured of what draws nothing.
 const CASTS_NOTHING: &str = "it draws nothing; `compare` tells what its rays cost";
+/// Why seams between cascades are not measured of other maps.
+const NO_SEAM: &str = "no two cascades meet in the picture";
 
 impl Still<'_> {
     /// Plays one setting and returns its cell.
@@ -50,6 +55,13 @@ impl Still<'_> {
                 judgements.push(Judgement::not_measured(CASTS_NOTHING));
                 continue;
             }
+            if criterion.measure == Measure::CascadeSeams {
+                let seams = self.cascade_seams(&played);
+                judgements.push(seams.map_or(Judgement::not_measured(NO_SEAM), |figure| {
+                    criterion.limits.judgement(figure)
+                }));
+                continue;
+            }
             match self.figure(criterion.measure, &played, technique, backends) {
                 Ok(figure) => judgements.push(criterion.limits.judgement(figure)),
                 Err(why) => return Ok(no_mask(technique, why)),
@@ -61,6 +73,18 @@ impl Still<'_> {
             out.picture = Some(pictures::beside(self.case_truth, &played.mask)?);
         }
         Ok(out)
+    }
+
+    /// Returns the figure of [`Measure::CascadeSeams`]; none if no two cascades meet.
+    fn cascade_seams(&self, played: &RenderedOnAll) -> Option<f64> {
+        let truth = &self.case_truth.truth;
+        cascade_seams::excess(
+            truth.size,
+            &played.mask,
+            &truth.visibility,
+            played.cascades.as_ref()?,
+            |i| self.case_truth.counts(i),
+        )
     }
 
     /// Returns a measure's figure of a rendering. For a comparison with scale 1, plays the technique there, too.
@@ -152,8 +176,22 @@ fn under(
         mask: rendered.mask,
         fill: fill(&recipe, &view),
         casts: !recipe.casts.is_empty(),
+        cascades: cascades(light, &recipe, &case_truth.truth.receivers),
         disagreeing: rendered.disagreeing,
     })
+}
+
+/// Returns, of each pixel, the cascade that answers for it; none if the recipe has no cascades. Only a sun's map has several layers
+/// that aren't a cube's.
+fn cascades(light: &Light, recipe: &Recipe, receivers: &Receivers) -> Option<Vec<u32>> {
+    if light.position().is_some() {
+        return None;
+    }
+    let kernel = &recipe.receive.kernel;
+    let pixels = 0..receivers.len();
+    pixels
+        .map(|i| kernel.layer(receivers.position(i)))
+        .collect()
 }
 
 /// Returns the number of fragments that casts draw for a picture of [`SCREEN`] pixels, millions. Casts into images of the

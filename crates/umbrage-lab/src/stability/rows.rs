@@ -7,7 +7,8 @@ use super::{
 };
 use glam::Vec3;
 use std::sync::Arc;
-use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, ShadowMap};
+use umbrage_core::{Cascades, Fit, Layout, Split};
+use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, Pcf, ShadowMap};
 
 /// All rows, by number.
 pub fn rows() -> &'static [StabilityRow] {
@@ -136,6 +137,42 @@ fn hard_leaky_bias(size: u32) -> ConfiguredTechniques {
     )
 }
 
+/// Returns hard and filtered shadows from four cascades that together take the memory of one map: cut by what is seen, stable, and
+/// with answers that blend.
+fn cascaded(size: u32) -> ConfiguredTechniques {
+    let map = |fit, cascades| ShadowMap {
+        size: size / 2,
+        fit,
+        layout: Layout::Cascades(cascades),
+        ..ShadowMap::default()
+    };
+    let by_receivers = Cascades {
+        split: Split::Receivers,
+        ..Cascades::default()
+    };
+    let blended = Cascades {
+        blend: 16.0,
+        ..Cascades::default()
+    };
+    let stable = Fit::Stable {
+        range: FARTHEST_SEAM,
+    };
+    vec![
+        Arc::new(Hard {
+            map: map(Fit::Tight, by_receivers),
+        }),
+        Arc::new(Hard {
+            map: map(stable, Cascades::default()),
+        }),
+        Arc::new(Pcf {
+            map: map(stable, blended),
+            radius: 1,
+        }),
+    ]
+}
+
+/// How deep the stable fits reach whose cascades' seams are looked at: as far as is seen.
+const FARTHEST_SEAM: f32 = 320.0;
 /// How deep stable fits reach in views a few metres deep, metres.
 const NEARBY: f32 = 8.0;
 /// How deep they reach in landscapes.
@@ -156,7 +193,6 @@ const HILLS_JITTER: StabilityCase = moving("hills-jitter", "hills", Motion::Jitt
 
 const MOMENTS: &str = "moment maps (VSM, EVSM, MSM)";
 const WARPS: &str = "perspective warps";
-const CASCADES: &str = "cascades";
 
 #[rustfmt::skip]
 const ROWS: &[StabilityRow] = &[
@@ -190,7 +226,7 @@ const ROWS: &[StabilityRow] = &[
     ]).not_covered_yet("alpha-tested casters"),
     row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
         still("hills", Measure::Rmse), HILLS_PAN, HILLS_PAN.stable("hills-pan-stable", LANDSCAPE),
-    ]).not_covered_yet(CASCADES),
+    ]),
     row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
         still("hills-1e5", Measure::Rmse).limits_from("hills"),
         HILLS_1E5_PAN, HILLS_1E5_PAN.stable("hills-1e5-pan-stable", LANDSCAPE),
@@ -277,6 +313,10 @@ const ROWS: &[StabilityRow] = &[
     ]),
     row(37, "jittered projection", "a fit that follows the picture changes with every jitter of temporal antialiasing", &[
         HILLS_JITTER, HILLS_JITTER.stable("hills-jitter-stable", LANDSCAPE),
+    ]),
+    row(38, "cascade seams", "where one map ends and a coarser one begins: a line across the picture, or no shadow at all", &[
+        still("hills", Measure::CascadeSeams).also(cascaded).named("hills-seams"),
+        still("far-range", Measure::CascadeSeams).also(cascaded).named("far-range-seams"),
     ]),
 ];
 

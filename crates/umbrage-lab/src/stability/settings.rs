@@ -60,7 +60,7 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn every_technique_has_one_to_three_settings_that_differ() {
+    fn every_technique_has_one_to_four_settings_that_differ() {
         let chosen = settings(&Techniques::built_in(), &[], 256, Fit::Tight);
         for entry in umbrage_techniques::all() {
             let its: Vec<String> = chosen
@@ -70,7 +70,7 @@ mod tests {
                 .collect();
             let distinct: HashSet<&String> = its.iter().collect();
             assert!(
-                matches!(its.len(), 1..=3) && distinct.len() == its.len(),
+                matches!(its.len(), 1..=4) && distinct.len() == its.len(),
                 "{}: {its:?}",
                 entry.name
             );
@@ -98,7 +98,10 @@ mod tests {
         let of_hard = settings(&Techniques::built_in(), &names, 256, Fit::Tight);
         let hard: Vec<String> = of_hard.iter().map(|t| t.settings()).collect();
         assert!(
-            hard.len() == 2 && hard[0].contains("slope") && hard[1].contains("adaptive"),
+            hard.len() == 3
+                && hard[0].contains("slope")
+                && hard[1].contains("adaptive")
+                && hard[2].contains("cascades"),
             "{hard:?}"
         );
     }

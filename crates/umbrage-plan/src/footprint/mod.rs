@@ -8,9 +8,9 @@ mod tests;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Cast, CastMode, LightSpaces, Receivers, Recipe, ShadowTechnique, View,
-    footprint::{at_least, side_of, texels_per_pixel},
-    glam::UVec2,
+    Cast, CastMode, Receivers, Recipe, ShadowTechnique, View,
+    footprint::{at_least, side_of, texels_per_pixel_in},
+    glam::{Mat4, UVec2, Vec3},
     math::transform,
 };
 
@@ -33,7 +33,7 @@ pub struct MapUse {
     /// Share of all texels that no lookup touches, 0..=1; 0 without maps.
     pub unused: f64,
     /// Least, median and greatest number of texels in a pixel, in the direction in which there are the fewest, over the
-    /// seen receivers that face the light and fall on a map (see [`texels_per_pixel`]); none if there are none.
+    /// seen receivers that face the light and fall on a map (see [`texels_per_pixel_in`]); none if there are none.
     pub texels_per_pixel: Option<[f32; 3]>,
     /// How many texels a pixel spans at least for a share [`QUANTILE`] of them.
     pub texels: Option<f32>,
@@ -127,10 +127,11 @@ pub fn measure(
         .collect();
     let texels: usize = casts.iter().map(|c| c.lookups.len()).sum();
     let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
-    let spaces: Vec<_> = nearest.map(|cast| cast.space).collect();
-    let spaces = LightSpaces::with_all_casters(spaces);
+    let layers: Vec<Layer> = nearest.map(Layer::of).collect();
     let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
-    let mut sizes = texels_per_pixel(view, receivers, &spaces, 1);
+    let mut sizes = texels_per_pixel_in(view, receivers, 1, |position, _| {
+        Some(layer_at(&layers, recipe, position)?.clip_from_world)
+    });
     sizes.par_sort_unstable_by(f32::total_cmp);
     let overview = sizes
         .first()
@@ -217,6 +218,48 @@ impl CastFootprint {
     }
 }
 
+/// A layer of a recipe's maps.
+struct Layer {
+    /// Its index among its image's.
+    index: u32,
+    view_from_world: Mat4,
+    clip_from_world: Mat4,
+}
+
+impl Layer {
+    fn of(cast: &Cast) -> Self {
+        Self {
+            index: cast.layer,
+            view_from_world: cast.space.view_from_world,
+            clip_from_world: cast.space.clip_from_world(),
+        }
+    }
+}
+
+/// Returns the layer in which a receiver is looked up: the one that the recipe's kernel names, or that along whose view the receiver
+/// is farthest, as with a cube; none if nothing was drawn there.
+fn layer_at<'a>(layers: &'a [Layer], recipe: &Recipe, position: Vec3) -> Option<&'a Layer> {
+    if let Some(index) = recipe.receive.kernel.layer(position) {
+        return layers.iter().find(|layer| layer.index == index);
+    }
+    let distance = |layer: &Layer| -transform(layer.view_from_world, position).z;
+    let by_distance = |a: &&Layer, b: &&Layer| distance(a).total_cmp(&distance(b));
+    layers.iter().max_by(by_distance)
+}
+
+/// Returns whether a receiver is looked up in another layer than the cast's.
+fn is_on_other_layer(cast: &Cast, recipe: &Recipe, position: Vec3) -> bool {
+    if recipe.images[cast.image].layers == 1 {
+        return false;
+    }
+    if let Some(index) = recipe.receive.kernel.layer(position) {
+        return index != cast.layer;
+    }
+    // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
+    let in_view = transform(cast.space.view_from_world, position);
+    in_view.x.abs().max(in_view.y.abs()) > -in_view.z
+}
+
 /// Counts the lookups of one map.
 fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> CastFootprint {
     let image = &recipe.images[cast.image];
@@ -252,10 +295,7 @@ fn touched_texels(
     let size = image.size.as_vec2();
     let position = receivers.position(i);
     let clip = transform(cast.space.clip_from_world(), position);
-    let in_view = transform(cast.space.view_from_world, position);
-    // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
-    let is_on_other_face = image.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
-    if clip.w <= 0.0 || is_on_other_face {
+    if clip.w <= 0.0 || is_on_other_layer(cast, recipe, position) {
         return None;
     }
     let kernel = &recipe.receive.kernel;

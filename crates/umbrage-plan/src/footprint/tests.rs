@@ -1,6 +1,7 @@
 //! A level plane under a camera and a sun that both look straight down, so that every figure is known.
 
 use super::*;
+use umbrage_core::footprint::texels_per_pixel;
 use umbrage_core::{
     Camera, Extents, Fit, Geometry, Instance, Light, Mesh, Scene, ShadowTechnique,
     footprint::side_for,

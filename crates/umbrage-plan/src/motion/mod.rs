@@ -152,7 +152,7 @@ fn filter_alike(a: &Filter, b: &Filter) -> bool {
 mod tests {
     use super::*;
     use glam::UVec2;
-    use umbrage_core::Fit;
+    use umbrage_core::{Cascades, Fit, Layout};
     use umbrage_cpu::Cpu;
     use umbrage_techniques::{Hard, ShadowMap, ShadowVolumes, Traced};
 
@@ -191,6 +191,18 @@ mod tests {
             !follows_when(&hard(Fit::Tight), false),
             "it goes around all that receives"
         );
+    }
+
+    #[test]
+    fn cascades_follow_the_camera() {
+        for fit in [Fit::Tight, Fit::Stable { range: 60.0 }] {
+            let one = hard(fit).map;
+            let map = ShadowMap {
+                layout: Layout::Cascades(Cascades::default()),
+                ..one
+            };
+            assert!(follows(&Hard { map }), "{}", map.label());
+        }
     }
 
     /// A map as large as the picture is no picture.

@@ -2,7 +2,7 @@
 
 use super::{bias::BiasKind, resolution};
 use crate::estimate::scene::PlanScene;
-use umbrage_core::{Fit, Light, math::transform};
+use umbrage_core::{Cascades, Fit, Layout, Light, math::transform};
 use umbrage_techniques::{Candidate, MapFormat, ShadowMap, TechniquePreset, Techniques};
 
 /// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
@@ -78,6 +78,22 @@ impl Family {
         })
     }
 
+    /// Returns the same family of maps as cascades, each map that much smaller that they take no more memory; none without maps.
+    fn cascaded(&self, cascades: Cascades) -> Option<Self> {
+        let sides = &SIZES[..SIZES.len() - 1];
+        let first = self.preset();
+        let layout = Layout::Cascades(cascades);
+        let map = ShadowMap {
+            layout,
+            ..*first.map()?
+        };
+        let on_side = |&side: &u32| with_map_side(&first.with_map(map), side);
+        Some(Self {
+            candidates: sides.iter().map(on_side).collect(),
+            ..self.clone()
+        })
+    }
+
     fn of_maps(preset: TechniquePreset) -> Self {
         Self {
             candidates: SIZES.map(|side| with_map_side(&preset, side)).to_vec(),
@@ -146,18 +162,44 @@ pub(super) struct FamilyNeeds {
 /// How much farther than what is seen now stable maps reach: a camera that moves sees more.
 const STABLE_MARGIN: f32 = 1.25;
 
-/// Returns how far along the camera's view shadows are wanted, metres: a little farther than nearly all that it sees.
-fn farthest_seen(scene: &PlanScene<'_>) -> f32 {
+/// Returns the distances along the camera's view of all that it sees, metres, rising.
+fn seen_distances(scene: &PlanScene<'_>) -> Vec<f32> {
     let receivers = &scene.receivers;
     let space = scene.camera.space();
-    let mut depths: Vec<f32> = (0..receivers.len())
+    let mut distances: Vec<f32> = (0..receivers.len())
         .filter(|&i| receivers.receives[i])
         .map(|i| -transform(space.view_from_world, receivers.position(i)).z)
         .collect();
-    depths.sort_unstable_by(f32::total_cmp);
-    let nearly_all = depths.len() * 99 / 100;
-    let farthest = depths.get(nearly_all).copied().unwrap_or(1.0);
+    distances.sort_unstable_by(f32::total_cmp);
+    distances
+}
+
+/// Returns how far along the camera's view shadows are wanted, metres: a little farther than nearly all that it sees.
+fn farthest_seen(rising_distances: &[f32]) -> f32 {
+    let nearly_all = rising_distances.len() * 99 / 100;
+    let farthest = rising_distances.get(nearly_all).copied().unwrap_or(1.0);
     STABLE_MARGIN * farthest.max(f32::MIN_POSITIVE)
+}
+
+/// How many times as far as the nearest the farthest receivers must be for cascades to be tried: the texels of one map are then that
+/// many times larger nearby, in pixels, than they need to be.
+const LEAST_RANGE_OF_CASCADES: f32 = 8.0;
+
+/// Returns cascades for a view; none where what is seen is about equally far.
+fn cascades_for(rising_distances: &[f32]) -> Option<Cascades> {
+    let nearest = rising_distances.get(rising_distances.len() / 100)?;
+    let farthest = rising_distances.get(rising_distances.len() * 99 / 100)?;
+    let is_deep = *nearest > 0.0 && *farthest >= LEAST_RANGE_OF_CASCADES * nearest;
+    is_deep.then(|| Cascades {
+        nearest: two_digits(*nearest),
+        ..Cascades::default()
+    })
+}
+
+/// Returns a positive number rounded down to two digits, which read better in presets.
+fn two_digits(value: f32) -> f32 {
+    let unit = 10.0_f64.powf(f64::from(value).log10().floor() - 1.0);
+    ((f64::from(value) / unit).floor() * unit) as f32
 }
 
 /// Returns all candidates for a view: those for its light, each family of maps with one more of the side that the view's
@@ -169,18 +211,28 @@ pub(super) fn families_for(
 ) -> Vec<Family> {
     let side = resolution::side(scene).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
     let mut families = families(techniques, scene.light, needs.small);
-    if needs.stable && matches!(scene.light, Light::Directional { .. }) {
-        let range = farthest_seen(scene);
+    let is_sun = matches!(scene.light, Light::Directional { .. });
+    let distances = seen_distances(scene);
+    let cascades = cascades_for(&distances).filter(|_| is_sun);
+    // The side that the view's pixels ask for is that of one map.
+    let mut cascaded: Vec<Family> = Vec::new();
+    if let Some(cascades) = cascades {
+        cascaded.extend(families.iter().filter_map(|f| f.cascaded(cascades)));
+    }
+    if needs.stable && is_sun {
+        let range = farthest_seen(&distances);
+        let stable_cascades: Vec<Family> =
+            cascaded.iter().filter_map(|f| f.stable(range)).collect();
+        cascaded.extend(stable_cascades);
         let stable: Vec<Family> = families.iter().filter_map(|f| f.stable(range)).collect();
         families.extend(stable);
     }
-    let Some(side) = side else {
-        return families;
-    };
+    if let Some(side) = side {
+        let with_side = |family: Family| family.with_side(side);
+        families = families.into_iter().map(with_side).collect();
+    }
+    families.extend(cascaded);
     families
-        .into_iter()
-        .map(|family| family.with_side(side))
-        .collect()
 }
 
 /// Returns all candidates for a light, in the order in which equally cheap ones are tried: single settings without a map,
@@ -273,6 +325,41 @@ mod tests {
         };
         assert_eq!(stable.candidates[0].with_map(tight), hard.candidates[0]);
         assert_eq!(Family::single(Traced::default().into()).stable(20.0), None);
+    }
+
+    #[test]
+    fn cascaded_families_take_no_more_memory() {
+        let hard = Family::of_maps(Hard::default().into());
+        let cascaded = hard.cascaded(Cascades::default()).expect("has maps");
+        let largest = |family: &Family| map_side(family.candidates.last().expect("some"));
+        assert_eq!(2 * largest(&cascaded), largest(&hard));
+        let label = cascaded.candidates[0].technique().settings();
+        assert!(label.contains("4 cascades"), "{label}");
+        let stable = cascaded.stable(50.0).expect("tight");
+        assert_eq!(
+            stable.candidates[0].map().expect("a map").layout,
+            Layout::Cascades(Cascades::default())
+        );
+        assert_eq!(
+            Family::single(Traced::default().into()).cascaded(Cascades::default()),
+            None
+        );
+    }
+
+    #[test]
+    fn views_that_are_near_and_far_get_cascades() {
+        let evenly: Vec<f32> = (0..200).map(|i| 10.0 + 0.1 * i as f32).collect();
+        assert_eq!(cascades_for(&evenly), None);
+        assert_eq!(cascades_for(&[]), None);
+        let deep: Vec<f32> = (0..200).map(|i| 2.66 + i as f32).collect();
+        let cascades = cascades_for(&deep).expect("near and far");
+        assert_eq!(cascades.nearest, 4.6);
+        for (value, expected) in [(4.66, 4.6), (123.4, 120.0), (0.0199, 0.019)] {
+            assert!(
+                (two_digits(value) - expected).abs() < 1e-6 * expected,
+                "{value}"
+            );
+        }
     }
 
     #[test]

@@ -272,10 +272,10 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Whether what a preset draws is kept as the camera moves: a question of its technique and its fit alone.
+    /// Whether what a preset draws is kept as the camera moves: a question of its technique, fit and layout alone.
     fn is_kept(&mut self, preset: &TechniquePreset, recipe: &Recipe) -> bool {
-        let fit = preset.map().map(|map| map.fit);
-        let key = format!("{} {fit:?}", preset.technique().name());
+        let place = preset.map().map(|map| (map.fit, map.layout));
+        let key = format!("{} {place:?}", preset.technique().name());
         let scene = &self.views[0].scene;
         *self
             .kept

@@ -41,6 +41,14 @@ impl<'a> FitInput<'a> {
         }
     }
 
+    /// Returns the same input with other seen points.
+    pub(super) fn with_seen(&self, seen: SeenPoints<'a>) -> Self {
+        Self {
+            seen: Some(seen),
+            ..self.clone()
+        }
+    }
+
     /// Returns the cone from the light at `eye` that holds all casters.
     pub(super) fn cone_around_casters(&self, eye: Vec3) -> Cone {
         let found = match self.view.fits {

@@ -1,6 +1,8 @@
 //! Fitting light spaces: where a shadow map's texels go.
 
+mod cascades;
 mod cull;
+mod frustum;
 mod input;
 mod kind;
 mod lamp;
@@ -9,22 +11,24 @@ mod memory;
 mod parallel;
 mod perspective;
 mod points;
+mod receiver_split;
 #[cfg(feature = "testing")]
 mod relevant;
 mod stable;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use crate::light_space::fit::frustum::SliceOfView;
 pub use crate::light_space::fit::kind::Fit;
 pub use crate::light_space::fit::memory::FitMemory;
 #[cfg(feature = "testing")]
 pub use crate::light_space::fit::relevant::relevant_casters;
 
 use crate::{
-    Invalid, Light, RecipeError, View, invalid,
+    Cascades, Invalid, Light, RecipeError, SliceEnds, View, invalid,
     light_space::{
         Extents, LightSpace,
-        fit::input::FitInput,
+        fit::{cascades::CascadeInput, input::FitInput},
         layers::{Layout, LightSpaces},
         look_along, orthographic,
     },
@@ -131,7 +135,8 @@ impl Fit {
     /// Returns the light spaces of a layout; parameters as [`Fit::light_space`].
     ///
     /// # Errors
-    /// Errors if [`Fit::light_space`] does; and with `Unsupported` for a cube around a light without a position.
+    /// Errors if [`Fit::light_space`] does; with `Unsupported` for a cube around a light without a position, and for cascades of a
+    /// light with one; and with `Invalid` for cascades whose numbers are out of range, or whose fit doesn't follow the camera.
     pub fn light_spaces(
         &self,
         layout: Layout,
@@ -161,21 +166,83 @@ impl Fit {
     ) -> Result<LightSpaces, RecipeError> {
         view.validate()?;
         self.validate()?;
-        let input = &FitInput::new(self.without_what_it_ignores(view));
-        let mut spaces = match (layout, view.light.position()) {
-            (Layout::Single, _) | (Layout::Auto, None) => self.one(input, size, margin)?,
-            (Layout::Cube, None) => {
-                return Err(RecipeError::unsupported(
-                    "a directional light has no place to put a cube around",
-                ));
+        let mut spaces = match layout {
+            Layout::Cascades(cascades) => self.cascades(&cascades, view, size, margin)?,
+            Layout::Auto | Layout::Single | Layout::Cube => {
+                self.one_or_six(layout, view, size, margin)?
             }
-            (Layout::Cube, Some(eye)) => perspective::cube(self, input, eye, size, margin)?,
-            (Layout::Auto, Some(eye)) => self.one_or_cube(input, eye, size, margin)?,
         };
         if let Some(geometry) = view.geometry {
             spaces.leave_out_casters_beside(geometry, size);
         }
         Ok(spaces)
+    }
+
+    /// Returns the light spaces of any layout but [`Layout::Cascades`].
+    fn one_or_six(
+        &self,
+        layout: Layout,
+        view: &View<'_>,
+        size: u32,
+        margin: f32,
+    ) -> Result<LightSpaces, RecipeError> {
+        let input = &FitInput::new(self.without_what_it_ignores(view));
+        match (layout, view.light.position()) {
+            (Layout::Cube, None) => Err(RecipeError::unsupported(
+                "a directional light has no place to put a cube around",
+            )),
+            (Layout::Cube, Some(eye)) => perspective::cube(self, input, eye, size, margin),
+            (Layout::Auto, Some(eye)) => self.one_or_cube(input, eye, size, margin),
+            (Layout::Single | Layout::Cascades(_), _) | (Layout::Auto, None) => {
+                self.one(input, size, margin)
+            }
+        }
+    }
+
+    fn cascades(
+        &self,
+        cascades: &Cascades,
+        view: &View<'_>,
+        size: u32,
+        margin: f32,
+    ) -> Result<LightSpaces, RecipeError> {
+        let input = self.cascade_input(cascades, view)?;
+        if cascades.count > 1 {
+            return input.spaces(size, margin);
+        }
+        // One slice holds all.
+        self.one(
+            &FitInput::new(self.without_what_it_ignores(view)),
+            size,
+            margin,
+        )
+    }
+
+    fn cascade_input<'a>(
+        &self,
+        cascades: &Cascades,
+        view: &View<'a>,
+    ) -> Result<CascadeInput<'a>, RecipeError> {
+        let Light::Directional { direction, .. } = *view.light else {
+            return Err(RecipeError::unsupported(format!(
+                "cascades are for directional light, and a {} light's map goes around the light: use `Layout::Auto`",
+                view.light.kind()
+            )));
+        };
+        Ok(CascadeInput::new(self, cascades, view, direction)?)
+    }
+
+    /// Returns where the slices of cascades end, for programs that hold them over many frames: see [`SliceEnds::held`].
+    ///
+    /// # Errors
+    /// Errors if [`Fit::light_spaces`] with [`Layout::Cascades`] does.
+    pub fn slice_ends(
+        &self,
+        cascades: &Cascades,
+        view: &View<'_>,
+    ) -> Result<SliceEnds, RecipeError> {
+        view.validate()?;
+        Ok(self.cascade_input(cascades, view)?.ends())
     }
 
     fn one(

@@ -12,6 +12,7 @@ use crate::{
                 bounds_in, caster_points, caster_reach, casters_on, padded, receiver_points,
                 rounding,
             },
+            stable::first_caster,
         },
         look_along, orthographic,
     },
@@ -27,13 +28,7 @@ pub(super) fn tight(
     margin: f32,
     cull: bool,
 ) -> Result<LightSpace, Invalid> {
-    // An eye amid the casters keeps numbers small when the scene is far from the origin.
-    let eye = if input.view.casters.is_empty() {
-        Vec3::ZERO
-    } else {
-        input.view.casters.center()
-    };
-    let view_from_world = look_along(eye, direction, Vec3::Y)?;
+    let view_from_world = view(input, direction, Vec3::Y)?;
     let receivers = bounds_in(&view_from_world, &receiver_points(input));
     let casters = match input.view.geometry.filter(|_| cull) {
         Some(geometry) => {
@@ -52,19 +47,104 @@ pub(super) fn tight(
             max: Vec3::splat(1.0),
         };
     }
-    around(view_from_world, &b, size, margin)
+    show(view_from_world, &with_border(&b, size, margin))
 }
 
-/// Returns the light space around a box of the light's view, with room for kernels at the outermost receivers.
-fn around(view_from_world: Mat4, b: &Aabb, size: u32, margin: f32) -> Result<LightSpace, Invalid> {
+/// Returns the light's view for tight fits, turned so that `up` (world space) is up.
+pub(super) fn view(input: &FitInput<'_>, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid> {
+    // An eye amid the casters keeps numbers small when the scene is far from the origin.
+    let eye = if input.view.casters.is_empty() {
+        Vec3::ZERO
+    } else {
+        input.view.casters.center()
+    };
+    look_along(eye, direction, up)
+}
+
+/// Returns the light space for some of all receivers: those in the box `receivers` of the light's view, and, where seen points are
+/// known, those of `input`. None if nothing can fall on them.
+///
+/// Other receivers may be looked up on the map, too, wherever all that a kernel reaches lies on it: so in depth it runs from the
+/// first of all casters that show on it, and sideways it goes around all that a kernel may find a caster from.
+pub(super) fn tight_part(
+    input: &FitInput<'_>,
+    view_from_world: Mat4,
+    receivers: &Aabb,
+    size: u32,
+    margin: f32,
+) -> Result<Option<LightSpace>, Invalid> {
+    let casters = match input.view.geometry {
+        Some(geometry) => {
+            needed_casters(input, geometry, &view_from_world, receivers, size, margin)
+        }
+        None => bounds_in(&view_from_world, &caster_points(input)),
+    };
+    let b = with_depths(
+        &casters.intersection(receivers),
+        receivers.min.z,
+        casters.max.z,
+    );
+    if b.is_empty() {
+        return Ok(None);
+    }
+    // A kernel finds casters from as far as it reaches, and one more texel for where they lie in theirs.
+    let texel = b.extent() / inner(size, margin);
+    let reach = texel * (margin + 2.0);
+    let reached = Aabb {
+        min: casters.min - reach,
+        max: casters.max + reach,
+    };
+    let b = with_depths(&reached.intersection(receivers), b.min.z, b.max.z);
+    let shown = with_border(&b, size, margin);
+    let space = MapSpace {
+        view_from_world: DAffine3::from_mat4(view_from_world.as_dmat4()),
+        nearest: None,
+    };
+    let column = MapBounds {
+        min: shown.min.as_dvec3().with_z(-f64::from(shown.max.z)),
+        max: shown.max.as_dvec3().with_z(-f64::from(shown.min.z)),
+    };
+    let first = first_caster(&input.view, &space, &column);
+    let top = padded(
+        Aabb::around([shown.max.with_z(-first as f32)]),
+        caster_reach(input),
+    );
+    let shown = with_depths(&shown, shown.min.z, shown.max.z.max(top.max.z));
+    show(view_from_world, &shown).map(Some)
+}
+
+/// Returns a space in which nothing of the scene lies: for maps that nothing is looked up in.
+pub(super) fn nowhere(input: &FitInput<'_>, view_from_world: Mat4) -> Result<LightSpace, Invalid> {
+    let casters = bounds_in(&view_from_world, &caster_points(input));
+    let receivers = bounds_in(&view_from_world, &receiver_points(input));
+    let all = casters.union(&receivers);
+    let beside = if all.is_empty() { 0.0 } else { all.max.x };
+    let side = beside.abs().max(1.0);
+    let shown = Aabb {
+        min: Vec3::new(beside + side, -side, -side),
+        max: Vec3::new(beside + 2.0 * side, side, side),
+    };
+    show(view_from_world, &shown)
+}
+
+/// Returns a box of the light's view with room for kernels at the outermost receivers.
+fn with_border(b: &Aabb, size: u32, margin: f32) -> Aabb {
     // The box takes the inner texels, so that `margin` and one more texel are left on each side.
     let texel = b.extent() / inner(size, margin);
     let grow = (texel * (margin + 1.0)).max(Vec3::splat(f32::MIN_POSITIVE));
+    Aabb {
+        min: (b.min - grow).with_z(b.min.z),
+        max: (b.max + grow).with_z(b.max.z),
+    }
+}
+
+/// Returns the light space that shows a box of the light's view.
+fn show(view_from_world: Mat4, b: &Aabb) -> Result<LightSpace, Invalid> {
     let extents = Extents {
-        left: b.min.x - grow.x,
-        right: b.max.x + grow.x,
-        bottom: b.min.y - grow.y,
-        top: b.max.y + grow.y,
+        left: b.min.x,
+        right: b.max.x,
+        bottom: b.min.y,
+        top: b.max.y,
         near: -b.max.z,
         far: -b.min.z,
     };
@@ -72,6 +152,14 @@ fn around(view_from_world: Mat4, b: &Aabb, size: u32, margin: f32) -> Result<Lig
         view_from_world,
         clip_from_view: orthographic(extents)?,
     })
+}
+
+/// Returns a box of a light's view with other depths: from `last` (the least z) to `first`.
+fn with_depths(b: &Aabb, last: f32, first: f32) -> Aabb {
+    Aabb {
+        min: b.min.with_z(last),
+        max: b.max.with_z(first),
+    }
 }
 
 /// Returns how many texels of a map's side are left for receivers: all but the kernel's reach and one texel on each side.

@@ -11,7 +11,7 @@ use crate::{
             lamp::{Lamp, SquarePyramid},
             points::{bounds_in, caster_points, receiver_points},
         },
-        layers::{LightSpaces, cube_face_views},
+        layers::{Arrangement, LightSpaces, cube_face_views},
         look_along, perspective,
     },
 };
@@ -90,6 +90,7 @@ pub(super) fn cube(
     let mut out = LightSpaces {
         spaces: Vec::new(),
         casters: Vec::new(),
+        arrangement: Arrangement::Cube,
     };
     let nears = lamp
         .as_ref()

@@ -10,11 +10,12 @@
 //! sum of products is then the same in every frame, and its place within a texel stays.
 
 use crate::{
-    Aabb, Camera, Invalid, View, invalid,
+    Aabb, Invalid, View, invalid,
     light_space::{
         LightSpace,
         fit::{
             cull::{Need, Reach, Receiving},
+            frustum::{CameraFrustum, Slice},
             map_space::{MapBounds, MapSpace},
         },
         look_along,
@@ -24,6 +25,8 @@ use glam::{DAffine3, DVec2, DVec3, Mat4, Vec3, Vec4};
 
 /// Steps in which the near plane moves, as a fraction of the sphere's radius.
 const DEPTH_STEP: f64 = 0.25;
+/// Steps in which the radius of a slice's sphere doubles.
+const RADIUS_STEPS_PER_OCTAVE: f64 = 8.0;
 /// Texels beside the sphere: one for the outermost receivers' own, one for the step.
 const BORDER_TEXELS: f64 = 2.0;
 /// Least radius, as a fraction of the coordinates: below, 32-bit positions could not be told apart.
@@ -46,8 +49,57 @@ pub(super) fn parallel(
     margin: f32,
 ) -> Result<LightSpace, Invalid> {
     invalid::positive("stable fit's range", range)?;
+    let frustum = CameraFrustum::new(view.camera);
+    let far_corners = frustum.corners_at(frustum.before_far(f64::from(range)));
+    let seen = around_view(&frustum, &frustum.near_corners, &far_corners);
+    around_sphere(view, direction, seen, size, margin)
+}
+
+/// Returns the light space around what the camera may see in a slice of its view.
+///
+/// Errors if the result is not finite.
+pub(super) fn slice(
+    view: &View<'_>,
+    direction: Vec3,
+    slice: Slice,
+    size: u32,
+    margin: f32,
+) -> Result<LightSpace, Invalid> {
+    let frustum = CameraFrustum::new(view.camera);
+    let seen = slice_sphere(&frustum, slice);
+    around_sphere(view, direction, seen, size, margin)
+}
+
+/// Returns the radius, metres, of the sphere around a slice of what a camera sees.
+pub(super) fn slice_radius(frustum: &CameraFrustum, slice: Slice) -> f64 {
+    slice_sphere(frustum, slice).radius
+}
+
+/// Returns the sphere around a slice of what a camera sees, its radius rounded up to a step: so texels seldom change size while a field
+/// of view does, or the slices' ends.
+fn slice_sphere(frustum: &CameraFrustum, slice: Slice) -> Sphere {
+    let near_corners = frustum.corners_at(slice.begin);
+    let far_corners = frustum.corners_at(slice.end);
+    let sphere = around_view(frustum, &near_corners, &far_corners);
+    let steps = (sphere.radius.log2() * RADIUS_STEPS_PER_OCTAVE).ceil();
+    let radius = (steps / RADIUS_STEPS_PER_OCTAVE).exp2();
+    Sphere {
+        // Not below, by what the two functions round.
+        radius: radius.max(sphere.radius),
+        ..sphere
+    }
+}
+
+/// Returns the light space around the sphere around what is seen, or a smaller one.
+fn around_sphere(
+    view: &View<'_>,
+    direction: Vec3,
+    seen: Sphere,
+    size: u32,
+    margin: f32,
+) -> Result<LightSpace, Invalid> {
     let view_from_world = look_along(Vec3::ZERO, direction, Vec3::Y)?;
-    let sphere = smallest(view, f64::from(range));
+    let sphere = smallest(view, seen);
     let inner = (f64::from(size) - 2.0 * (f64::from(margin) + BORDER_TEXELS)).max(1.0);
     let half_side = sphere.radius * f64::from(size) / inner;
     let [near, depth] = depths(view, &view_from_world, &sphere, half_side);
@@ -101,8 +153,8 @@ fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f
     [near, depth]
 }
 
-/// Returns the least rank of a caster in a column.
-fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds) -> f64 {
+/// Returns the least rank of a caster in a column; infinity if there is none.
+pub(super) fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds) -> f64 {
     let Some(geometry) = view.geometry else {
         return space.block(&view.casters).min.z;
     };
@@ -114,15 +166,15 @@ fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds) -> f64 {
     need.map_or(f64::INFINITY, |need| need.first_rank())
 }
 
-/// Returns the smallest of the spheres around what the camera may see, what casts, and what receives; not so small that 32-bit
-/// positions in it could not be told apart.
-fn smallest(view: &View<'_>, range: f64) -> Sphere {
+/// Returns the smallest of the spheres around what the camera may see (`seen`), what casts, and what receives; not so small that
+/// 32-bit positions in it could not be told apart.
+fn smallest(view: &View<'_>, seen: Sphere) -> Sphere {
     let receivers = view.geometry.map(|g| g.box_tree().around(g.receivers()));
     let boxes = [Some(view.casters), receivers]
         .into_iter()
         .flatten()
         .filter(|b| !b.is_empty());
-    let mut sphere = seen(view.camera, range);
+    let mut sphere = seen;
     for b in boxes {
         let other = around(&b);
         if other.radius < sphere.radius {
@@ -145,34 +197,17 @@ fn around(b: &Aabb) -> Sphere {
     }
 }
 
-/// Returns the sphere, world space, around what a camera sees up to `range` metres along its view: its centre on the line between
-/// the middles of the near and the far rectangle, as far from the corners of both as can be. The radius depends on the
-/// projection alone.
-fn seen(camera: &Camera, range: f64) -> Sphere {
-    let camera = camera.standard();
-    let view_from_clip = camera.clip_from_view.as_dmat4().inverse();
-    let far_plane = -view_from_clip.project_point3(DVec3::Z).z;
-    // A far plane at infinity comes out as infinite, or beyond it by what the inverse rounds.
-    let range = if far_plane.is_finite() && far_plane > 0.0 {
-        range.min(far_plane)
-    } else {
-        range
-    };
-    let perspective = camera.clip_from_view.row(3) != Vec4::W;
-    let near_corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)]
-        .map(|(x, y)| view_from_clip.project_point3(DVec3::new(x, y, 0.0)));
-    let far_corners = near_corners.map(|near| {
-        let range = range.max(-near.z);
-        if perspective {
-            near * (range / -near.z)
-        } else {
-            near.with_z(-range)
-        }
-    });
-    let near_middle = middle(&near_corners);
-    let far_middle = middle(&far_corners);
-    let near_radius_squared = radius_squared(&near_corners, near_middle);
-    let far_radius_squared = radius_squared(&far_corners, far_middle);
+/// Returns the sphere, world space, around what a camera sees between two rectangles across its view (view space): its centre on the
+/// line between their middles, as far from the corners of both as can be. The radius depends on the projection alone.
+fn around_view(
+    frustum: &CameraFrustum,
+    near_corners: &[DVec3; 4],
+    far_corners: &[DVec3; 4],
+) -> Sphere {
+    let near_middle = middle(near_corners);
+    let far_middle = middle(far_corners);
+    let near_radius_squared = radius_squared(near_corners, near_middle);
+    let far_radius_squared = radius_squared(far_corners, far_middle);
     // With l the distance of the middles and s the centre's share of it, the corners are equally far from the centre where
     // near_radius^2 + (s l)^2 = far_radius^2 + ((1 - s) l)^2.
     let length_squared = near_middle
@@ -184,12 +219,11 @@ fn seen(camera: &Camera, range: f64) -> Sphere {
     let center = near_middle.lerp(far_middle, share);
     let radius = near_corners
         .iter()
-        .chain(&far_corners)
+        .chain(far_corners)
         .map(|corner| corner.distance(center))
         .fold(0.0, f64::max);
-    let world_from_view = DAffine3::from_mat4(Mat4::from(camera.world_from_view).as_dmat4());
     Sphere {
-        center: world_from_view.transform_point3(center),
+        center: frustum.world_from_view.transform_point3(center),
         radius,
     }
 }

@@ -1,6 +1,7 @@
 //! The measures: pure functions of a mask, truth and places, each defined where it stands and tried on known input.
 
 pub mod band;
+pub mod cascade_seams;
 pub mod cube_seams;
 pub mod edge;
 pub mod gap;

@@ -15,13 +15,13 @@ fn panning_shimmers_on_a_tight_fit_and_not_on_a_stable_one() {
     };
     let crawling = shimmer_of(tight, "hard");
     assert!(
-        crawling.len() == 2 && crawling.iter().all(|j| j.verdict == Verdict::Fails),
+        crawling.len() == 3 && crawling.iter().all(|j| j.verdict == Verdict::Fails),
         "{crawling:?}"
     );
     assert!(tight.cells.iter().any(|cell| cell.picture.is_some()));
     let resting = shimmer_of(stable, "hard");
     assert!(
-        resting.len() == 2 && resting.iter().all(|j| j.figure == Some(0.0)),
+        resting.len() == 3 && resting.iter().all(|j| j.figure == Some(0.0)),
         "{resting:?}"
     );
     let of_rays = shimmer_of(tight, "traced");

@@ -1,0 +1,269 @@
+//! Fits of cascades: where what the camera sees is cut, and the light space of each slice.
+
+use crate::{
+    Aabb, CascadePick, Cascades, CasterSet, Fit, Invalid, LightSpaces, RecipeError, SliceEnds,
+    Split, View, invalid,
+    light_space::{
+        LightSpace,
+        fit::{
+            frustum::{CameraFrustum, Slice},
+            input::FitInput,
+            parallel,
+            points::{Points, bounds_in, padded, receiver_points},
+            receiver_split, stable,
+        },
+        layers::Arrangement,
+    },
+};
+use glam::{DAffine3, DVec3, Mat4, Vec3};
+
+/// Room for rounding where points decide how far slices reach, as a part of their distance.
+const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
+/// Least distance at which the split begins, as a part of that at which it ends.
+const MIN_BEGIN_OVER_END: f64 = 1.0 / (1 << 20) as f64;
+/// How far a slice reaches back into the one before it, as a multiple of how far that one's answers blend: the way along the
+/// camera's view may be longer than that over the map.
+const OVERLAP: f64 = 2.0;
+
+/// What the fits of all slices share.
+#[derive(Clone, Debug)]
+pub(super) struct CascadeInput<'a> {
+    fit: Fit,
+    cascades: Cascades,
+    pub(super) input: FitInput<'a>,
+    pub(super) frustum: CameraFrustum,
+    /// Along the sun's rays.
+    direction: Vec3,
+    /// The light's view for tight fits.
+    pub(super) view_from_world: Mat4,
+}
+
+impl<'a> CascadeInput<'a> {
+    /// Returns the input for a valid view and directional light that shines along `direction`.
+    ///
+    /// Errors if the fit doesn't follow the camera, or a number is out of its range.
+    pub(super) fn new(
+        fit: &Fit,
+        cascades: &Cascades,
+        view: &View<'a>,
+        direction: Vec3,
+    ) -> Result<Self, Invalid> {
+        cascades.validate()?;
+        let keeps_receivers = match fit {
+            Fit::Tight => true,
+            Fit::Stable { range } => {
+                invalid::positive("stable fit's range", *range)?;
+                cascades.split == Split::Receivers
+            }
+            Fit::Whole | Fit::Manual { .. } => {
+                return Err(Invalid::new(
+                    "cascades",
+                    format!("have the {}, which doesn't follow the camera", fit.label()),
+                    "use the fit `tight` or `stable`",
+                ));
+            }
+        };
+        let view = View {
+            receivers: view.receivers.filter(|_| keeps_receivers),
+            ..*view
+        };
+        let input = FitInput::new(view);
+        let frustum = CameraFrustum::new(view.camera);
+        // Slices lie one behind the other along the camera's view: turned so that this goes up the maps, boxes around them are
+        // smallest.
+        let view_from_world = parallel::view(&input, direction, frustum.forward())?;
+        Ok(Self {
+            fit: *fit,
+            cascades: *cascades,
+            frustum,
+            direction,
+            view_from_world,
+            input,
+        })
+    }
+
+    /// Returns where the slices end.
+    pub(super) fn ends(&self) -> SliceEnds {
+        let count = self.cascades.count as usize;
+        let split = match self.cascades.split {
+            Split::Given(ends) => return ends,
+            Split::Receivers => receiver_split::ends(self, count),
+            Split::Log | Split::Practical { .. } => None,
+        };
+        let ends = split.unwrap_or_else(|| self.regular_ends(count));
+        SliceEnds::of_found(&ends)
+    }
+
+    /// Returns the ends by the formulas, which know the range alone.
+    fn regular_ends(&self, count: usize) -> Vec<f64> {
+        let all = self.range();
+        let nearest = f64::from(self.cascades.nearest);
+        let begin = all
+            .begin
+            .max(nearest)
+            .max(all.end * MIN_BEGIN_OVER_END)
+            .min(all.end);
+        let share_of_log = match self.cascades.split {
+            Split::Practical { lambda } => f64::from(lambda),
+            Split::Log | Split::Receivers | Split::Given(_) => 1.0,
+        };
+        let end_of = |slice: usize| {
+            let part = (slice + 1) as f64 / count as f64;
+            if slice + 1 == count {
+                return all.end;
+            }
+            let log = begin * (all.end / begin).powf(part);
+            let uniform = begin + (all.end - begin) * part;
+            uniform + (log - uniform) * share_of_log
+        };
+        (0..count).map(end_of).collect()
+    }
+
+    /// Returns where what is to be cut begins and ends.
+    pub(super) fn range(&self) -> Slice {
+        let near = self.frustum.near();
+        if let Fit::Stable { range } = self.fit {
+            return Slice {
+                begin: near,
+                end: self.frustum.before_far(f64::from(range)).max(near),
+            };
+        }
+        let seen = match &self.input.seen {
+            Some(seen) => {
+                let least = |sign: f64| {
+                    let bound = |b: &Aabb| self.least_distance(b, sign);
+                    let value = |p: Vec3| sign * self.frustum.distance(p.as_dvec3());
+                    Points::Seen(seen).least(bound, value)
+                };
+                let begin = least(1.0);
+                let end = -least(-1.0);
+                (begin <= end).then_some(Slice { begin, end })
+            }
+            None => {
+                let receivers = receiver_points(&self.input).bounds();
+                self.frustum.seen_part(&receivers)
+            }
+        };
+        let seen = seen.unwrap_or(Slice {
+            begin: near,
+            end: near,
+        });
+        Slice {
+            begin: seen.begin * (1.0 - ROUNDING),
+            end: seen.end * (1.0 + ROUNDING),
+        }
+    }
+
+    /// Returns a bound of the least of `sign` times the distance along the view in a box.
+    fn least_distance(&self, b: &Aabb, sign: f64) -> f64 {
+        if b.is_empty() {
+            return f64::INFINITY;
+        }
+        let distances = b
+            .corners()
+            .map(|corner| sign * self.frustum.distance(corner.as_dvec3()));
+        let least = distances.fold(f64::INFINITY, f64::min);
+        least - least.abs() * ROUNDING
+    }
+
+    /// Returns the size of the map of a slice, metres: what its texels' size is proportional to. `receivers` is the box around its
+    /// receivers, light's view.
+    pub(super) fn side(&self, slice: Slice, receivers: &[DVec3; 2]) -> f64 {
+        match self.fit {
+            Fit::Stable { .. } => 2.0 * stable::slice_radius(&self.frustum, slice),
+            Fit::Tight | Fit::Whole | Fit::Manual { .. } => {
+                let extent = receivers[1] - receivers[0];
+                extent.x.max(extent.y)
+            }
+        }
+    }
+
+    pub(super) fn is_stable(&self) -> bool {
+        matches!(self.fit, Fit::Stable { .. })
+    }
+
+    /// Returns [`Cascades::nearest`].
+    pub(super) fn nearest(&self) -> f64 {
+        f64::from(self.cascades.nearest)
+    }
+
+    /// Returns the light space of a slice; none if no shadow can fall in it.
+    fn space(&self, slice: Slice, size: u32, margin: f32) -> Result<Option<LightSpace>, Invalid> {
+        if slice.begin >= slice.end {
+            return Ok(None);
+        }
+        if let Fit::Stable { .. } = self.fit {
+            let view = &self.input.view;
+            return stable::slice(view, self.direction, slice, size, margin).map(Some);
+        }
+        if let Some(seen) = &self.input.seen {
+            let part = self
+                .input
+                .with_seen(seen.within(self.frustum.slice_of_view(slice)));
+            let receivers = bounds_in(&self.view_from_world, &receiver_points(&part));
+            return self.tight(&part, &receivers, size, margin);
+        }
+        let all_receivers = receiver_points(&self.input).bounds();
+        let corners = self.frustum.part_of_box(slice, &all_receivers);
+        let light_from_world = DAffine3::from_mat4(self.view_from_world.as_dmat4());
+        let in_view = corners
+            .iter()
+            .map(|&corner| light_from_world.transform_point3(corner).as_vec3());
+        let reach = all_receivers.min.abs().max(all_receivers.max.abs());
+        let receivers = padded(Aabb::around(in_view), reach.max_element());
+        self.tight(&self.input, &receivers, size, margin)
+    }
+
+    fn tight(
+        &self,
+        part: &FitInput<'_>,
+        receivers: &Aabb,
+        size: u32,
+        margin: f32,
+    ) -> Result<Option<LightSpace>, Invalid> {
+        if receivers.is_empty() {
+            return Ok(None);
+        }
+        parallel::tight_part(part, self.view_from_world, receivers, size, margin)
+    }
+
+    /// Returns the light spaces of all slices. Parameters as [`Fit::light_space`].
+    pub(super) fn spaces(&self, size: u32, margin: f32) -> Result<LightSpaces, RecipeError> {
+        let pick = CascadePick {
+            reach: margin,
+            blend: self.cascades.blend,
+        };
+        let mut out = LightSpaces {
+            spaces: Vec::new(),
+            casters: Vec::new(),
+            arrangement: Arrangement::Cascades(pick),
+        };
+        let mut begin = self.frustum.near().min(0.0);
+        for &end in self.ends().as_slice() {
+            let end = f64::from(end) * (1.0 + ROUNDING);
+            let space = self.space(Slice { begin, end }, size, margin)?;
+            begin = end - self.overlap(space.as_ref(), size, margin);
+            let casters = if space.is_some() {
+                CasterSet::All
+            } else {
+                CasterSet::none()
+            };
+            let nowhere = || parallel::nowhere(&self.input, self.view_from_world);
+            out.spaces.push(space.map_or_else(nowhere, Ok)?);
+            out.casters.push(casters);
+        }
+        Ok(out)
+    }
+
+    /// Returns how far along the camera's view the slice behind one with this space reaches back into it, metres: so far that
+    /// receivers whose answers blend lie in both.
+    fn overlap(&self, space: Option<&LightSpace>, size: u32, margin: f32) -> f64 {
+        let Some(space) = space.filter(|_| self.cascades.blend > 0.0) else {
+            return 0.0;
+        };
+        let projection = space.clip_from_view;
+        let widest = projection.x_axis.x.min(projection.y_axis.y);
+        let texel = 2.0 / (f64::from(widest) * f64::from(size));
+        OVERLAP * f64::from(self.cascades.blend + margin) * texel
+    }
+}

@@ -1,0 +1,106 @@
+//! Which of several cascades answers for a receiver, and how much of its answer is the next one's.
+//!
+//! The first cascade answers on whose map the receiver lies with all that the kernel reaches, and before whose far plane: no distance
+//! from the camera is asked for, so each map is used as far as it goes. Answers blend where a cascade's map ends, since there a
+//! line would show between texels of two sizes.
+
+use super::{
+    coord::{clip_w, point_over_w, texel_from_point},
+    layers::{MapLayer, ShadowMapUniforms},
+};
+use glam::{Mat4, Vec2, Vec3};
+use umbrage_core::Module;
+
+/// Functions without images or uniforms. It needs the modules [`MATH`](umbrage_core::MATH),
+/// [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`](super::coord::PROJECTION).
+pub const CASCADES: Module = Module {
+    name: "cascades",
+    text: include_str!("cascades.wgsl"),
+};
+
+/// The WGSL of `cascade_at`.
+pub(crate) const CASCADE_PICK: Module = Module {
+    name: "cascade_pick",
+    text: include_str!("cascade_pick.wgsl"),
+};
+
+/// Returns how far inside a cascade's map `p` (world space) lies: from the nearest side of the map, texels (x), and before the far
+/// plane, clip depth (y). Negative outside.
+#[inline(always)]
+pub fn room_around(clip_from_world: Mat4, p: Vec3, size: f32) -> Vec2 {
+    let w = clip_w(&clip_from_world, p);
+    let point = point_over_w(&clip_from_world, p, w);
+    let texel = texel_from_point(point, size);
+    let across = texel.x.min(size - texel.x);
+    let down = texel.y.min(size - texel.y);
+    Vec2::new(across.min(down), 1.0 - point.z)
+}
+
+/// Returns whether a cascade holds a receiver with this room around it, for kernels that reach `reach` texels.
+#[inline(always)]
+pub fn is_held(room: Vec2, reach: f32) -> bool {
+    room.x > reach && room.y >= 0.0
+}
+
+/// Returns the share, 0..=1, of a cascade's own answer for a receiver with this room around it; the rest is that of the next. It
+/// grows over `blend` texels (more than 0), from where the cascade stops to hold the receiver.
+#[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "`clamp` lets NaN through, and this must bound it as the shader does"
+)]
+pub fn own_share(room: Vec2, reach: f32, depth_in_texels: f32, blend: f32) -> f32 {
+    let inside = (room.x - reach).min(room.y * depth_in_texels);
+    (inside / blend).max(0.0).min(1.0)
+}
+
+/// Returns the index of the first cascade that holds a receiver at `p` (world space), and of the last if none does.
+#[inline(always)]
+pub fn cascade_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
+    let last = m.used_layers().len() - 1;
+    for (index, layer) in m.layers[..last].iter().enumerate() {
+        if holds(m, layer, p) {
+            return index as i32;
+        }
+    }
+    last as i32
+}
+
+/// Returns whether a cascade holds a receiver at `p` (world space).
+#[inline(always)]
+pub fn holds(m: &ShadowMapUniforms, layer: &MapLayer, p: Vec3) -> bool {
+    let room = room_around(layer.clip_from_world, p, m.size);
+    is_held(room, m.pick_reach)
+}
+
+/// Returns the share, 0..=1, of the answer of the layer `index` for a receiver at `p` (world space) that was picked for it; the rest
+/// is that of the next layer. It is 1 where the next one doesn't hold the receiver.
+#[inline(always)]
+pub fn share_of_layer(m: &ShadowMapUniforms, index: i32, p: Vec3) -> f32 {
+    let used = m.used_layers();
+    let layer = &used[index as usize];
+    let Some(next) = used.get(index as usize + 1) else {
+        return 1.0;
+    };
+    let room = room_around(layer.clip_from_world, p, m.size);
+    let share = own_share(room, m.pick_reach, layer.depth_in_texels, m.blend);
+    if share < 1.0 && holds(m, next, p) {
+        share
+    } else {
+        1.0
+    }
+}
+
+/// Returns the mean of two answers, the first of which has this share.
+#[inline(always)]
+pub fn blended(own: f32, next: f32, share: f32) -> f32 {
+    own * share + next * (1.0 - share)
+}
+
+/// All twins of this module, for the tests that compare them.
+#[cfg(feature = "testing")]
+pub const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(CASCADES, room_around(clip_from_world: Mat4, p: Vec3, size: f32) -> Vec2, needs [umbrage_core::MATH, super::layers::LAYERS, super::coord::PROJECTION]),
+    umbrage_core::twin!(CASCADES, own_share(room: Vec2, reach: f32, depth_in_texels: f32, blend: f32) -> f32, needs [umbrage_core::MATH, super::layers::LAYERS, super::coord::PROJECTION]),
+    umbrage_core::twin!(CASCADES, blended(own: f32, next: f32, share: f32) -> f32, needs [umbrage_core::MATH, super::layers::LAYERS, super::coord::PROJECTION]),
+];

@@ -1,0 +1,11 @@
+// Twin of `blend_layers` in batch.rs: where a cascade's map ends, its answers blend into those of the next.
+
+fn receive_from_two(r: Receiver) -> f32 {
+    let layer = layer_at(kernel.lookup.light, r.position);
+    let own = visibility_in(layer, r);
+    let share = share_of_layer(layer, r.position);
+    if share >= 1.0 {
+        return own;
+    }
+    return blended(own, visibility_in(layer + 1, r), share);
+}
