@@ -62,15 +62,22 @@ const RECEIVE_BLENDED: Module = Module {
     name: "receive_blended",
     text: include_str!("receive_blended.wgsl"),
 };
-const RECEIVER_STAYS: Module = choice!(
-    "choice: no normal offset",
-    "fn moved_receiver(layer: MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f { return p; }
+const CONSTANT_BIAS: Module = choice!(
+    "choice: a constant bias",
+    "fn biased_receiver(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f { return vec4f(p, layer.constant); }
+"
+);
+const SLOPE_BIAS: Module = choice!(
+    "choice: a bias by the slope",
+    "fn biased_receiver(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
+    return receiver_with_slope_bias(layer, light, p, n);
+}
 "
 );
 const NORMAL_OFFSET: Module = choice!(
     "choice: normal offset",
-    "fn moved_receiver(layer: MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f {
-    return offset_along_normal(layer, p, n, n_dot_l);
+    "fn biased_receiver(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
+    return receiver_with_normal_offset(layer, light, p, n);
 }
 "
 );
@@ -100,12 +107,12 @@ const PACKED_DEPTH: Module = choice!(
 );
 const LIT_BORDER: Module = choice!(
     "choice: lit border",
-    "fn tap_outside(size: i32, l: ShadowCoord, x: i32, y: i32) -> f32 { return tap_outside_lit(size, l, x, y); }
+    "fn is_lit_beside(is_outside: bool) -> bool { return is_outside; }
 "
 );
 const CLAMPED_BORDER: Module = choice!(
     "choice: the edge repeats",
-    "fn tap_outside(size: i32, l: ShadowCoord, x: i32, y: i32) -> f32 { return tap_outside_clamped(size, l, x, y); }
+    "fn is_lit_beside(is_outside: bool) -> bool { return false; }
 "
 );
 
@@ -149,10 +156,15 @@ impl ShadowMapUniforms {
             layers::CASCADES => CASCADED_MAPS,
             _ => SINGLE_MAP,
         };
+        let bias = match (layer.moves_receivers(), self.has_receiver_bias != 0) {
+            (true, _) => NORMAL_OFFSET,
+            (false, true) => SLOPE_BIAS,
+            (false, false) => CONSTANT_BIAS,
+        };
         [
             arrangement,
             either(self.blends(), TWO_LAYERS, ONE_LAYER),
-            either(layer.moves_receivers(), NORMAL_OFFSET, RECEIVER_STAYS),
+            bias,
             either(layer.follows_plane(), RECEIVER_PLANE, ONE_DEPTH),
             either(self.clamped != 0, CLAMPED_BORDER, LIT_BORDER),
         ]

@@ -1,4 +1,4 @@
-// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `moved_receiver` and `receiver_gradient` are
+// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `biased_receiver` and `receiver_gradient` are
 // this map's choices: see choices.rs.
 
 struct ShadowCoord {
@@ -10,24 +10,31 @@ struct ShadowCoord {
     seen: bool,
 }
 
+// The receiver's place, and in w its bias.
+fn receiver_with_slope_bias(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
+    let n_dot_l = dot3(n, to_light(light, p));
+    return vec4f(p, layer.constant + slope_bias(layer.slope, layer.slope_min, n_dot_l));
+}
+
+// The same, moved along its normal.
+fn receiver_with_normal_offset(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
+    let n_dot_l = dot3(n, to_light(light, p));
+    let bias = layer.constant + slope_bias(layer.slope, layer.slope_min, n_dot_l);
+    return vec4f(offset_along_normal(layer, p, n, n_dot_l), bias);
+}
+
 fn shadow_coord(m: ShadowMapUniforms, p: vec3f, n: vec3f) -> ShadowCoord {
     return shadow_coord_in(layer_at(m.light, p), m, p, n);
 }
 
 fn shadow_coord_in(index: i32, m: ShadowMapUniforms, p: vec3f, n: vec3f) -> ShadowCoord {
     let layer = map_layer(index);
-    var moved = p;
-    var bias = layer.constant;
-    if m.has_receiver_bias != 0u {
-        let n_dot_l = dot3(n, to_light(m.light, p));
-        bias += slope_bias(layer.slope, layer.slope_min, n_dot_l);
-        moved = moved_receiver(layer, p, n, n_dot_l);
-    }
-    let clip = transform(layer.clip_from_world, moved);
+    let biased = biased_receiver(layer, m.light, p, n);
+    let clip = transform(layer.clip_from_world, biased.xyz);
     let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
     let texel = texel_from_point(point, m.size);
     let gradient = receiver_gradient(layer, point, n, m.size);
-    let depth = point.z - bias;
+    let depth = point.z - biased.w;
     let deepest = max(depth, layer.deepest_tap);
     let seen = clip.w > 0.0 && point.z <= layer.far;
     return ShadowCoord(texel.xy, depth, gradient, deepest, index, seen);

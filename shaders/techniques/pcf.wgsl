@@ -9,12 +9,13 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let size = i32(kernel.lookup.size);
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
+    let radius = kernel.radius;
     var lit = 0.0;
-    for (var dy = -kernel.radius; dy <= kernel.radius; dy++) {
-        for (var dx = -kernel.radius; dx <= kernel.radius; dx++) {
+    for (var dy = -radius; dy <= radius; dy++) {
+        for (var dx = -radius; dx <= radius; dx++) {
             lit += tap(size, l, x + dx, y + dy);
         }
     }
-    let side = f32(2 * kernel.radius + 1);
+    let side = f32(2 * radius + 1);
     return lit / (side * side);
 }
