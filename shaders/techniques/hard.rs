@@ -76,6 +76,9 @@ impl ListedTechnique for Hard {
                 map: ShadowMap { format, ..map },
             }));
         }
+        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
+            Self { map }
+        }));
         out
     }
 

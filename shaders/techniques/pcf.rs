@@ -94,6 +94,9 @@ impl ListedTechnique for Pcf {
             Self { map, radius }
         }));
         out.extend(swept(3));
+        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
+            Self { map, radius: 1 }
+        }));
         out
     }
 
