@@ -126,7 +126,7 @@ fn shadow_offset_along_normal(layer: shadow_MapLayer, p: vec3f, n: vec3f, n_dot_
 }
 
 // ---- coord.wgsl
-// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `moved_receiver` and `receiver_gradient` are
+// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `biased_receiver` and `receiver_gradient` are
 // this map's choices: see choices.rs.
 
 struct shadow_ShadowCoord {
@@ -138,24 +138,31 @@ struct shadow_ShadowCoord {
     seen: bool,
 }
 
+// The receiver's place, and in w its bias.
+fn shadow_receiver_with_slope_bias(layer: shadow_MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
+    let n_dot_l = shadow_dot3(n, shadow_to_light(light, p));
+    return vec4f(p, layer.constant + shadow_slope_bias(layer.slope, layer.slope_min, n_dot_l));
+}
+
+// The same, moved along its normal.
+fn shadow_receiver_with_normal_offset(layer: shadow_MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
+    let n_dot_l = shadow_dot3(n, shadow_to_light(light, p));
+    let bias = layer.constant + shadow_slope_bias(layer.slope, layer.slope_min, n_dot_l);
+    return vec4f(shadow_offset_along_normal(layer, p, n, n_dot_l), bias);
+}
+
 fn shadow_shadow_coord(m: shadow_ShadowMapUniforms, p: vec3f, n: vec3f) -> shadow_ShadowCoord {
     return shadow_shadow_coord_in(shadow_layer_at(m.light, p), m, p, n);
 }
 
 fn shadow_shadow_coord_in(index: i32, m: shadow_ShadowMapUniforms, p: vec3f, n: vec3f) -> shadow_ShadowCoord {
     let layer = shadow_map_layer(index);
-    var moved = p;
-    var bias = layer.constant;
-    if m.has_receiver_bias != 0u {
-        let n_dot_l = shadow_dot3(n, shadow_to_light(m.light, p));
-        bias += shadow_slope_bias(layer.slope, layer.slope_min, n_dot_l);
-        moved = shadow_moved_receiver(layer, p, n, n_dot_l);
-    }
-    let clip = shadow_transform(layer.clip_from_world, moved);
+    let biased = shadow_biased_receiver(layer, m.light, p, n);
+    let clip = shadow_transform(layer.clip_from_world, biased.xyz);
     let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
     let texel = shadow_texel_from_point(point, m.size);
     let gradient = shadow_receiver_gradient(layer, point, n, m.size);
-    let depth = point.z - bias;
+    let depth = point.z - biased.w;
     let deepest = max(depth, layer.deepest_tap);
     let seen = clip.w > 0.0 && point.z <= layer.far;
     return shadow_ShadowCoord(texel.xy, depth, gradient, deepest, index, seen);
@@ -171,8 +178,8 @@ fn shadow_depth_on_plane(depth: f32, gradient: vec2f, deepest: f32, from_texel: 
 }
 
 // ---- texel_compare.wgsl
-// Twin of texel_compare.rs: the comparison with one texel of the kernel's first image. `depth_at`, `stored_depth` and `tap_outside`
-// are this map's choices (see choices.rs) among the variants below.
+// Twin of texel_compare.rs: the comparison with one texel of the kernel's first image. `depth_at`, `stored_depth` and
+// `is_lit_beside` are this map's choices (see choices.rs) among the variants below.
 
 // Where the receiver's plane is followed.
 fn shadow_depth_at_on_plane(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
@@ -184,22 +191,12 @@ fn shadow_depth_at_receiver(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
     return l.depth;
 }
 
-// Beside the map everything is lit.
-fn shadow_tap_outside_lit(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
-    return 1.0;
-}
-
-// Beside the map its edge repeats.
-fn shadow_tap_outside_clamped(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
-    let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
-    return select(0.0, 1.0, shadow_depth_at(l, x, y) <= shadow_stored_depth(texel, l.layer));
-}
-
 fn shadow_tap(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
-    if x < 0 || y < 0 || x >= size || y >= size {
-        return shadow_tap_outside(size, l, x, y);
-    }
-    return select(0.0, 1.0, shadow_depth_at(l, x, y) <= shadow_stored_depth(vec2i(x, y), l.layer));
+    let at = vec2i(x, y);
+    // Loaded in any case, so that there is no branch for each tap.
+    let nearest = clamp(at, vec2i(0), vec2i(size - 1));
+    let is_lit = shadow_depth_at(l, x, y) <= shadow_stored_depth(nearest, l.layer);
+    return select(0.0, 1.0, is_lit | shadow_is_lit_beside(any(at != nearest)));
 }
 
 // ---- receive.wgsl
@@ -263,8 +260,8 @@ fn shadow_map_layer(layer: i32) -> shadow_MapLayer { return shadow_kernel.lookup
 // ---- choice: one layer answers
 fn shadow_receive(r: shadow_Receiver) -> f32 { return shadow_receive_from_one(r); }
 
-// ---- choice: no normal offset
-fn shadow_moved_receiver(layer: shadow_MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f { return p; }
+// ---- choice: a constant bias
+fn shadow_biased_receiver(layer: shadow_MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f { return vec4f(p, layer.constant); }
 
 // ---- choice: taps follow the receiver's plane
 fn shadow_receiver_gradient(layer: shadow_MapLayer, point: vec3f, n: vec3f, size: f32) -> vec2f {
@@ -273,7 +270,7 @@ fn shadow_receiver_gradient(layer: shadow_MapLayer, point: vec3f, n: vec3f, size
 fn shadow_depth_at(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow_depth_at_on_plane(l, x, y); }
 
 // ---- choice: lit border
-fn shadow_tap_outside(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow_tap_outside_lit(size, l, x, y); }
+fn shadow_is_lit_beside(is_outside: bool) -> bool { return is_outside; }
 
 // ---- choice: what no map covers is lit
 fn shadow_full_light(r: shadow_Receiver) -> f32 { return 1.0; }
@@ -290,12 +287,13 @@ fn shadow_visibility(l: shadow_ShadowCoord, r: shadow_Receiver) -> f32 {
     let size = i32(shadow_kernel.lookup.size);
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
+    let radius = shadow_kernel.radius;
     var lit = 0.0;
-    for (var dy = -shadow_kernel.radius; dy <= shadow_kernel.radius; dy++) {
-        for (var dx = -shadow_kernel.radius; dx <= shadow_kernel.radius; dx++) {
+    for (var dy = -radius; dy <= radius; dy++) {
+        for (var dx = -radius; dx <= radius; dx++) {
             lit += shadow_tap(size, l, x + dx, y + dy);
         }
     }
-    let side = f32(2 * shadow_kernel.radius + 1);
+    let side = f32(2 * radius + 1);
     return lit / (side * side);
 }
