@@ -5,7 +5,7 @@ use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, Filter, FilterKernel, Fit, Format, ImageDesc, ImageId, Invalid, Layout,
+    Cast, CastMode, Filter, FilterKernel, Fit, Format, ImageDesc, ImageId, Invalid, Layout, Light,
     LightSpaces, MAX_SIDE, RasterBias, Receive, ReceiveKernel, Receivers, Recipe, RecipeError,
     Source, View, footprint::side_for,
 };
@@ -137,6 +137,18 @@ impl ShadowMap {
         // Receivers are moved along their normals by this many texels.
         let margin = reach + self.bias.normal_offset.abs();
         self.fit.light_spaces(self.layout, view, self.size, margin)
+    }
+
+    /// Returns whether the map moves with the camera, where it isn't known what the camera sees.
+    pub fn follows_camera(&self, light: &Light) -> bool {
+        if matches!(self.layout, Layout::Cascades(_)) {
+            return true;
+        }
+        match self.fit {
+            // Lamps stay where they are, and with them their maps.
+            Fit::Stable { .. } => light.position().is_none(),
+            Fit::Tight | Fit::Whole | Fit::Manual { .. } => false,
+        }
     }
 
     /// Returns the same map with the side that a view needs: on it, for a share `quantile` (0..=1) of the `receivers` that

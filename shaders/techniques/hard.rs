@@ -15,7 +15,7 @@ use crate::{
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
+    Fit, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View,
 };
 
@@ -43,6 +43,10 @@ impl ShadowTechnique for Hard {
 
     fn kernel_reach(&self) -> Option<f32> {
         Some(0.0)
+    }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
     }
 }
 

@@ -56,6 +56,10 @@ impl ShadowTechnique for Midpoint {
     fn kernel_reach(&self) -> Option<f32> {
         self.pcf().kernel_reach()
     }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
 }
 
 impl ListedTechnique for Midpoint {

@@ -69,6 +69,10 @@ impl ShadowTechnique for Pcf {
     fn kernel_reach(&self) -> Option<f32> {
         Some(self.radius as f32)
     }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
 }
 
 impl ListedTechnique for Pcf {

@@ -107,6 +107,10 @@ impl ShadowTechnique for PcfDisc {
     fn kernel_reach(&self) -> Option<f32> {
         Some(self.radius)
     }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
 }
 
 impl ListedTechnique for PcfDisc {

@@ -14,8 +14,8 @@ use crate::{
 use glam::{UVec2, Vec3};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Kernel, KernelCost, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View,
+    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    ShadowTechnique, Span, UniformBlock, View,
 };
 
 /// Four dithered comparisons.
@@ -43,6 +43,10 @@ impl ShadowTechnique for PcfDithered {
 
     fn kernel_reach(&self) -> Option<f32> {
         Some(1.5)
+    }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
     }
 }
 

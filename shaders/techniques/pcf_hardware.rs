@@ -77,6 +77,10 @@ impl ShadowTechnique for PcfHardware {
     fn kernel_reach(&self) -> Option<f32> {
         Some(Self::reach(self.samples))
     }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
 }
 
 impl ListedTechnique for PcfHardware {

@@ -81,6 +81,10 @@ impl ShadowTechnique for PcfMerged {
     fn kernel_reach(&self) -> Option<f32> {
         Some(Self::reach(self.radius))
     }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
 }
 
 impl ListedTechnique for PcfMerged {

@@ -157,6 +157,10 @@ impl ShadowTechnique for Pcss {
     fn kernel_reach(&self) -> Option<f32> {
         Some(1.0)
     }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
 }
 
 impl Pcss {

@@ -73,6 +73,10 @@ impl ShadowTechnique for SecondDepth {
     fn kernel_reach(&self) -> Option<f32> {
         self.pcf().kernel_reach()
     }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
 }
 
 impl ListedTechnique for SecondDepth {

@@ -12,7 +12,7 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Inputs, Kernel, KernelCost, Module, Receive, ReceiveKernel, Recipe, RecipeError,
+    Inputs, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
@@ -48,6 +48,10 @@ impl ShadowTechnique for Unshadowed {
             shade: None,
             keep_images: false,
         })
+    }
+
+    fn follows_camera(&self, _: &Light) -> bool {
+        false
     }
 }
 

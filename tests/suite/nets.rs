@@ -11,6 +11,7 @@ mod culling;
 mod embedding;
 mod exact;
 mod far_away;
+mod follows_camera;
 mod layers;
 mod light_set;
 mod maps;

@@ -1,6 +1,6 @@
 //! The trait that a shadow technique implements.
 
-use crate::{Recipe, RecipeError, View};
+use crate::{Light, Recipe, RecipeError, View};
 use std::fmt::Debug;
 
 /// A way to make shadows: a pure function from what is seen to a recipe. Its parameters are its public fields.
@@ -23,5 +23,12 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     /// [`ReceiveKernel::reach`](crate::ReceiveKernel::reach) returns each.
     fn kernel_reach(&self) -> Option<f32> {
         None
+    }
+
+    /// Returns whether recipes for `light` depend on the camera, where it isn't known what the camera sees. Yes, unless a technique
+    /// knows better: whoever keeps recipes from frame to frame then asks for a new one whenever the camera moves.
+    fn follows_camera(&self, light: &Light) -> bool {
+        let _ = light;
+        true
     }
 }

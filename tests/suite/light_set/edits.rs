@@ -4,7 +4,7 @@ use bytemuck::cast_slice;
 use glam::{Affine3A, EulerRot, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
-use umbrage_core::{Aabb, Camera, Light, ShadowTechnique};
+use umbrage_core::{Aabb, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
 use umbrage_techniques::{Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
 use umbrage_tests::{
     foreign,
@@ -78,7 +78,7 @@ fn edit() -> impl Strategy<Value = Edit> {
     ]
 }
 
-const TECHNIQUES: usize = 5;
+const TECHNIQUES: usize = 6;
 /// What a model begins with.
 const FIRST_LAMP: Lamp = Lamp {
     kind: 1,
@@ -86,13 +86,14 @@ const FIRST_LAMP: Lamp = Lamp {
     technique: 0,
 };
 
-/// Maps of two sizes, filtered ones, and one that is compared by the sampler.
-fn technique(index: usize) -> Arc<dyn ShadowTechnique> {
+/// Maps of two sizes, filtered ones, one that is compared by the sampler, and for suns cascades, which follow the camera.
+fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let map = |size| ShadowMap {
         size,
         ..ShadowMap::default()
     };
-    match index {
+    let is_sun = lamp.kind == 0;
+    match lamp.technique {
         0 => Arc::new(Hard { map: map(96) }),
         1 => Arc::new(Pcf {
             map: map(64),
@@ -105,6 +106,18 @@ fn technique(index: usize) -> Arc<dyn ShadowTechnique> {
         3 => Arc::new(Midpoint {
             map: map(64),
             ..Midpoint::default()
+        }),
+        4 if is_sun => Arc::new(Pcf {
+            map: ShadowMap {
+                fit: Fit::Stable { range: 30.0 },
+                layout: Layout::Cascades(Cascades {
+                    count: 3,
+                    blend: 4.0,
+                    ..Cascades::default()
+                }),
+                ..map(64)
+            },
+            radius: 1,
         }),
         _ => Arc::new(Pcss {
             map: map(96),
@@ -250,7 +263,7 @@ impl<'a> Model<'a> {
     fn add_light(&mut self, lamp: Lamp) {
         let id = self.set.add_light(SetLight {
             light: light(&lamp),
-            technique: technique(lamp.technique),
+            technique: technique(&lamp),
             priority: 1.0,
         });
         self.lights.push((id.expect("valid"), lamp));
@@ -278,7 +291,7 @@ impl<'a> Model<'a> {
                 let (id, lamp) = i.get_mut(&mut self.lights);
                 lamp.technique = *to;
                 self.set
-                    .set_technique(*id, technique(*to))
+                    .set_technique(*id, technique(lamp))
                     .expect("is there");
             }
             Edit::RemoveLight(i) if !self.lights.is_empty() => {

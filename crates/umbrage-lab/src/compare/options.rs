@@ -299,7 +299,7 @@ mod tests {
         let content = CompareOptions::content().runs.expect("timed");
         let second = Duration::from_secs(1);
         assert!(content.one_is_enough(second) && !runs.one_is_enough(60 * second));
-        assert!(!content.one_is_enough(second / 2));
+        assert!(!content.one_is_enough(second / 4));
         assert!(
             !Runs::exactly(0).suffice(0, Duration::MAX),
             "no run, no time"

@@ -30,10 +30,14 @@ impl LightSet {
             casters: self.casters_box(),
             geometry: frame.geometry.map(|g| g.revision),
         };
-        let has_changed = self.planned != Some(now);
-        self.planned = Some(now);
+        let before = self.planned.replace(now);
+        let same_camera = before.is_some_and(|before| before.camera == now.camera);
+        let same_casters = before
+            .is_some_and(|before| before.casters == now.casters && before.geometry == now.geometry);
         for light in self.lights.values_mut() {
-            if !has_changed && !light.has_changed {
+            let settings = &light.settings;
+            let is_alike = same_camera || !settings.technique.follows_camera(&settings.light);
+            if same_casters && is_alike && !light.has_changed {
                 continue;
             }
             light.has_changed = false;
