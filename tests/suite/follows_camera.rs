@@ -1,6 +1,6 @@
 //! What techniques say of their maps and the camera, against maps that were made for another camera.
 
-use umbrage_core::{Fit, Geometry, ShadowTechnique, View};
+use umbrage_core::{Fit, Geometry, View};
 use umbrage_plan::motion;
 use umbrage_techniques::ShadowMap;
 
