@@ -78,7 +78,9 @@ impl ByHand {
         let cast = cast_pipeline(d, &matrix_layout);
         let shadow_layout = bind_group_layout(d, &[uniform_entry(0, false), maps_entry()]);
         let shadows = shadow_group(d, &shadow_layout, &spaces, kernel, &maps);
-        let pipeline = shared.pipeline(d, include_str!("by_hand.wgsl"), &shadow_layout);
+        let radius = kernel.radius;
+        let lit = format!("const RADIUS = {radius};\n{}", include_str!("by_hand.wgsl"));
+        let pipeline = shared.pipeline(d, &lit, &shadow_layout);
         Ok(Self {
             shared,
             cast,
@@ -168,8 +170,7 @@ fn shadow_group(
     maps: &wgpu::Texture,
 ) -> wgpu::BindGroup {
     let mut words: Vec<f32> = spaces.iter().flat_map(Mat4::to_cols_array).collect();
-    let radius = f32::from_bits(kernel.radius.cast_unsigned());
-    words.extend([MAP as f32, kernel.bias, radius, 0.0]);
+    words.extend([MAP as f32, kernel.bias, 0.0, 0.0]);
     let uniforms = d.buffer(wgpu::BufferUsages::UNIFORM, bytemuck::cast_slice(&words));
     let whole = maps.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),

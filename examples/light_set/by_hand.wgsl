@@ -1,10 +1,10 @@
-// The same shadows, written for this picture alone: four maps in one array, a square of comparisons with a constant bias.
+// The same shadows, written for this picture alone: four maps in one array, a square of comparisons with a constant bias. `RADIUS` is
+// put before this text.
 
 struct Maps {
     clip_from_world: array<mat4x4f, 4>,
     size: f32,
     bias: f32,
-    radius: i32,
 }
 @group(1) @binding(0) var<uniform> maps: Maps;
 @group(1) @binding(1) var depths: texture_2d_array<f32>;
@@ -19,14 +19,14 @@ fn lit(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32 {
     let size = i32(maps.size);
     let depth = point.z - maps.bias;
     var sum = 0.0;
-    for (var y = -maps.radius; y <= maps.radius; y++) {
-        for (var x = -maps.radius; x <= maps.radius; x++) {
+    for (var y = -RADIUS; y <= RADIUS; y++) {
+        for (var x = -RADIUS; x <= RADIUS; x++) {
             let at = texel + vec2i(x, y);
             if any(at < vec2i(0)) || any(at >= vec2i(size)) || depth <= textureLoad(depths, at, light, 0).x {
                 sum += 1.0;
             }
         }
     }
-    let side = f32(2 * maps.radius + 1);
+    let side = f32(2 * RADIUS + 1);
     return sum / (side * side);
 }

@@ -163,16 +163,39 @@ pub struct PcfKernel(
     pub PcfUniforms,
 );
 
+/// The textbooks' 3x3: compilers unroll loops whose length they know.
+const SQUARE_OF_THREE: Module = Module {
+    name: "choice: 3x3",
+    text: "fn pcf_radius() -> i32 { return 1; }\n",
+};
+const ANY_SQUARE: Module = Module {
+    name: "choice: any square",
+    text: "fn pcf_radius() -> i32 { return kernel.radius; }\n",
+};
+
+impl PcfKernel {
+    fn radius_choice(&self) -> Module {
+        if self.0.radius == 1 {
+            SQUARE_OF_THREE
+        } else {
+            ANY_SQUARE
+        }
+    }
+}
+
 impl Kernel for PcfKernel {
     fn modules(&self) -> Vec<Module> {
         self.0
             .lookup
             .modules()
             .into_iter()
-            .chain([Module {
-                name: "pcf",
-                text: include_str!("pcf.wgsl"),
-            }])
+            .chain([
+                self.radius_choice(),
+                Module {
+                    name: "pcf",
+                    text: include_str!("pcf.wgsl"),
+                },
+            ])
             .collect()
     }
 

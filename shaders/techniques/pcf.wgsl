@@ -1,4 +1,4 @@
-// Twin of pcf.rs: the mean of comparisons over a square of texels.
+// Twin of pcf.rs: the mean of comparisons over a square of texels. `pcf_radius` is a choice made there.
 
 struct PcfUniforms {
     lookup: ShadowMapUniforms,
@@ -9,7 +9,7 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let size = i32(kernel.lookup.size);
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
-    let radius = kernel.radius;
+    let radius = pcf_radius();
     var lit = 0.0;
     for (var dy = -radius; dy <= radius; dy++) {
         for (var dx = -radius; dx <= radius; dx++) {

@@ -132,4 +132,12 @@ fn what_can_not_be_used_is_refused_by_name() {
         priority: 1.0,
     };
     assert!(stage.set.add_light(light).is_err());
+    let id = stage.light(0.0, 1.0);
+    for priority in [-1.0, f32::NAN] {
+        let error = stage
+            .set
+            .set_priority(id, priority)
+            .expect_err("no priority");
+        assert!(error.to_string().contains("use 0 or more"), "{error}");
+    }
 }

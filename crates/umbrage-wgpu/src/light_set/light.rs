@@ -32,7 +32,7 @@ pub struct SetLight {
     pub light: Light,
     /// The technique, with its settings. Techniques that draw from the camera (planar, volumes) are refused.
     pub technique: Arc<dyn ShadowTechnique>,
-    /// Where not all lights can be served, or redrawn in one frame, those with greater numbers come first. Light that arrives times
+    /// 0 or more. Where not all lights can be served, or redrawn in one frame, those with greater numbers come first. Light that arrives times
     /// pixels that it lights is a good measure.
     pub priority: f32,
 }

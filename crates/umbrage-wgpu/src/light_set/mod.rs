@@ -48,9 +48,7 @@ use crate::{
 use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
-use umbrage_core::{
-    Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique, invalid,
-};
+use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, RenderPass, TextureView};
 
 /// The shadows of any number of lights, each by a technique of its own: one [`prepare`](Self::prepare), one
@@ -279,10 +277,10 @@ impl LightSet {
     /// Sets what decides which lights come first where not all can be served.
     ///
     /// # Errors
-    /// Errors if there is no such light, or if the priority is not finite.
+    /// Errors if there is no such light, or if the priority is negative or not finite.
     pub fn set_priority(&mut self, id: LightId, priority: f32) -> Result<(), Invalid> {
         let state = self.lights.get_mut(id).ok_or_else(unknown_light)?;
-        invalid::finite("light's priority", &[priority])?;
+        check_priority(priority)?;
         self.layers_changed |= state.settings.priority != priority;
         state.settings.priority = priority;
         Ok(())
@@ -542,7 +540,15 @@ impl LightSet {
 
 fn check_light(light: &Light, priority: f32) -> Result<(), Invalid> {
     light.validate()?;
-    invalid::finite("light's priority", &[priority])
+    check_priority(priority)
+}
+
+fn check_priority(priority: f32) -> Result<(), Invalid> {
+    if priority.is_finite() && priority >= 0.0 {
+        return Ok(());
+    }
+    let why = format!("is {priority}");
+    Err(Invalid::new("light's priority", why, "use 0 or more"))
 }
 
 fn unknown_light() -> Invalid {

@@ -80,6 +80,10 @@ impl LightSet {
         let mut bytes = 0;
         for &id in &order {
             let light = &mut self.lights[id];
+            // Lights come first: what they leave is given to layers of still casters anew.
+            for cast in &mut light.casts {
+                cast.still = None;
+            }
             let wanted = match light.plan() {
                 Some(plan) if light.refused.is_none() => plan.bytes(),
                 _ => u64::MAX,

@@ -76,7 +76,7 @@ impl TextParts<'_> {
             text,
             "@group({group}) @binding({ENTRIES}) var<storage> shadow_lights: array<ShadowLight>;
 @group({group}) @binding({TABLES}) var<storage> shadow_tables: array<vec4u>;
-var<private> shadow_light: ShadowLight;"
+var<private> shadow_index: u32;"
         );
         let mut binding = FIRST_KIND + self.kinds.len() as u32;
         for (i, map) in self.maps.iter().enumerate() {
@@ -146,9 +146,9 @@ fn shadow_on(light: u32, position: vec3f, normal: vec3f, pixel: vec2u, triangle:
     if light >= arrayLength(&shadow_lights) {{
         return 1.0;
     }}
-    shadow_light = shadow_lights[light];
+    shadow_index = light;
     let receiver = Receiver(position, normal, pixel, triangle);
-    switch shadow_light.kind {{
+    switch shadow_lights[light].kind {{
 {cases}        default: {{ return 1.0; }}
     }}
 }}
@@ -167,7 +167,7 @@ const fn array_type(kind: InputKind) -> &'static str {
 
 /// Returns the functions with which a kernel reads image `i`; its lights have it in these textures.
 fn image_functions(i: usize, image: InputImage, maps: &[usize]) -> String {
-    let layer = format!("layer + i32(shadow_light.images[{i}].first)");
+    let layer = format!("layer + i32(shadow_lights[shadow_index].images[{i}].first)");
     let load = |map: usize| {
         let load = format!("textureLoad(shadow_maps_{map}, texel, {layer}, 0)");
         match image.kind {
@@ -216,7 +216,7 @@ fn by_map(
                 let _ = write!(cases, " case {map}u: {{ return {}; }}", read(map));
             }
             format!(
-                "{head} {{\n    switch shadow_light.images[{i}].at {{{cases} default: {{ return {none}; }} }}\n}}\n"
+                "{head} {{\n    switch shadow_lights[shadow_index].images[{i}].at {{{cases} default: {{ return {none}; }} }}\n}}\n"
             )
         }
     }
@@ -245,7 +245,7 @@ fn read_from_light(text: &str) -> String {
         rest = &rest[end..];
         let is_field = out.ends_with('.');
         if word == "kernel" && !is_field {
-            out.push_str("kernels[shadow_light.kernel]");
+            out.push_str("kernels[shadow_lights[shadow_index].kernel]");
         } else if word == "arrayLength" {
             rest = push_table_length(&mut out, rest);
         } else if let Some(table) = table_index(word)
@@ -272,7 +272,7 @@ fn push_table_length<'a>(out: &mut String, rest: &'a str) -> &'a str {
     if let Some((name, after)) = argument
         && let Some(table) = table_index(name)
     {
-        let _ = write!(out, "shadow_light.tables[{table}].first");
+        let _ = write!(out, "shadow_lights[shadow_index].tables[{table}].first");
         return after;
     }
     out.push_str("arrayLength");
@@ -295,7 +295,7 @@ fn push_table_row<'a>(out: &mut String, table: usize, rest: &'a str) -> &'a str 
     let row = read_from_light(&rest[1..end]);
     let _ = write!(
         out,
-        "shadow_tables[shadow_light.tables[{table}].at + u32({row})]"
+        "shadow_tables[shadow_lights[shadow_index].tables[{table}].at + u32({row})]"
     );
     &rest[end + 1..]
 }
@@ -318,9 +318,9 @@ fn receive(kernel_size: u32) -> f32 {
         let expected = "\
 // the kernel of table_0[1]
 fn receive(kernel_size: u32) -> f32 {
-    let row = shadow_tables[shadow_light.tables[0].at + u32(i / 4u)];
-    let nested = shadow_tables[shadow_light.tables[1].at + u32(shadow_tables[shadow_light.tables[0].at + u32(kernels[shadow_light.kernel].first)].x + 1u)];
-    if i >= shadow_light.tables[0].first { return kernels[shadow_light.kernel].lookup.kernel; }
+    let row = shadow_tables[shadow_lights[shadow_index].tables[0].at + u32(i / 4u)];
+    let nested = shadow_tables[shadow_lights[shadow_index].tables[1].at + u32(shadow_tables[shadow_lights[shadow_index].tables[0].at + u32(kernels[shadow_lights[shadow_index].kernel].first)].x + 1u)];
+    if i >= shadow_lights[shadow_index].tables[0].first { return kernels[shadow_lights[shadow_index].kernel].lookup.kernel; }
     return f32(arrayLength(&others));
 }
 ";
