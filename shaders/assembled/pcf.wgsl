@@ -275,8 +275,11 @@ fn shadow_is_lit_beside(is_outside: bool) -> bool { return is_outside; }
 // ---- choice: what no map covers is lit
 fn shadow_full_light(r: shadow_Receiver) -> f32 { return 1.0; }
 
+// ---- choice: 3x3
+fn shadow_pcf_radius() -> i32 { return 1; }
+
 // ---- pcf.wgsl
-// Twin of pcf.rs: the mean of comparisons over a square of texels.
+// Twin of pcf.rs: the mean of comparisons over a square of texels. `pcf_radius` is a choice made there.
 
 struct shadow_PcfUniforms {
     lookup: shadow_ShadowMapUniforms,
@@ -287,7 +290,7 @@ fn shadow_visibility(l: shadow_ShadowCoord, r: shadow_Receiver) -> f32 {
     let size = i32(shadow_kernel.lookup.size);
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
-    let radius = shadow_kernel.radius;
+    let radius = shadow_pcf_radius();
     var lit = 0.0;
     for (var dy = -radius; dy <= radius; dy++) {
         for (var dx = -radius; dx <= radius; dx++) {

@@ -9,7 +9,7 @@ pub struct SetBudget {
     /// Most bytes of all lights' layers together. Lights that don't fit, those of the least priority, are not served.
     pub bytes: u64,
     /// Most layers drawn in a frame, but always those of one light. The others keep what was drawn before, or wait: see
-    /// [`Unserved::Waiting`].
+    /// [`Unserved::Waiting`](crate::Unserved::Waiting).
     pub redraws: u32,
 }
 
@@ -38,9 +38,9 @@ pub enum StillLayers {
 /// Options that hold for all that a set does.
 #[derive(Clone, Debug, Default)]
 pub struct LightSetOptions {
-    /// Index of the bind group that [`LightSet::wgsl`] declares: the only one that the set takes.
+    /// Index of the bind group that [`LightSet::wgsl`](crate::LightSet::wgsl) declares: the only one that the set takes.
     pub group: u32,
-    /// Stands before every name that [`LightSet::wgsl`] declares.
+    /// Stands before every name that [`LightSet::wgsl`](crate::LightSet::wgsl) declares.
     pub prefix: String,
     /// What the set may take.
     pub budget: SetBudget,
