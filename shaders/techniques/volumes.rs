@@ -123,7 +123,7 @@ impl ListedTechnique for ShadowVolumes {
         Some("volumes have exact edges".to_owned())
     }
 
-    // Welding takes a second for each 300,000 triangles, and drawing the volumes of a forest on a software driver ten.
+    // Of 2.4 million triangles, a plan takes 7 seconds, and a software driver draws the volumes in 11.
     const MAX_COMPARED_TRIANGLES: Option<usize> = Some(1_000_000);
 
     const RANDOM_WEIGHT: u32 = 2;
