@@ -179,8 +179,26 @@ impl FrameInputs<'_> {
     }
 }
 
-impl Drawable<'_> {
-    fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
+/// Triangles in buffers of the caller's, however they are placed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BufferedTriangles<'a> {
+    pub(crate) vertices: &'a Buffer,
+    pub(crate) layout: VertexLayout,
+    pub(crate) indices: Option<Indices<'a>>,
+    pub(crate) range: &'a Range<u32>,
+}
+
+impl BufferedTriangles<'_> {
+    /// Returns what the range counts: indices, or vertices where there are none.
+    const fn counted(&self) -> &'static str {
+        match self.indices {
+            Some(_) => "indices",
+            None => "vertices",
+        }
+    }
+
+    /// Errors if a buffer lacks its usage, or doesn't hold what the range draws.
+    pub(crate) fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
         self.layout.validate(limits)?;
         check_buffer(
             self.vertices,
@@ -191,10 +209,52 @@ impl Drawable<'_> {
         if let Some(Indices { buffer, .. }) = self.indices {
             check_buffer(buffer, "index buffer", BufferUsages::INDEX, "INDEX")?;
         }
+        self.check_range()
+    }
+
+    fn check_range(&self) -> Result<(), Invalid> {
+        let range = self.range;
+        let vertices = self.layout.vertices(self.vertices.size());
+        let count = match &self.indices {
+            Some(indices) => indices.buffer.size() / indices.format.byte_size() as u64,
+            None => vertices,
+        };
+        if range.start > range.end {
+            let why = format!("start at {} and end at {}", range.start, range.end);
+            return Err(Invalid::new(self.counted(), why, "put the first one first"));
+        }
+        if u64::from(range.end) > count {
+            let why = format!("end at {}, and the buffer holds {count}", range.end);
+            return Err(Invalid::new(
+                self.counted(),
+                why,
+                "draw what is in the buffer",
+            ));
+        }
+        if vertices == 0 && !range.is_empty() {
+            return Err(Invalid::new(
+                "vertex buffer",
+                "holds no vertex",
+                "leave the caster out",
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl Drawable<'_> {
+    fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
+        let triangles = BufferedTriangles {
+            vertices: self.vertices,
+            layout: self.layout,
+            indices: self.indices,
+            range: &self.range,
+        };
+        triangles.validate(limits)?;
         if let Some(place) = self.world_from_local {
             invalid::finite("world from local", &place.to_cols_array())?;
         }
-        self.check_range()
+        self.check_triangles(triangles.counted())
     }
 
     /// Errors if there are ids, but not as many as triangles are drawn.
@@ -214,42 +274,10 @@ impl Drawable<'_> {
             "name the triangles that the range draws, or none",
         ))
     }
-
-    fn check_range(&self) -> Result<(), Invalid> {
-        let what = match self.indices {
-            Some(_) => "indices",
-            None => "vertices",
-        };
-        let vertices = self.layout.vertices(self.vertices.size());
-        let count = match &self.indices {
-            Some(indices) => indices.buffer.size() / indices.format.byte_size() as u64,
-            None => vertices,
-        };
-        if self.range.start > self.range.end {
-            let why = format!(
-                "start at {} and end at {}",
-                self.range.start, self.range.end
-            );
-            return Err(Invalid::new(what, why, "put the first one first"));
-        }
-        if u64::from(self.range.end) > count {
-            let why = format!("end at {}, and the buffer holds {count}", self.range.end);
-            return Err(Invalid::new(what, why, "draw what is in the buffer"));
-        }
-        self.check_triangles(what)?;
-        if vertices == 0 && !self.range.is_empty() {
-            return Err(Invalid::new(
-                "vertex buffer",
-                "holds no vertex",
-                "leave the caster out",
-            ));
-        }
-        Ok(())
-    }
 }
 
 impl VertexLayout {
-    pub(crate) fn validate(self, limits: &Limits) -> Result<(), Invalid> {
+    fn validate(self, limits: &Limits) -> Result<(), Invalid> {
         let stride = self.stride;
         let offset = self.position_offset;
         let position = self.format.bytes();
@@ -270,14 +298,14 @@ impl VertexLayout {
     }
 
     /// Returns how many vertices lie in a buffer of this many bytes. The last one may end with its position.
-    pub(crate) fn vertices(self, bytes: u64) -> u64 {
+    fn vertices(self, bytes: u64) -> u64 {
         bytes
             .checked_sub(self.position_offset + self.format.bytes())
             .map_or(0, |rest| rest / self.stride + 1)
     }
 }
 
-pub(crate) fn check_buffer(
+fn check_buffer(
     buffer: &Buffer,
     what: &str,
     usage: BufferUsages,

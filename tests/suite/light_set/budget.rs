@@ -6,7 +6,9 @@ use umbrage_tests::{
     foreign,
     light_stage::{LAYER, Stage, at, camera, hard, spot},
 };
-use umbrage_wgpu::{CasterMesh, LightId, SetBudget, SetLight, SetReport, Unserved, VertexLayout};
+use umbrage_wgpu::{
+    CasterMesh, LightId, SetBudget, SetFrame, SetLight, SetReport, Unserved, VertexLayout,
+};
 use wgpu::BufferUsages;
 
 #[test]
@@ -78,6 +80,39 @@ fn redraws_are_spread_over_frames() {
     stage.frame();
     assert_eq!(stage.unserved(), []);
     assert_eq!(stage.frame(), SetReport::default());
+}
+
+/// A budget never lets shaders read what was not drawn: a frame that was prepared and thrown away is made up for at once.
+#[test]
+fn thrown_away_redraws_are_not_put_off() {
+    let budget = SetBudget {
+        redraws: 1,
+        ..SetBudget::default()
+    };
+    for is_recorded in [false, true] {
+        let mut stage = Stage::new(budget, &[-4.0, 0.0]);
+        let first = stage.light(-4.0, 2.0);
+        let frame = SetFrame {
+            camera: &stage.camera,
+            geometry: None,
+        };
+        let d = stage.program.d;
+        stage
+            .set
+            .prepare(&d.device, &d.queue, &frame)
+            .expect("prepares");
+        if is_recorded {
+            let mut encoder = stage.program.encoder();
+            stage.set.encode(&mut encoder).expect("was prepared");
+        }
+        // A light that is more urgent takes all that the budget allows.
+        let second = stage.light(0.0, 100.0);
+        stage.frame();
+        let in_shadow = stage.shadowed(first);
+        assert!((1..500).contains(&in_shadow), "{in_shadow} of 3072");
+        assert!(stage.shadowed(second) > 0);
+        assert_eq!(stage.unserved(), []);
+    }
 }
 
 /// 256 lights in WebGPU's own limits, which the tests' device has.

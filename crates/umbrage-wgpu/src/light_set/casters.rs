@@ -4,14 +4,14 @@
 //! neighbours are drawn by one instanced draw.
 
 use crate::{
-    frame::{Indices, VertexLayout, check_buffer},
+    frame::{BufferedTriangles, Indices, VertexLayout},
     light_set::culling::Boxes,
 };
 use glam::{Affine3A, Vec3};
 use slotmap::{SlotMap, new_key_type};
 use std::ops::Range;
 use umbrage_core::{Aabb, Invalid, invalid};
-use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, RenderPass};
+use wgpu::{Buffer, IndexFormat, Limits, RenderPass};
 
 new_key_type! {
     /// Names a mesh of a [`LightSet`](crate::LightSet).
@@ -106,64 +106,23 @@ pub(crate) struct Casters {
 
 impl CasterMesh<'_> {
     fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
-        self.layout.validate(limits)?;
-        check_buffer(
-            self.vertices,
-            "vertex buffer",
-            BufferUsages::VERTEX,
-            "VERTEX",
-        )?;
-        if let Some(Indices { buffer, .. }) = self.indices {
-            check_buffer(buffer, "index buffer", BufferUsages::INDEX, "INDEX")?;
+        let triangles = BufferedTriangles {
+            vertices: self.vertices,
+            layout: self.layout,
+            indices: self.indices,
+            range: &self.range,
+        };
+        triangles.validate(limits)?;
+        if self.indices.is_none() && self.base_vertex != 0 {
+            let base = self.base_vertex;
+            let why = format!("is {base}, and there are no indices to add it to");
+            let help = "use 0, and move the range";
+            return Err(Invalid::new("base vertex", why, help));
         }
         self.bounds.validate()?;
         if self.bounds.is_empty() {
-            return Err(Invalid::new(
-                "bounds",
-                "are empty",
-                "give the box around the mesh's positions",
-            ));
-        }
-        self.check_range()
-    }
-
-    fn check_range(&self) -> Result<(), Invalid> {
-        let vertices = self.layout.vertices(self.vertices.size());
-        let (what, count) = match &self.indices {
-            Some(indices) => (
-                "indices",
-                indices.buffer.size() / indices.format.byte_size() as u64,
-            ),
-            None => ("vertices", vertices),
-        };
-        if self.range.start > self.range.end {
-            let why = format!(
-                "start at {} and end at {}",
-                self.range.start, self.range.end
-            );
-            return Err(Invalid::new(what, why, "put the first one first"));
-        }
-        if u64::from(self.range.end) > count {
-            let why = format!("end at {}, and the buffer holds {count}", self.range.end);
-            return Err(Invalid::new(what, why, "draw what is in the buffer"));
-        }
-        if self.indices.is_none() && self.base_vertex != 0 {
-            let why = format!(
-                "is {}, and there are no indices to add it to",
-                self.base_vertex
-            );
-            return Err(Invalid::new(
-                "base vertex",
-                why,
-                "use 0, and move the range",
-            ));
-        }
-        if vertices == 0 && !self.range.is_empty() {
-            return Err(Invalid::new(
-                "vertex buffer",
-                "holds no vertex",
-                "leave the mesh out",
-            ));
+            let help = "give the box around the mesh's positions";
+            return Err(Invalid::new("bounds", "are empty", help));
         }
         Ok(())
     }

@@ -62,6 +62,8 @@ pub(crate) struct LightCast {
     pub(crate) peeled: Binding,
     /// Whether something changed in it since it was drawn.
     pub(crate) is_stale: bool,
+    /// Whether its layer holds anything of the plan that is shown. If not, no budget may put off that it is drawn: shaders read it.
+    pub(crate) is_drawn: bool,
     /// A layer of its own with the casters that are still, to which those that move are added: see `still_layers.rs`.
     pub(crate) still: Option<StillLayer>,
 }
@@ -182,14 +184,20 @@ impl LightState {
         }
     }
 
-    /// Marks all casts.
+    /// Marks all casts, as if nothing had been drawn.
     pub(crate) fn mark_all_stale(&mut self) {
         for cast in &mut self.casts {
             cast.is_stale = true;
+            cast.is_drawn = false;
             if let Some(still) = &mut cast.still {
                 still.is_stale = true;
             }
         }
+    }
+
+    /// Returns whether shaders read a layer that was never drawn: its frame was prepared and then not recorded, or not submitted.
+    pub(crate) fn is_undrawn(&self) -> bool {
+        self.shown.is_some() && self.casts.iter().any(|cast| !cast.is_drawn)
     }
 
     /// Returns how many layers wait to be drawn: all of a plan that is not shown, else those in which something changed.
@@ -252,6 +260,7 @@ impl LightState {
                 volume,
                 peeled,
                 is_stale: true,
+                is_drawn: false,
                 still,
             };
             match self.casts.get_mut(i) {

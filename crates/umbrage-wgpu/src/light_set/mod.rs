@@ -4,6 +4,7 @@ mod buffers;
 mod cast_list;
 mod casters;
 mod culling;
+mod dropped_encoders;
 mod light;
 mod masks;
 mod options;
@@ -14,7 +15,6 @@ mod report;
 mod shader;
 mod steady_box;
 mod still_layers;
-mod submitted;
 mod text;
 
 pub use casters::{CasterId, CasterMesh, MeshId};
@@ -30,12 +30,12 @@ use crate::{
         cast_list::{CastList, CastPart, Instances},
         casters::Casters,
         culling::ShownSlots,
+        dropped_encoders::DroppedEncoders,
         light::LightState,
         masks::MaskStage,
         playing::still_bytes,
         pool::LayerPool,
         shader::SetShader,
-        submitted::Submission,
     },
     renderer::{check_device, limits},
     resources::{
@@ -112,7 +112,7 @@ pub struct LightSet {
     /// Scratch: the slots that show in a layer.
     shown: ShownSlots,
     errors: LaterErrors,
-    submission: Submission,
+    dropped_encoders: DroppedEncoders,
     layouts: Option<Layouts>,
     /// The lights that get new numbers or layers in this frame. Its memory is used again.
     chosen: Vec<LightId>,
@@ -161,7 +161,7 @@ impl LightSet {
             list: CastList::default(),
             shown: ShownSlots::default(),
             errors: LaterErrors::default(),
-            submission: Submission::default(),
+            dropped_encoders: DroppedEncoders::of(device),
             layouts: None,
             chosen: Vec::new(),
             planned: None,
@@ -346,7 +346,7 @@ impl LightSet {
     ) -> Result<&SetReport, BackendError> {
         check_device(device, &self.device)?;
         frame.camera.validate()?;
-        if self.submission.was_dropped() {
+        if self.dropped_encoders.any() {
             self.draw_all_again();
         }
         self.list.clear();
@@ -404,7 +404,7 @@ impl LightSet {
         if self.list.count() == 0 {
             return Ok(());
         }
-        self.submission.watch(encoder, &self.device);
+        self.dropped_encoders.watch(encoder);
         let mut filtered: Option<LightId> = None;
         let mut names = self.list.names().enumerate().peekable();
         while let Some((pass, name)) = names.next() {
@@ -434,7 +434,10 @@ impl LightSet {
             let cast = &mut self.lights[name.light].casts[name.cast];
             match (name.part, &mut cast.still) {
                 (CastPart::Still, Some(still)) => still.is_stale = false,
-                _ => cast.is_stale = false,
+                _ => {
+                    cast.is_stale = false;
+                    cast.is_drawn = true;
+                }
             }
         }
         self.list.clear();

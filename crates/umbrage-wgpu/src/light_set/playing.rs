@@ -127,7 +127,7 @@ impl LightSet {
             let light = &mut lights[id];
             let layers = light.waiting_layers();
             // New numbers alone cost nothing.
-            let is_chosen = layers == 0 || layers <= left || is_first;
+            let is_chosen = layers == 0 || layers <= left || is_first || light.is_undrawn();
             if is_chosen {
                 left = left.saturating_sub(layers);
                 light.age = 0;

@@ -53,12 +53,21 @@ impl Submissions {
 
     /// Keeps `pending` from being over before the encoder's commands are submitted or thrown away.
     pub(crate) fn watch(&self, encoder: &CommandEncoder, pending: &Pending) {
-        let buffer = self.buffer();
         let waiting = pending.0.clone();
+        self.call_on_submit(encoder, move || drop(waiting));
+    }
+
+    /// Lets `call` be called once the encoder's commands are submitted. Where they never are it is dropped without a call.
+    pub(crate) fn call_on_submit(
+        &self,
+        encoder: &CommandEncoder,
+        call: impl FnOnce() + Send + 'static,
+    ) {
+        let buffer = self.buffer();
         let spare = self.spare.clone();
         let mapped = buffer.clone();
         encoder.map_buffer_on_submit(&buffer, MapMode::Read, .., move |result| {
-            drop(waiting);
+            call();
             if result.is_ok() {
                 mapped.unmap();
                 locked(&spare).push(mapped);

@@ -1,0 +1,60 @@
+//! Whether what was recorded has been thrown away.
+
+use crate::resources::submissions::Submissions;
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
+use wgpu::{CommandEncoder, Device};
+
+/// Finds out whether an encoder that a set recorded into was dropped without being submitted.
+#[derive(Debug)]
+pub(crate) struct DroppedEncoders {
+    submissions: Submissions,
+    dropped: Arc<AtomicBool>,
+}
+
+/// Tells on being dropped, unless the encoder's commands were submitted.
+#[derive(Debug)]
+struct Watch {
+    dropped: Arc<AtomicBool>,
+    submitted: bool,
+}
+
+impl Watch {
+    fn end(mut self) {
+        self.submitted = true;
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        if !self.submitted {
+            self.dropped.store(true, Ordering::Release);
+        }
+    }
+}
+
+impl DroppedEncoders {
+    pub(crate) fn of(device: &Device) -> Self {
+        Self {
+            submissions: Submissions::of(device),
+            dropped: Arc::default(),
+        }
+    }
+
+    /// Returns whether one was dropped since this was last asked.
+    pub(crate) fn any(&self) -> bool {
+        self.dropped.swap(false, Ordering::Acquire)
+    }
+
+    /// Watches an encoder.
+    pub(crate) fn watch(&self, encoder: &CommandEncoder) {
+        let watch = Watch {
+            dropped: self.dropped.clone(),
+            submitted: false,
+        };
+        self.submissions
+            .call_on_submit(encoder, move || watch.end());
+    }
+}
