@@ -243,6 +243,11 @@ impl<'a> Model<'a> {
     fn new(program: &'a ForwardProgram, meshes: &'a Meshes, still_layers: StillLayers) -> Self {
         let mut set = program.set(SetBudget::default(), still_layers);
         let mesh_ids = meshes.add(&mut set);
+        // Two that stay in the corners of the box around all casters: else every move changes the box, and with it all maps.
+        for corner in [Vec3::new(-9.0, -2.0, -8.0), Vec3::new(9.0, 6.0, 8.0)] {
+            let place = Affine3A::from_translation(corner);
+            set.add_caster(mesh_ids[0], place).expect("valid");
+        }
         Self {
             program,
             meshes,

@@ -7,6 +7,7 @@ use umbrage_core::{
     Camera, Inputs, Kernel, Module, Receive, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
     Span, View,
 };
+use umbrage_techniques::{Bias, Hard, ShadowMap};
 use umbrage_tests::{
     foreign,
     light_program::{Forward, ForwardProgram},
@@ -245,6 +246,18 @@ fn normals(program: &ForwardProgram) -> [(TextureView, NormalCoding); 3] {
 fn masks_come_from_depth_and_normals_of_any_format() {
     let mut stage = Stage::new(SetBudget::default(), &PLACES);
     let lights = PLACES.map(|x| stage.light(x, 1.0));
+    for light in lights {
+        // Receivers move along their normals by some texels: a wrong normal moves shadows.
+        let map = ShadowMap {
+            bias: Bias {
+                normal_offset: 8.0,
+                ..Bias::NONE
+            },
+            ..hard().map
+        };
+        let moved = Arc::new(Hard { map });
+        stage.set.set_technique(light, moved).expect("is there");
+    }
     stage.frame();
     let camera = camera(0.5).resized(UVec2::new(160, 120));
     let floor = SeenFloor::new(&camera);
