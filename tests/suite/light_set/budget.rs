@@ -92,6 +92,10 @@ fn thrown_away_redraws_are_not_put_off() {
     for is_recorded in [false, true] {
         let mut stage = Stage::new(budget, &[-4.0, 0.0]);
         let first = stage.light(-4.0, 2.0);
+        let second = stage.light(0.0, 100.0);
+        stage.frame();
+        stage.frame();
+        stage.set.set_light(first, spot(0.4)).expect("is there");
         let frame = SetFrame {
             camera: &stage.camera,
             geometry: None,
@@ -106,12 +110,11 @@ fn thrown_away_redraws_are_not_put_off() {
             stage.set.encode(&mut encoder).expect("was prepared");
         }
         // A light that is more urgent takes all that the budget allows.
-        let second = stage.light(0.0, 100.0);
+        stage.set.set_light(second, spot(-0.4)).expect("is there");
         stage.frame();
         let at_once = stage.shadowed(first);
-        assert!(stage.shadowed(second) > 0);
-        assert_eq!(stage.unserved(), []);
-        // Nothing that waits is left: what is there now is right, and a map that was never drawn is dark all over.
+        assert!(at_once > 0 && stage.shadowed(second) > 0);
+        // What is there now is what is there once nothing waits.
         stage.frame();
         stage.frame();
         assert_eq!(at_once, stage.shadowed(first));
