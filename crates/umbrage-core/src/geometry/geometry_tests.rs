@@ -1,7 +1,7 @@
 use super::*;
 use glam::{Affine3A, UVec2};
 
-use crate::{Material, Texture};
+use crate::{Instance, Material, Mesh, Texture};
 
 /// A triangle in z = 0: u along x, v against y; the bitangent runs up y.
 fn triangle() -> Mesh {
