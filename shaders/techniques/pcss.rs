@@ -205,7 +205,7 @@ impl ListedTechnique for Pcss {
         let usual = Self::default();
         let many = Self::with_taps(32, 64);
         let bias = [Bias::ADAPTIVE];
-        let mut out = sweeps::sweep(map_sizes, fit, &bias, |map| usual.with_map(map));
+        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| usual.with_map(map));
         out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
             many.with_map(map)
         }));

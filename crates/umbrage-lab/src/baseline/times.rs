@@ -40,7 +40,7 @@ pub const APART: f64 = 1.4;
 pub const MANY: u32 = 9;
 
 /// Rows with fewer runs are not judged.
-pub const MIN_RUNS: u32 = 5;
+pub const MIN_RUNS: u32 = crate::compare::MIN_JUDGED_RUNS;
 
 /// The least factor by which a technique's median over its rows must change, beyond its error. Rows of one technique wait for the same part of the
 /// machine, and a yardstick that waits for another does not cancel all of that: medians of unchanged code moved by up to

@@ -25,7 +25,7 @@ pub use choice::{Choice, SettingGroup, percent, setting_groups, times};
 pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};
 pub use kept_truth::KeptTruth;
-pub use options::{CompareOptions, NamedPreset, Runs, SceneInput, Section};
+pub use options::{CompareOptions, MIN_JUDGED_RUNS, NamedPreset, Runs, SceneInput, Section};
 pub use preparation::Preparation;
 pub use relative::{MIN_ERROR, Relative, SceneGroup, relative, scene_groups};
 pub use result::{

@@ -107,7 +107,8 @@ pub struct Runs {
     /// Never more often.
     #[serde(rename = "most")]
     pub max: u32,
-    /// In between, until this much time has been spent on the row, milliseconds; a quarter more goes into its yardstick.
+    /// In between, until this much time has been spent on the row, milliseconds; a quarter more goes into its yardstick, if the least
+    /// number of runs is as many as baselines need.
     pub budget_ms: u32,
     /// A row whose first play took this long, milliseconds, is timed once, without a yardstick.
     #[serde(default = "never")]
@@ -118,6 +119,9 @@ pub struct Runs {
 fn never() -> u32 {
     u32::MAX
 }
+
+/// Rows with fewer runs are not judged by [baselines](crate::baseline::times).
+pub const MIN_JUDGED_RUNS: u32 = 5;
 
 impl Runs {
     /// Whether a row whose first play took so long is timed once.
@@ -140,6 +144,11 @@ impl Runs {
         }
     }
 
+    /// Whether every row gets as many runs as a baseline needs to judge it.
+    pub(super) fn suffice_for_baselines(&self) -> bool {
+        self.min >= MIN_JUDGED_RUNS
+    }
+
     /// Whether `done` runs that took `spent` are enough.
     pub(super) fn suffice(&self, done: usize, spent: Duration) -> bool {
         let min = self.min.max(1) as usize;
@@ -158,10 +167,10 @@ impl Runs {
 }
 
 impl Default for Runs {
-    /// Five runs are the fewest that a [baseline](crate::baseline::times) judges; quick rows get up to fifteen.
+    /// As many runs as a [baseline](crate::baseline::times) needs; quick rows get up to fifteen.
     fn default() -> Self {
         Self {
-            min: 5,
+            min: MIN_JUDGED_RUNS,
             max: 15,
             budget_ms: 60,
             once_from_ms: never(),
@@ -296,6 +305,7 @@ mod tests {
             Runs::exactly(2).suffice(2, Duration::ZERO)
                 && !Runs::exactly(2).suffice(1, Duration::MAX)
         );
+        assert!(runs.suffice_for_baselines() && !Runs::exactly(2).suffice_for_baselines());
         let content = CompareOptions::content().runs.expect("timed");
         let second = Duration::from_secs(1);
         assert!(content.one_is_enough(second) && !runs.one_is_enough(60 * second));

@@ -4,7 +4,7 @@ use super::TimingStats;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
-use umbrage_core::{Geometry, Invalid, Recipe, RecipeError, Scene, ShadowTechnique, View};
+use umbrage_core::{Geometry, Recipe, RecipeError, ShadowTechnique, View};
 use umbrage_plan::motion::draw_alike;
 
 /// The times of what comes before a backend plays, for one setting on one scene.
@@ -45,26 +45,22 @@ pub(super) fn time_recipe(
 
 /// Returns by how many milliseconds a first recipe for the triangles of a scene takes longer than `later_ms`; 0 if the technique
 /// doesn't serve it.
-///
-/// # Errors
-/// Errors if the scene is not valid.
 pub(super) fn time_of_scene(
     technique: &dyn ShadowTechnique,
-    scene: &Scene,
     view: &View<'_>,
     later_ms: f64,
-) -> Result<f64, Invalid> {
-    let fresh = Geometry::bake(scene)?;
+) -> f64 {
+    let fresh = view.geometry.map(Geometry::without_hierarchies);
     let view = View {
-        geometry: Some(&fresh),
+        geometry: fresh.as_ref(),
         ..*view
     };
     let start = Instant::now();
     if technique.recipe(&view).is_err() {
-        return Ok(0.0);
+        return 0.0;
     }
     let first_ms = start.elapsed().as_secs_f64() * 1e3;
-    Ok((first_ms - later_ms).max(0.0))
+    (first_ms - later_ms).max(0.0)
 }
 
 /// Whether two recipes are the same, so that their masks are.

@@ -16,7 +16,7 @@ use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
     Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, Receivers,
-    Recipe, RecipeError, Scene, ShadowTechnique, Shadows, View, Work,
+    Recipe, RecipeError, ShadowTechnique, Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, ReferenceMask, TruthImage},
 };
 use umbrage_plan::{
@@ -81,7 +81,6 @@ pub(super) fn run(
         None
     };
     let mut run = SceneRun {
-        scene,
         name: &scene.name,
         view,
         truth: &truth,
@@ -248,7 +247,6 @@ fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
 
 /// A scene while its settings are played.
 pub(super) struct SceneRun<'a> {
-    pub(super) scene: &'a Scene,
     name: &'a str,
     pub(super) view: SceneView<'a>,
     pub(super) truth: &'a Truth,
@@ -486,7 +484,13 @@ impl SceneRun<'_> {
         let prices = self.options.prices.of(kind);
         let cost_ms = prices.milliseconds(&work);
         let runs = self.options.runs.as_ref();
-        let (shadows, times) = match measure(player, &view, recipe, runs, cost_ms) {
+        // Every row of a scene has the same receivers: a backend finds them in its first one.
+        let seen = self.seen[backend].as_ref().map(|seen| &seen.receivers);
+        let seeing = View {
+            receivers: seen,
+            ..view
+        };
+        let (mut shadows, times) = match measure(player, &seeing, recipe, runs, cost_ms) {
             Ok(measured) => measured,
             // The report says what is too large for a backend; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
@@ -495,8 +499,14 @@ impl SceneRun<'_> {
         if times.is_some() && shadows.timings.receive.is_none() {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
-        self.update_seen(backend, player, &shadows)?;
-        self.add_control(player, &*setting.technique, recipe, &shadows)?;
+        match seen {
+            Some(seen) => shadows.receivers = Some(seen.clone()),
+            None => self.find_out_what_is_seen(backend, player, &shadows)?,
+        }
+        // Where the few settings of all scenes are compared, one backend's controls will do: that the others agree with it is measured.
+        if backend == 0 || !self.options.headline {
+            self.add_control(player, &*setting.technique, recipe, &shadows)?;
+        }
         let pixels = self.seen[backend]
             .as_ref()
             .and_then(|seen| seen.pixels.as_deref());
@@ -534,26 +544,21 @@ impl SceneRun<'_> {
         Ok(RowOutcome::Measured(Box::new(measured)))
     }
 
-    /// Finds out which pixels count on a backend, unless this rendering shows the same triangles as the one before.
-    fn update_seen(
+    /// Finds out which pixels count on a backend, by its first rendering.
+    fn find_out_what_is_seen(
         &mut self,
         backend: usize,
         player: &dyn Backend,
         shadows: &Shadows,
     ) -> Result<(), LabError> {
-        let is_known = self.seen[backend]
-            .as_ref()
-            .is_some_and(|seen| seen.holds(shadows));
-        if !is_known {
-            self.seen[backend] = Some(SeenByBackend::new(
-                self.name,
-                &self.view,
-                self.truth,
-                &self.options.truth,
-                player,
-                shadows,
-            )?);
-        }
+        self.seen[backend] = Some(SeenByBackend::new(
+            self.name,
+            &self.view,
+            self.truth,
+            &self.options.truth,
+            player,
+            shadows,
+        )?);
         Ok(())
     }
 

@@ -9,8 +9,8 @@ use umbrage_plan::truth::{Truth, TruthOptions, ambiguous_on};
 /// What a backend sees of a scene.
 #[derive(Debug)]
 pub(super) struct SeenByBackend {
-    /// The triangle at each pixel.
-    triangle: Vec<u32>,
+    /// What it saw.
+    pub(super) receivers: Receivers,
     /// Which pixels count: truth's classes, except at pixels where the backend sees another triangle or which its grid of
     /// sub-pixels makes ambiguous; none if there are no such pixels, and truth's classes hold.
     pub(super) pixels: Option<Vec<Pixel>>,
@@ -82,17 +82,9 @@ impl SeenByBackend {
             &mut |camera, geometry| Cpu::new().receivers(camera, geometry),
         )?;
         Ok(Self {
-            triangle: seen.triangle.clone(),
+            receivers: seen.clone(),
             pixels: classes(truth, seen, ambiguous.as_deref()),
         })
-    }
-
-    /// Whether a later rendering shows the same triangles.
-    pub(super) fn holds(&self, shadows: &Shadows) -> bool {
-        shadows
-            .receivers
-            .as_ref()
-            .is_some_and(|seen| seen.triangle == self.triangle)
     }
 }
 

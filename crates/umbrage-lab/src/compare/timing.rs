@@ -44,7 +44,8 @@ pub(super) fn measure(
     Ok((first, Some(times)))
 }
 
-/// Times a recipe that has been played before: yardstick, row, yardstick, row, .., yardstick. `cost_ms` is the row's predicted
+/// Times a recipe that has been played before: yardstick, row, yardstick, row, .., yardstick; without yardsticks if the row gets too few
+/// runs to be judged by them. `cost_ms` is the row's predicted
 /// time, milliseconds, which the yardstick's amount of work follows.
 fn time(
     backend: &mut dyn Backend,
@@ -55,7 +56,8 @@ fn time(
     cost_ms: f64,
 ) -> Result<Timed, BackendError> {
     let view = receivers.map_or(*view, |r| view.with_receivers(r));
-    let yardstick = receivers.and_then(|r| Yardstick::new(recipe, r, cost_ms));
+    let wanted = receivers.filter(|_| runs.suffice_for_baselines());
+    let yardstick = wanted.and_then(|r| Yardstick::new(recipe, r, cost_ms));
     // The first one compiles and uploads.
     time_yardstick(backend, &view, yardstick.as_ref())?;
     let before = time_yardstick(backend, &view, yardstick.as_ref())?;
