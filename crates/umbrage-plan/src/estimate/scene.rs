@@ -211,21 +211,32 @@ impl<'a> PlanScene<'a> {
             .copied()
             .filter(|i| !self.truth.contains_key(i))
             .collect();
+        let traced = self.trace_at(&new, options, progress)?;
+        self.truth.extend(new.into_iter().zip(traced));
+        Ok(pixels.iter().map(|i| self.truth[i]).collect())
+    }
+
+    /// Traces truth at some pixels, and doesn't remember it: with any options.
+    pub(crate) fn trace_at(
+        &mut self,
+        pixels: &[u32],
+        options: &TruthOptions,
+        progress: &Progress<'_>,
+    ) -> Result<Vec<PixelTruth>, MeasureError> {
         let request = TruthRequest {
             camera: self.camera,
             geometry: self.geometry,
             receivers: &self.receivers,
-            pixels: &new,
+            pixels,
         };
-        let traced = trace_pixels(
+        let cpu = &mut self.cpu;
+        trace_pixels(
             &request,
             self.light,
             options,
-            &mut |camera, geometry| self.cpu.receivers(camera, geometry),
+            &mut |camera, geometry| cpu.receivers(camera, geometry),
             progress,
-        )?;
-        self.truth.extend(new.into_iter().zip(traced));
-        Ok(pixels.iter().map(|i| self.truth[i]).collect())
+        )
     }
 
     /// Returns the number of pixels whose truth was traced.

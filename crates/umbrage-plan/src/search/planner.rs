@@ -251,7 +251,7 @@ impl<'a> Planner<'a> {
             .map(|setting| (setting.preset.clone(), is_kept(self.motion, setting)))
             .collect();
         let scene = &self.search.trials.views[0].scene;
-        let times = clock::times(backend, scene, self.motion, &presets)?;
+        let times = clock::times(backend, scene, self.motion, &presets, &[])?;
         let mut timed = Vec::new();
         for (setting, ms) in settings.into_iter().zip(times) {
             if ms.is_some() {
