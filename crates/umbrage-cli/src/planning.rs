@@ -1,12 +1,18 @@
 //! Progress and formats that `plan` and its regret table share.
 
+use crate::{
+    cost::spoken,
+    progress::{LOG_INTERVAL, Repeater},
+};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use umbrage_plan::Step;
 
-/// The progress of a plan. How many candidates it tries is not known beforehand, so only tracing truth moves the bar.
+/// The progress of a plan; lines without a terminal. How many candidates it tries is not known beforehand, so only tracing truth moves
+/// the bar.
 pub(crate) struct Progress {
     bar: ProgressBar,
+    log: Option<Repeater>,
 }
 
 impl Progress {
@@ -15,7 +21,17 @@ impl Progress {
         let bar = ProgressBar::new(1000)
             .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar }
+        let start = Instant::now();
+        let shown = bar.clone();
+        // Not among the results, which may be read by a program.
+        let print_line = move || {
+            let gone = spoken(start.elapsed());
+            eprintln!("{gone} gone: {}{}", shown.prefix(), shown.message());
+        };
+        let log = bar
+            .is_hidden()
+            .then(|| Repeater::new(LOG_INTERVAL, print_line));
+        Self { bar, log }
     }
 
     /// Sets a text before each message.
@@ -52,6 +68,9 @@ impl Progress {
     }
 
     pub(crate) fn finish(&self) {
+        if let Some(log) = &self.log {
+            log.stop();
+        }
         self.bar.finish_and_clear();
     }
 }

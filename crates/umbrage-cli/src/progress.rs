@@ -13,7 +13,7 @@ use std::{
 use umbrage_lab::compare::CompareEvent;
 
 /// Without a terminal for a bar, a line is printed this often.
-const LOG_INTERVAL: Duration = Duration::from_secs(30);
+pub(crate) const LOG_INTERVAL: Duration = Duration::from_secs(30);
 
 /// A progress bar for the whole comparison; lines without a terminal.
 pub(crate) struct Progress {
@@ -128,13 +128,13 @@ impl StepBar {
 }
 
 /// Calls a function at equal intervals on a thread of its own, until it is stopped.
-struct Repeater {
+pub(crate) struct Repeater {
     stop: Mutex<Option<Sender<()>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 
 impl Repeater {
-    fn new(interval: Duration, function: impl Fn() + Send + 'static) -> Self {
+    pub(crate) fn new(interval: Duration, function: impl Fn() + Send + 'static) -> Self {
         let (stop, stopped) = channel();
         let thread = std::thread::spawn(move || {
             // Until the other end of the channel is dropped.
@@ -149,7 +149,7 @@ impl Repeater {
     }
 
     /// Stops the calls; waits for one that has begun.
-    fn stop(&self) {
+    pub(crate) fn stop(&self) {
         let sender = self.stop.lock().ok().and_then(|mut slot| slot.take());
         drop(sender);
         let thread = self.thread.lock().ok().and_then(|mut slot| slot.take());

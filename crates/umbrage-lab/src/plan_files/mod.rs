@@ -41,9 +41,14 @@ pub fn write(
 ) -> Result<Vec<Written>, LabError> {
     let failing: Vec<&Setting> = plan.failing.iter().collect();
     let picture = match (&plan.chosen, planned) {
-        (Some(chosen), Some((scene, options))) => {
-            Some(picture(scene, options, &plan.bounds, chosen, &failing)?)
-        }
+        (Some(chosen), Some((scene, options))) => Some(picture(
+            scene,
+            options,
+            &plan.bounds,
+            chosen,
+            "cheaper, fails",
+            &failing,
+        )?),
         _ => None,
     };
     let stem = stem(&plan.scene, plan.light_number);
@@ -86,7 +91,14 @@ pub fn write_lights(
                 light: light.number - 1,
                 ..options.clone()
             };
-            strip = Some(picture(scene, &options, &plan.limits, chosen, &cheaper)?);
+            strip = Some(picture(
+                scene,
+                &options,
+                &plan.limits,
+                chosen,
+                "cheaper",
+                &cheaper,
+            )?);
         }
         let files = vec![
             PlanFile {
@@ -136,12 +148,13 @@ fn write_files(stem: &str, files: Vec<PlanFile>, folder: &Path) -> Result<Vec<Wr
     Ok(written)
 }
 
-/// Returns the strip of pictures of a setting and others.
+/// Returns the strip of pictures of a setting and of others, which come after the word for what they are.
 fn picture(
     scene: &Scene,
     options: &PlanOptions,
     bounds: &Bounds,
     chosen: &Setting,
+    role: &str,
     others: &[&Setting],
 ) -> Result<Vec<u8>, LabError> {
     let mut presets = vec![chosen.preset.clone()];
@@ -154,7 +167,7 @@ fn picture(
         strip::WIDTH,
         &|_| {},
     )?;
-    strip::strip(&look, chosen, others)
+    strip::strip(&look, chosen, role, others)
 }
 
 /// One of a plan's files.

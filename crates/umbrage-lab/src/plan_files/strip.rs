@@ -1,4 +1,4 @@
-//! A strip of pictures beside a plan: truth, what was chosen, and the cheaper ones that fail, with the error below each.
+//! A strip of pictures beside a plan: truth, what was chosen, and cheaper ones, with the error below each.
 
 use crate::{LabError, output::png};
 use glam::{UVec2, Vec3};
@@ -29,14 +29,15 @@ struct Column<'a> {
     has_error: bool,
 }
 
-/// Returns the strip as a PNG. `look` holds the masks of `chosen` and then of `failing`, in their order.
+/// Returns the strip as a PNG. `look` holds the masks of `chosen` and then of `others`, in their order; `role` says what the others are.
 ///
 /// # Errors
 /// Errors if the encoder fails.
 pub(super) fn strip(
     look: &Look,
     chosen: &Setting,
-    failing: &[&Setting],
+    role: &str,
+    others: &[&Setting],
 ) -> Result<Vec<u8>, LabError> {
     let mut columns = vec![Column {
         title: ["truth".to_owned(), "ray-traced".to_owned()],
@@ -44,12 +45,12 @@ pub(super) fn strip(
         has_error: false,
     }];
     let settings: Vec<&Setting> = std::iter::once(chosen)
-        .chain(failing.iter().copied())
+        .chain(others.iter().copied())
         .collect();
     // Times by the clock and by count can't be compared with each other.
     let all_timed = settings.iter().all(|s| s.measured_ms.is_some());
     for (k, (setting, mask)) in settings.iter().zip(&look.masks).enumerate() {
-        let role = if k == 0 { "chosen" } else { "cheaper, fails" };
+        let role = if k == 0 { "chosen" } else { role };
         let time = match setting.measured_ms {
             Some(ms) if all_timed => format!("{ms:.2} ms"),
             _ => format!("about {:.2} ms", setting.milliseconds),
@@ -188,7 +189,7 @@ mod tests {
             masks: vec![Some(vec![1.0; count]), Some(vec![0.0; count]), None],
         };
         let chosen = setting();
-        let bytes = strip(&look, &chosen, &[&chosen, &chosen]).expect("memory");
+        let bytes = strip(&look, &chosen, "cheaper", &[&chosen, &chosen]).expect("memory");
         let picture = image::load_from_memory(&bytes)
             .expect("a picture")
             .to_rgb8();

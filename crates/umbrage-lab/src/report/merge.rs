@@ -27,7 +27,7 @@ pub fn merge(
 ) -> Result<(Comparison, PathBuf), LabError> {
     let mut runs = Vec::new();
     for folder in folders {
-        runs.push((folder.as_path(), Run::read(folder)?));
+        runs.push((folder.as_path(), Run::read(folder, "compare --shard")?));
     }
     let plan = one_plan(&runs)?.clone();
     let mut found = Vec::new();

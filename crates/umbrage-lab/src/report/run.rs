@@ -38,14 +38,18 @@ impl Run {
         folder.write(FILE, &json)
     }
 
-    pub(super) fn read(folder: &Path) -> Result<Self, Invalid> {
+    /// Reads what a folder's last run was for. `writer` is the command that writes such folders, for errors.
+    ///
+    /// # Errors
+    /// Errors if the folder holds no run, or a damaged one.
+    pub(super) fn read(folder: &Path, writer: &str) -> Result<Self, Invalid> {
         let what = format!("folder `{}`", folder.display());
-        let help = "give folders that `compare --shard` wrote";
+        let help = format!("give a folder that `{writer}` wrote");
         let bytes = match fs::read(folder.join(FILE)) {
             Ok(bytes) => bytes,
             Err(e) if e.kind() == ErrorKind::NotFound && holds_scenes(folder) => {
                 let why = format!("was not written by this version: it has no {FILE}");
-                let help = "measure it again with `compare --shard`";
+                let help = format!("measure it again with `{writer}`");
                 return Err(Invalid::new(what, why, help));
             }
             Err(e) => {
@@ -92,7 +96,7 @@ pub(crate) struct MeasuredScene {
 /// # Errors
 /// Errors if there are none, or one of them is damaged.
 pub(crate) fn measured_scenes(report: &Path) -> Result<Vec<MeasuredScene>, Invalid> {
-    let scenes = Run::read(report)?.scenes(report)?;
+    let scenes = Run::read(report, "compare")?.scenes(report)?;
     if scenes.is_empty() {
         let what = format!("folder `{}`", report.display());
         let help = "give the folder of a finished `compare`";

@@ -233,6 +233,10 @@ fn folders_without_such_results_are_refused() {
         error.to_string()
     };
     assert!(refused("compared", "stability").contains("no frames of real size"));
-    assert!(refused("none", "stability").contains("holds no scenes"));
+    let no_scenes = refused("none", "stability");
+    assert!(
+        no_scenes.contains("holds no scenes") && no_scenes.contains("`compare` wrote"),
+        "{no_scenes}"
+    );
     assert!(refused("compared", "none").contains("cannot be read"));
 }
