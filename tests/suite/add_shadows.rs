@@ -2,17 +2,23 @@
 
 #[allow(
     dead_code,
-    reason = "a program, of which the tests call `picture` alone"
+    clippy::duplicate_mod,
+    reason = "a program that stands alone, of which the tests need a part"
 )]
 #[path = "../../examples/add_shadows/deferred.rs"]
 mod deferred;
 #[allow(
     dead_code,
-    reason = "a program, of which the tests call `picture` alone"
+    clippy::duplicate_mod,
+    reason = "a program that stands alone, of which the tests need a part"
 )]
 #[path = "../../examples/add_shadows/forward.rs"]
 mod forward;
-#[allow(dead_code, reason = "of the programs' scene the tests need a part")]
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "a program that stands alone, of which the tests need a part"
+)]
 #[path = "../../examples/add_shadows/renderer.rs"]
 mod renderer;
 
