@@ -1,5 +1,6 @@
 //! Tests across packages.
 
+mod add_shadows;
 mod assembled;
 mod functions;
 mod goldens;

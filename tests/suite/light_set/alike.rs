@@ -145,8 +145,11 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
             for &(id, entry) in &ids {
                 let index = set.index_of(id).expect("is there");
                 let mask = forward.mask(&world.program, &set, index);
+                let why = unserved.iter().find(|(other, _)| *other == id);
+                let checked = set.check(&light, &*small(entry), &world.frame());
+                let refusal = checked.map_err(Unserved::Refused).err();
+                assert_eq!(refusal.as_ref(), why.map(|(_, why)| why), "{}", entry.name);
                 if REFUSED.contains(&entry.name) {
-                    let why = unserved.iter().find(|(other, _)| *other == id);
                     let is_refused = matches!(why, Some((_, Unserved::Refused(_))));
                     assert!(is_refused, "{}: {why:?}", entry.name);
                     assert!(mask.iter().all(|&v| v == 1.0), "{} is lit", entry.name);

@@ -30,6 +30,14 @@ fn a_still_frame_draws_and_writes_nothing() {
     assert_eq!(stage.frame().redrawn, 1);
     stage.set.move_caster(middle, at(0.1)).expect("is there");
     assert_eq!(stage.frame().redrawn, 0);
+    // Asking what the set could serve makes nothing either.
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: None,
+    };
+    let checked = stage.set.check(&spot(1.0), &*hard(), &frame);
+    assert_eq!(checked, Ok(()));
+    assert_eq!(stage.frame(), SetReport::default());
     assert_eq!(stage.set.counters(), made);
 }
 

@@ -38,14 +38,17 @@ pub struct SetLight {
 }
 
 /// Why a light casts no shadows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unserved {
     /// Its technique can't serve it here.
+    #[error(transparent)]
     Refused(RecipeError),
     /// Lights of a higher priority take the bytes of [`SetBudget::bytes`](crate::SetBudget::bytes), or all layers that the device
     /// allows in a texture.
+    #[error("lights of a higher priority take the bytes of the budget, or all layers of a texture")]
     OverBudget,
     /// Its maps are drawn in one of the next frames: see [`SetBudget::redraws`](crate::SetBudget::redraws).
+    #[error("its maps are drawn in one of the next frames, as the budget of redraws says")]
     Waiting,
 }
 

@@ -48,7 +48,9 @@ use crate::{
 use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
-use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
+use umbrage_core::{
+    Aabb, BackendError, BackendLimits, Camera, Invalid, Light, RecipeError, ShadowTechnique,
+};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, RenderPass, TextureView};
 
 /// The shadows of any number of lights, each by a technique of its own: one [`prepare`](Self::prepare), one
@@ -331,6 +333,23 @@ impl LightSet {
     /// Returns how many casters there are.
     pub fn caster_count(&self) -> usize {
         self.casters.count()
+    }
+
+    /// Checks whether the set can serve a light with a technique, and makes nothing: for lists in which a user picks one.
+    ///
+    /// # Errors
+    /// Errors with the reason that [`Unserved::Refused`] would have. What depends on the other lights (budgets, how many kinds of kernels
+    /// a shader can bind) is left out.
+    pub fn check(
+        &self,
+        light: &Light,
+        technique: &dyn ShadowTechnique,
+        frame: &SetFrame<'_>,
+    ) -> Result<(), RecipeError> {
+        light.validate()?;
+        let view = playing::view_of(light, frame, self.casters_box());
+        playing::plan(technique, &view, &self.limits)?;
+        Ok(())
     }
 
     /// Plans the lights that changed, finds the layers that must be drawn, and writes what they need.

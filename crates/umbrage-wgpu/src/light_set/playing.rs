@@ -19,7 +19,7 @@ use crate::{
     },
 };
 use slotmap::SlotMap;
-use umbrage_core::{BackendError, BackendLimits, RecipeError, ShadowTechnique, View};
+use umbrage_core::{Aabb, BackendError, BackendLimits, Light, RecipeError, ShadowTechnique, View};
 use wgpu::Queue;
 
 impl LightSet {
@@ -41,14 +41,7 @@ impl LightSet {
                 continue;
             }
             light.has_changed = false;
-            let view = View {
-                camera: frame.camera,
-                light: &light.settings.light,
-                casters: now.casters,
-                geometry: frame.geometry.map(|g| g.triangles),
-                receivers: None,
-                fits: None,
-            };
+            let view = view_of(&light.settings.light, frame, now.casters);
             self.report.planned += 1;
             match plan(&*light.settings.technique, &view, &self.limits) {
                 Ok(plan) => {
@@ -271,8 +264,20 @@ impl LightSet {
     }
 }
 
+/// Returns what a light's plan is made for.
+pub(super) fn view_of<'a>(light: &'a Light, frame: &SetFrame<'a>, casters: Aabb) -> View<'a> {
+    View {
+        camera: frame.camera,
+        light,
+        casters,
+        geometry: frame.geometry.map(|g| g.triangles),
+        receivers: None,
+        fits: None,
+    }
+}
+
 /// Plans a light.
-fn plan(
+pub(super) fn plan(
     technique: &dyn ShadowTechnique,
     view: &View<'_>,
     limits: &BackendLimits,

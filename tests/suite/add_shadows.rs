@@ -1,0 +1,135 @@
+//! The page "Add shadows to my renderer" quotes its programs to the letter, and these draw shadows.
+
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "a program that stands alone, of which the tests need a part"
+)]
+#[path = "../../examples/add_shadows/deferred.rs"]
+mod deferred;
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "a program that stands alone, of which the tests need a part"
+)]
+#[path = "../../examples/add_shadows/forward.rs"]
+mod forward;
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "a program that stands alone, of which the tests need a part"
+)]
+#[path = "../../examples/add_shadows/renderer.rs"]
+mod renderer;
+
+use glam::{Affine3A, Vec3};
+use std::{fs, path::Path};
+
+const PAGE: &str = include_str!("../../docs/add_shadows.md");
+/// Stands before each quotation, with the file that it is from.
+const QUOTED: &str = "<!-- quoted from ";
+
+/// A part of a file that the page shows.
+struct Quotation {
+    file: String,
+    text: String,
+}
+
+/// Returns all quotations.
+///
+/// Panics if code stands there whose file isn't named.
+fn quotations(page: &str) -> Vec<Quotation> {
+    let mut out = Vec::new();
+    let mut lines = page.lines();
+    let mut before = "";
+    while let Some(line) = lines.next() {
+        if line == "```rust" || line == "```wgsl" {
+            let file = before
+                .strip_prefix(QUOTED)
+                .and_then(|rest| rest.strip_suffix(" -->"))
+                .unwrap_or_else(|| panic!("no file is named before {line} behind `{before}`"));
+            let quoted: Vec<&str> = lines.by_ref().take_while(|&line| line != "```").collect();
+            out.push(Quotation {
+                file: file.to_owned(),
+                text: quoted.join("\n"),
+            });
+        }
+        before = line;
+    }
+    out
+}
+
+/// Returns whether the file has these lines, all with the same indentation.
+fn has_lines(file: &str, text: &str) -> bool {
+    (0..8).any(|tabs| {
+        let indentation = "    ".repeat(tabs);
+        let indented = |line: &str| {
+            if line.is_empty() {
+                String::new()
+            } else {
+                format!("{indentation}{line}")
+            }
+        };
+        let lines: Vec<String> = text.lines().map(indented).collect();
+        format!("\n{file}").contains(&format!("\n{}\n", lines.join("\n")))
+    })
+}
+
+#[test]
+fn the_page_quotes_its_programs_to_the_letter() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let quotations = quotations(PAGE);
+    assert!(quotations.len() > 8, "{} quotations", quotations.len());
+    for Quotation { file, text } in quotations {
+        let program = fs::read_to_string(root.join(&file)).expect("the file is there");
+        assert!(
+            has_lines(&program, &text),
+            "docs/add_shadows.md quotes what isn't in {file}; quote it anew:\n{text}"
+        );
+    }
+}
+
+/// Returns the brightness, 0 to 255, of a point that the camera sees.
+fn brightness(pixels: &[u8], point: Vec3) -> u8 {
+    let camera = renderer::camera().expect("valid");
+    let clip = renderer::clip_from_world(&camera).project_point3(point);
+    let size = renderer::SIZE.as_vec2();
+    let x = (0.5 + 0.5 * clip.x) * size.x;
+    let y = (0.5 - 0.5 * clip.y) * size.y;
+    pixels[4 * (y as usize * renderer::SIZE.x as usize + x as usize)]
+}
+
+/// The sun's shadows of some boxes lie on the floor where they should in both programs, and the two see the same everywhere.
+#[test]
+fn both_programs_draw_the_same_shadows() {
+    let pictures = [forward::picture(), deferred::picture()].map(|p| p.expect("draws"));
+    let sun = renderer::lights()[0].direction_from(Vec3::ZERO);
+    // Those of the row that is nearest to the camera, of which all shadows are seen.
+    let boxes: Vec<Affine3A> = renderer::placements(1.0);
+    for place in &boxes[21..25] {
+        let middle = Vec3::from(place.translation);
+        // Boxes reach twice as high as their middle. The ray from here to the sun meets their axis a little below the top.
+        let below_top = middle.with_y(1.7 * middle.y);
+        let shadowed = below_top - sun * (below_top.y / sun.y);
+        let lit = middle.with_y(0.0) + Vec3::X;
+        for pixels in &pictures {
+            let (dark, bright) = (brightness(pixels, shadowed), brightness(pixels, lit));
+            assert!(
+                2 * dark < bright,
+                "{dark} at {shadowed}, {bright} at {lit}, where no shadow falls"
+            );
+        }
+    }
+    // Masks are stored in steps of 1/255, and normals in 11 bits: so colours differ by a step here and there, and the receivers of
+    // a few pixels at edges lie on another side of a comparison.
+    let differing = pictures[0]
+        .iter()
+        .zip(&pictures[1])
+        .filter(|(a, b)| a.abs_diff(**b) > 2)
+        .count();
+    assert!(
+        differing < pictures[0].len() / 1000,
+        "{differing} of {} bytes differ",
+        pictures[0].len()
+    );
+}
