@@ -147,7 +147,7 @@ shot start
 begin=$(date +%s)
 press e
 await_change start
-patience=$((2 + 2 * ($(date +%s) - begin)))
+patience=$((1 + $(date +%s) - begin))
 begin=$(date +%s)
 settle risen
 press q
@@ -176,9 +176,20 @@ xdotool mousemove_relative -- -80 -30
 sleep "$patience"
 settle moved
 same "the mouse turns nothing any more" released moved "$scene"
+# Back to where things move.
+aside
+xdotool mousedown 3
+sleep "$patience"
+for _ in 1 2 3 4 5; do xdotool mousemove_relative -- -20 -4; done
+await_change moved
+settle back
+xdotool mouseup 3
+sleep "$patience"
+settle back
+differs "and back" moved back "$scene" 10000
 
 # ---- Keys fly. Back and forth, so that there is something to see.
-last=moved
+last=back
 for key in w s a d e q space Shift_L; do
     press "$key"
     await_change "$last"
@@ -238,7 +249,8 @@ differs "the reason of a technique that can't be chosen is shown" list refused "
 xdotool click 1
 sleep "$patience"
 expect_title "a greyed technique can't be chosen" "embed: pcf, forward"
-# `hard`.
+# `hard`. The list has closed.
+click 65 62
 click 45 111
 expect_title "a click takes another technique" "embed: hard, forward"
 aside
