@@ -60,7 +60,7 @@ impl Meshes {
         let top = [ring([1.0, 1.0], [0.0, 1.0]), ring([0.0, 1.0], [0.0, 1.0])];
         let slope = [ring([1.0, 0.0], [0.7, 0.7]), ring([0.0, 1.0], [0.7, 0.7])];
         let mut out = Self::default();
-        out.add("box", |vertices| block(vertices));
+        out.add("box", block);
         out.add("cylinder", |vertices| {
             turn(vertices, &[bottom, side, top], 32, true);
         });

@@ -117,10 +117,10 @@ impl ApplicationHandler for App {
     }
 
     fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
-        if let (Some(program), DeviceEvent::MouseMotion { delta }) = (&mut self.program, event) {
-            if program.looks_from.is_some() {
-                program.view.turn(Vec2::new(delta.0 as f32, delta.1 as f32));
-            }
+        if let (Some(program), DeviceEvent::MouseMotion { delta }) = (&mut self.program, event)
+            && program.looks_from.is_some()
+        {
+            program.view.turn(Vec2::new(delta.0 as f32, delta.1 as f32));
         }
     }
 }
