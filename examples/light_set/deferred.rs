@@ -11,9 +11,7 @@ use anyhow::Result;
 use umbrage::{
     Camera,
     glam::Mat4,
-    wgpu::{
-        DepthBuffer, LightId, MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers, wgpu,
-    },
+    wgpu::{DepthBuffer, LightId, MaskFormat, MaskInputs, SetReceivers, wgpu},
 };
 
 const NORMAL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -140,10 +138,8 @@ impl GBuffer {
                     world_from_clip: camera.space().clip_from_world().inverse(),
                     empty: 1.0,
                 },
-                normals: Some(SetNormals {
-                    texture: &self.normals,
-                    coding: NormalCoding::Components,
-                }),
+                // A constant bias asks for no normals, and the program written by hand reads none for its masks.
+                normals: None,
             },
             lights,
             format: MaskFormat::Unorm8,

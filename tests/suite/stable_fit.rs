@@ -349,6 +349,25 @@ fn a_camera_that_turns_moves_no_map_around_it() {
     assert!(moved > 400, "a stable fit moved only {moved} times of 560");
 }
 
+/// What docs/cascades.md says of the price: texels are 1.5 times as wide.
+#[test]
+fn maps_around_the_camera_have_larger_texels() {
+    let geometry = town(Vec3::ZERO);
+    let eye = Vec3::new(0.0, 3.0, 0.0);
+    let size = UVec2::new(1280, 720);
+    let ahead = eye + Vec3::NEG_Z;
+    let camera = Camera::perspective(eye, ahead, Vec3::Y, 0.9, [0.1, 200.0], size);
+    let camera = camera.expect("a good camera");
+    let view = View::new(&camera, &SUN, &geometry);
+    let texel = |fit: Fit| {
+        let space = fit.light_space(&view, 1024, 0.0).expect("it fits");
+        1.0 / space.clip_from_view.x_axis.x
+    };
+    let around = texel(Fit::AroundCamera { range: RANGE });
+    let ratio = around / texel(Fit::Stable { range: RANGE });
+    assert!((1.45..1.5).contains(&ratio), "{ratio}");
+}
+
 /// A map around the camera moves in steps that are far apart, and what is seen stays on it.
 #[test]
 fn a_camera_that_walks_seldom_moves_the_map_around_it() {

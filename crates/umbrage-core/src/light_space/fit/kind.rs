@@ -31,10 +31,10 @@ pub enum Fit {
         range: f32,
     },
     /// As [`Fit::Stable`], but the sphere is around the camera itself, and the map moves in steps of a 32nd of its side. So a camera that
-    /// turns moves no map, and one that walks moves it seldom: [`LightSet`](https://docs.rs/umbrage-wgpu) then draws nothing again.
+    /// turns moves no map, and one that walks moves it seldom: a renderer that keeps maps while they stay draws nothing again.
     ///
-    /// For that its texels are larger: with a camera that sees 50 degrees up and 80 across they are 1.5 times as wide as those of
-    /// [`Fit::Stable`].
+    /// For that its texels are larger: with a camera that sees 52 degrees up and 81 across they are 1.5 times as wide as those of
+    /// [`Fit::Stable`]. It stays only where [`Split::Receivers`](crate::Split::Receivers) doesn't cut by what is seen.
     AroundCamera {
         /// How far from the camera shadows are wanted, metres along its view. Beyond, everything is lit.
         range: f32,
