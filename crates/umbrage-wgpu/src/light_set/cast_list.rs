@@ -104,6 +104,14 @@ pub(crate) struct CastSources<'a> {
     pub(crate) shown: &'a ShownSlots,
 }
 
+/// A cast, and what is drawn into it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrawnCast<'a> {
+    pub(crate) cast: &'a LightCast,
+    pub(crate) casters: &'a Casters,
+    pub(crate) instances: &'a Instances,
+}
+
 /// One pass of this frame.
 #[derive(Debug)]
 struct CastPass {
@@ -215,12 +223,15 @@ impl CastList {
         &self,
         encoder: &mut CommandEncoder,
         pass_index: usize,
-        cast: &LightCast,
-        casters: &Casters,
-        instances: &Instances,
+        drawn: &DrawnCast<'_>,
         own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
         clock: &mut PassClock<'_, '_>,
     ) {
+        let DrawnCast {
+            cast,
+            casters,
+            instances,
+        } = *drawn;
         let CastPass {
             name,
             copy,

@@ -31,7 +31,7 @@ use crate::{
     device::{error_scopes::Scopes, later_errors::LaterErrors},
     light_set::{
         buffers::MAX_LIGHTS,
-        cast_list::{CastList, Instances},
+        cast_list::{CastList, DrawnCast, Instances},
         casters::Casters,
         culling::ShownSlots,
         dropped_encoders::DroppedEncoders,
@@ -474,15 +474,13 @@ impl LightSet {
                 light.filters.clear(encoder);
                 filtered = Some(name.light);
             }
-            self.list.encode(
-                encoder,
-                pass,
-                &light.casts[name.cast],
-                &self.casters,
-                &self.instances,
-                own_draws,
-                &mut clock,
-            );
+            let drawn = DrawnCast {
+                cast: &light.casts[name.cast],
+                casters: &self.casters,
+                instances: &self.instances,
+            };
+            self.list
+                .encode(encoder, pass, &drawn, own_draws, &mut clock);
             // After the light's last pass its filters follow.
             if names
                 .peek()

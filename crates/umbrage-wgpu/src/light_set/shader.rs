@@ -60,7 +60,7 @@ impl SetShader {
             prefix: prefix.to_owned(),
             most_maps: limits.max_sampled_textures_per_shader_stage.min(MAX_MAPS) as usize,
             kinds: Vec::new(),
-            numbers: LightNumbers::new(limits.max_uniform_buffer_binding_size.into()),
+            numbers: LightNumbers::new(limits.max_uniform_buffer_binding_size),
             maps: Vec::new(),
             classes: Vec::new(),
             tables: SharedTables::default(),
