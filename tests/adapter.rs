@@ -33,6 +33,14 @@ pub fn device() -> &'static TestDevice {
 /// # Errors
 /// Errors if there is none, or it doesn't open; in words.
 pub fn open() -> Result<TestDevice, String> {
+    open_with(&wgpu::DeviceDescriptor::default())
+}
+
+/// Opens a device with these features and limits on the same adapter.
+///
+/// # Errors
+/// Errors if there is none, or it doesn't open; in words.
+pub fn open_with(desc: &wgpu::DeviceDescriptor<'_>) -> Result<TestDevice, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
     adapters.sort_by_key(|a| preference(&a.get_info()));
@@ -51,7 +59,7 @@ pub fn open() -> Result<TestDevice, String> {
         .ok_or("no graphics adapter found")?;
     let info = adapter.get_info();
     let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
-    let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()));
+    let opened = pollster::block_on(adapter.request_device(desc));
     let (device, queue) =
         opened.map_err(|e| format!("the graphics adapter {name} gives no device: {e}"))?;
     Ok(TestDevice {

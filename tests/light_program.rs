@@ -78,11 +78,12 @@ impl ForwardProgram {
             positions.push(receivers.position(i).extend(receives).to_array());
             normals.push(receivers.normal(i).extend(0.0).to_array());
         }
-        Self::of_texels(receivers.size, &positions, &normals, &receivers.triangle)
+        let size = receivers.size;
+        Self::of_texels(device(), size, &positions, &normals, &receivers.triangle)
     }
 
     /// A program that sees a floor of `size` points, a quarter of a metre apart, around the origin.
-    pub fn floor(size: UVec2) -> Self {
+    pub fn floor(d: &'static TestDevice, size: UVec2) -> Self {
         let mut positions: Vec<[f32; 4]> = Vec::new();
         for y in 0..size.y {
             for x in 0..size.x {
@@ -93,17 +94,17 @@ impl ForwardProgram {
         }
         let count = positions.len();
         let normals = vec![Vec3::Y.extend(0.0).to_array(); count];
-        Self::of_texels(size, &positions, &normals, &vec![u32::MAX; count])
+        Self::of_texels(d, size, &positions, &normals, &vec![u32::MAX; count])
     }
 
     /// A program that sees these positions (w is 1 where a shadow may fall), normals and triangles.
     pub fn of_texels(
+        d: &'static TestDevice,
         size: UVec2,
         positions: &[[f32; 4]],
         normals: &[[f32; 4]],
         triangles: &[u32],
     ) -> Self {
-        let d = device();
         let floats = TextureFormat::Rgba32Float;
         Self {
             d,

@@ -1,6 +1,7 @@
 //! Triangles above a floor, with spots that shine down on them: what the tests of light sets play.
 
 use crate::{
+    adapter::{TestDevice, device},
     foreign,
     light_program::{Forward, ForwardProgram},
 };
@@ -69,8 +70,21 @@ impl Stage {
     /// # Panics
     /// Panics if a place is not finite.
     pub fn new(budget: SetBudget, places: &[f32]) -> Self {
-        let program = ForwardProgram::floor(UVec2::new(64, 48));
-        let mut set = program.set(budget, StillLayers::Auto);
+        Self::on(device(), budget, StillLayers::Auto, places)
+    }
+
+    /// The same on another device.
+    ///
+    /// # Panics
+    /// Panics if a place is not finite.
+    pub fn on(
+        d: &'static TestDevice,
+        budget: SetBudget,
+        still_layers: StillLayers,
+        places: &[f32],
+    ) -> Self {
+        let program = ForwardProgram::floor(d, UVec2::new(64, 48));
+        let mut set = program.set(budget, still_layers);
         let corners = [[-0.5_f32, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5]];
         let vertices = foreign::buffer(program.d, BufferUsages::VERTEX, cast_slice(&corners));
         let mesh = CasterMesh {

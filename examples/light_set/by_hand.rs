@@ -1,5 +1,6 @@
 //! The same shadows by a program that was written by hand for this picture alone.
 
+use crate::deferred::{HandMasks, MaskShading, Picture};
 use crate::scene::{
     DEPTH, Device, INSTANCES, LIGHTS, MAP, Shared, depth_attachment, depth_state, lights,
     placements, uniform_entry,
@@ -18,6 +19,8 @@ pub(crate) struct ByHand {
     spaces: wgpu::BindGroup,
     shadows: wgpu::BindGroup,
     layers: Vec<wgpu::TextureView>,
+    masks: Option<HandMasks>,
+    shading: MaskShading,
 }
 
 /// The bias and the reach of the kernel.
@@ -34,6 +37,7 @@ impl ByHand {
         technique: &dyn ShadowTechnique,
         casters: Aabb,
         kernel: Kernel,
+        picture: Picture<'_>,
     ) -> Result<Self> {
         let shared = Shared::new(d)?;
         let mut spaces: Vec<Mat4> = Vec::new();
@@ -80,7 +84,11 @@ impl ByHand {
         let shadows = shadow_group(d, &shadow_layout, &spaces, kernel, &maps);
         let radius = kernel.radius;
         let lit = format!("const RADIUS = {radius};\n{}", include_str!("by_hand.wgsl"));
-        let pipeline = shared.pipeline(d, &lit, &shadow_layout);
+        let pipeline = picture.pipeline(d, &shared, &lit, &shadow_layout);
+        let masks = match picture {
+            Picture::Masks(gbuffer) => Some(HandMasks::new(d, gbuffer, &lit, &shadow_layout)),
+            Picture::Forward | Picture::Deferred(_) => None,
+        };
         Ok(Self {
             shared,
             cast,
@@ -88,17 +96,19 @@ impl ByHand {
             spaces: spaces_group,
             shadows,
             layers,
+            masks,
+            shading: MaskShading::default(),
         })
     }
 
     /// Moves all casters to where they are at a time, and draws a frame.
-    pub(crate) fn frame(&self, d: &Device, time: f32) {
+    pub(crate) fn frame(&mut self, d: &Device, time: f32, picture: Picture<'_>) {
         self.shared.place(d, &placements(time));
-        self.still_frame(d);
+        self.still_frame(d, picture);
     }
 
     /// Draws a frame in which nothing moved: it keeps nothing, so it draws all maps again.
-    pub(crate) fn still_frame(&self, d: &Device) {
+    pub(crate) fn still_frame(&mut self, d: &Device, picture: Picture<'_>) {
         let mut encoder = d
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -114,13 +124,23 @@ impl ByHand {
             let instances = self.shared.instances.size() / 48;
             pass.draw(0..self.shared.vertex_count, 0..instances as u32);
         }
-        self.shared
-            .draw(&mut encoder, &self.pipeline, &self.shadows);
+        match (picture, &self.masks) {
+            (Picture::Masks(gbuffer), Some(masks)) => {
+                gbuffer.draw(&mut encoder, &self.shared);
+                masks.encode(&mut encoder, gbuffer, &self.shadows);
+                let (shared, layers) = (&self.shared, &masks.whole);
+                self.shading.shade(d, &mut encoder, gbuffer, shared, layers);
+            }
+            _ => picture.draw(&mut encoder, &self.shared, &self.pipeline, &self.shadows),
+        }
         d.queue.submit([encoder.finish()]);
     }
 }
 
-fn bind_group_layout(d: &Device, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
+pub(crate) fn bind_group_layout(
+    d: &Device,
+    entries: &[wgpu::BindGroupLayoutEntry],
+) -> wgpu::BindGroupLayout {
     d.device
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: None,

@@ -2,12 +2,16 @@
 
 use crate::{
     by_hand::{ByHand, Kernel},
+    deferred::{GBuffer, Picture},
     scene::{self, Device, LIGHTS, Stage, lights, read},
 };
 use anyhow::{Result, ensure};
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 use umbrage::{
-    Aabb,
+    Aabb, ShadowTechnique,
     glam::{Affine3A, Vec3},
     wgpu::{CasterMesh, LightSet, LightSetOptions, SetFrame, SetLight, VertexLayout, wgpu},
 };
@@ -26,45 +30,84 @@ pub(crate) fn frames() -> Result<()> {
         "{}: times of the set over times by hand, median of {PAIRS} pairs",
         d.name
     );
+    let gbuffer = GBuffer::new(&d)?;
+    let pictures = [
+        ("forward", Picture::Forward),
+        ("deferred", Picture::Deferred(&gbuffer)),
+        ("masks", Picture::Masks(&gbuffer)),
+    ];
     let kernels = [("hard", scene::hard(), 0), ("pcf 3x3", scene::pcf(), 1)];
-    for (name, technique, radius) in kernels {
-        let kernel = Kernel {
-            bias: 0.002,
-            radius,
-        };
-        let mut set = Stage::new(&d, technique.clone())?;
-        let hand = ByHand::new(&d, &*technique, set.set.casters_box(), kernel)?;
-        check_alike(&d, &mut set, &hand)?;
-        let mut moving = Vec::new();
-        let mut still = Vec::new();
-        let mut recorded = Vec::new();
-        for i in 0..WARM_UP + PAIRS {
-            let time = i as f32 * 0.01;
-            let a = timed(&d, || set.frame(&d, time))?;
-            let b = timed(&d, || {
-                hand.frame(&d, time);
-                Ok(())
-            })?;
-            // By now nothing waits to be drawn again.
-            let c = timed(&d, || set.still_frame(&d))?;
-            let e = timed(&d, || {
-                hand.still_frame(&d);
-                Ok(())
-            })?;
-            if i >= WARM_UP {
-                moving.push(a.all.as_secs_f64() / b.all.as_secs_f64());
-                still.push(c.all.as_secs_f64() / e.all.as_secs_f64());
-                recorded.push(a.recording.as_secs_f64() / b.recording.as_secs_f64());
-            }
+    for (picture_name, picture) in pictures {
+        for (name, technique, radius) in &kernels {
+            let kernel = Kernel {
+                bias: 0.002,
+                radius: *radius,
+            };
+            let times = quotients(&d, technique, kernel, picture)?;
+            println!("{picture_name:8} {name:8} {times}");
         }
-        println!(
-            "{name:8} all casters move {:.3}   nothing moves {:.3}   recording {:.2}",
-            median(&mut moving),
-            median(&mut still),
-            median(&mut recorded)
-        );
     }
     Ok(())
+}
+
+/// Medians of the set's times over times by hand.
+struct Quotients {
+    moving: f64,
+    still: f64,
+    recording: f64,
+    differing: usize,
+}
+
+impl std::fmt::Display for Quotients {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "all casters move {:.3}   nothing moves {:.3}   recording {:.2}   pixels that differ: {}",
+            self.moving, self.still, self.recording, self.differing
+        )
+    }
+}
+
+/// Plays both programs in turn.
+fn quotients(
+    d: &Device,
+    technique: &Arc<dyn ShadowTechnique>,
+    kernel: Kernel,
+    picture: Picture<'_>,
+) -> Result<Quotients> {
+    let mut set = Stage::new(d, technique.clone())?;
+    let casters = set.set.casters_box();
+    let mut hand = ByHand::new(d, &**technique, casters, kernel, picture)?;
+    let differing = check_alike(d, &mut set, &mut hand, picture)?;
+    let mut moving = Vec::new();
+    let mut still = Vec::new();
+    let mut recorded = Vec::new();
+    for i in 0..WARM_UP + PAIRS {
+        let time = i as f32 * 0.01;
+        let set_moving = timed(d, || set.frame(d, time, picture))?;
+        let hand_moving = timed(d, || {
+            hand.frame(d, time, picture);
+            Ok(())
+        })?;
+        // By now nothing waits to be drawn again.
+        let set_still = timed(d, || set.still_frame(d, picture))?;
+        let hand_still = timed(d, || {
+            hand.still_frame(d, picture);
+            Ok(())
+        })?;
+        if i >= WARM_UP {
+            moving.push(set_moving.all.as_secs_f64() / hand_moving.all.as_secs_f64());
+            still.push(set_still.all.as_secs_f64() / hand_still.all.as_secs_f64());
+            let recordings = (set_moving.recording, hand_moving.recording);
+            recorded.push(recordings.0.as_secs_f64() / recordings.1.as_secs_f64());
+        }
+    }
+    Ok(Quotients {
+        moving: median(&mut moving),
+        still: median(&mut still),
+        recording: median(&mut recorded),
+        differing,
+    })
 }
 
 struct FrameTime {
@@ -90,22 +133,26 @@ fn median(values: &mut [f64]) -> f64 {
     values[values.len() / 2]
 }
 
-/// Errors unless both draw the same picture: else their times are of different work.
-fn check_alike(d: &Device, set: &mut Stage, hand: &ByHand) -> Result<()> {
-    set.frame(d, 0.0)?;
-    hand.frame(d, 0.0);
+/// Returns how many pixels differ. Errors if many do: then their times are of different work.
+fn check_alike(
+    d: &Device,
+    set: &mut Stage,
+    hand: &mut ByHand,
+    picture: Picture<'_>,
+) -> Result<usize> {
+    set.frame(d, 0.0, picture)?;
+    hand.frame(d, 0.0, picture);
     let a = set.read(d)?;
     let b = read(d, &hand.shared.color)?;
     let pairs = a.chunks_exact(4).zip(b.chunks_exact(4));
     let differing = pairs
         .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2))
         .count();
-    println!("pixels that differ: {differing} of {}", a.len() / 4);
     ensure!(
         differing <= MOST_DIFFERING,
         "the two programs draw different pictures: {differing} pixels"
     );
-    Ok(())
+    Ok(differing)
 }
 
 /// Prints what preparing takes with 10,000 casters of which 100 move.

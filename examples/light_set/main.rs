@@ -5,6 +5,7 @@
 
 mod by_hand;
 mod compare;
+mod deferred;
 mod scene;
 
 use anyhow::Result;
@@ -26,7 +27,7 @@ fn main() -> Result<()> {
 fn picture() -> Result<()> {
     let device = Device::open()?;
     let mut stage = Stage::new(&device, scene::pcf())?;
-    stage.frame(&device, 0.0)?;
+    stage.frame(&device, 0.0, deferred::Picture::Forward)?;
     let pixels = stage.read(&device)?;
     image::save_buffer(
         "light_set.png",

@@ -1,5 +1,6 @@
 //! The scene, the device, and the renderer that asks a light set.
 
+use crate::deferred::{MaskShading, Picture};
 use anyhow::{Context as _, Result};
 use std::sync::Arc;
 use umbrage::{
@@ -7,8 +8,8 @@ use umbrage::{
     glam::{Affine3A, Mat4, Quat, UVec2, Vec3, Vec4},
     techniques::{Bias, Hard, Pcf, ShadowMap},
     wgpu::{
-        CasterId, CasterMesh, LightSet, LightSetOptions, PositionFormat, SetFrame, SetLight,
-        StillLayers, VertexLayout,
+        CasterId, CasterMesh, LightId, LightSet, LightSetOptions, PositionFormat, SetFrame,
+        SetLight, StillLayers, VertexLayout,
         wgpu::{self, util::DeviceExt as _},
     },
 };
@@ -321,8 +322,13 @@ impl Shared {
             ..wgpu::RenderPassDescriptor::default()
         });
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &self.scene_group, &[]);
         pass.set_bind_group(1, shadows, &[]);
+        self.draw_boxes(&mut pass);
+    }
+
+    /// Draws the boxes as the camera sees them, with the pipeline that is set.
+    pub(crate) fn draw_boxes(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.scene_group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.draw(0..self.vertex_count, 0..(BOXES * BOXES + 1) as u32);
@@ -393,7 +399,9 @@ pub(crate) struct Stage {
     pub(crate) shared: Shared,
     pub(crate) set: LightSet,
     casters: Vec<CasterId>,
+    ids: Vec<LightId>,
     pipeline: Option<(u64, wgpu::RenderPipeline)>,
+    masks: MaskShading,
 }
 
 impl Stage {
@@ -425,33 +433,36 @@ impl Stage {
         for place in placements(0.0) {
             casters.push(set.add_caster(mesh, place)?);
         }
+        let mut ids = Vec::new();
         for light in lights() {
-            set.add_light(SetLight {
+            ids.push(set.add_light(SetLight {
                 light,
                 technique: technique.clone(),
                 priority: 1.0,
-            })?;
+            })?);
         }
         Ok(Self {
             shared,
             set,
             casters,
+            ids,
             pipeline: None,
+            masks: MaskShading::default(),
         })
     }
 
     /// Moves all casters to where they are at a time, and draws a frame.
-    pub(crate) fn frame(&mut self, d: &Device, time: f32) -> Result<()> {
+    pub(crate) fn frame(&mut self, d: &Device, time: f32, picture: Picture<'_>) -> Result<()> {
         let placements = placements(time);
         for (&caster, &place) in self.casters.iter().zip(&placements) {
             self.set.move_caster(caster, place)?;
         }
         self.shared.place(d, &placements);
-        self.still_frame(d)
+        self.still_frame(d, picture)
     }
 
     /// Draws a frame in which nothing moved.
-    pub(crate) fn still_frame(&mut self, d: &Device) -> Result<()> {
+    pub(crate) fn still_frame(&mut self, d: &Device, picture: Picture<'_>) -> Result<()> {
         let frame = SetFrame {
             camera: &self.shared.camera,
             geometry: None,
@@ -461,18 +472,39 @@ impl Stage {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.set.encode(&mut encoder)?;
+        match picture {
+            Picture::Masks(gbuffer) => {
+                gbuffer.draw(&mut encoder, &self.shared);
+                let inputs = gbuffer.mask_inputs(&self.shared.camera, &self.ids);
+                self.set.prepare_masks(&d.queue, &inputs)?;
+                let masks = self.set.encode_masks(&mut encoder)?;
+                self.masks
+                    .shade(d, &mut encoder, gbuffer, &self.shared, masks);
+            }
+            Picture::Forward | Picture::Deferred(_) => self.draw(d, &mut encoder, picture)?,
+        }
+        d.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+
+    /// Draws the picture with a shader that asks the set.
+    fn draw(
+        &mut self,
+        d: &Device,
+        encoder: &mut wgpu::CommandEncoder,
+        picture: Picture<'_>,
+    ) -> Result<()> {
         let (group, layout) = self.set.bind_group()?;
         let revision = self.set.wgsl_revision();
         let pipeline = match self.pipeline.take() {
             Some((made_for, pipeline)) if made_for == revision => pipeline,
             _ => {
                 let lit = format!("{}{}", self.set.wgsl(), include_str!("by_set.wgsl"));
-                self.shared.pipeline(d, &lit, layout)
+                picture.pipeline(d, &self.shared, &lit, layout)
             }
         };
-        self.shared.draw(&mut encoder, &pipeline, group);
+        picture.draw(encoder, &self.shared, &pipeline, group);
         self.pipeline = Some((revision, pipeline));
-        d.queue.submit([encoder.finish()]);
         Ok(())
     }
 

@@ -1,4 +1,4 @@
-// A scene with four lights, drawn forward. `lit` is another text's: that of the light set, or one written by hand.
+// A scene with four lights. `lit` is another text's: that of the light set, or one written by hand.
 
 struct SceneLight {
     // Position (w = 1), or direction to the light (w = 0).
@@ -30,15 +30,18 @@ struct Surface {
 }
 
 @fragment fn shade(seen: Surface) -> @location(0) vec4f {
-    let normal = normalize(seen.normal);
+    return shade_surface(seen.position, normalize(seen.normal), vec2u(seen.at.xy));
+}
+
+fn shade_surface(position: vec3f, normal: vec3f, pixel: vec2u) -> vec4f {
     var color = vec3f(0.03);
     for (var i = 0u; i < 4u; i++) {
         let light = scene.lights[i];
-        let offset = light.place.xyz - seen.position * light.place.w;
+        let offset = light.place.xyz - position * light.place.w;
         let facing = dot(normal, normalize(offset));
         if facing > 0.0 {
             let falloff = select(1.0, 1.0 / (1.0 + 0.02 * dot(offset, offset)), light.place.w > 0.0);
-            color += light.color.xyz * (facing * falloff * lit(i, seen.position, normal, vec2u(seen.at.xy)));
+            color += light.color.xyz * (facing * falloff * lit(i, position, normal, pixel));
         }
     }
     return vec4f(color, 1.0);

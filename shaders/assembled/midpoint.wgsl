@@ -126,8 +126,8 @@ fn shadow_offset_along_normal(layer: shadow_MapLayer, p: vec3f, n: vec3f, n_dot_
 }
 
 // ---- coord.wgsl
-// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `biased_receiver` and `receiver_gradient` are
-// this map's choices: see choices.rs.
+// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `biased_receiver`, `receiver_gradient`
+// and `far_bound` are this map's choices: see choices.rs.
 
 struct shadow_ShadowCoord {
     texel: vec2f,
@@ -160,11 +160,13 @@ fn shadow_shadow_coord_in(index: i32, m: shadow_ShadowMapUniforms, p: vec3f, n: 
     let biased = shadow_biased_receiver(layer, m.light, p, n);
     let clip = shadow_transform(layer.clip_from_world, biased.xyz);
     let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
-    let texel = shadow_texel_from_point(point, m.size);
-    let gradient = shadow_receiver_gradient(layer, point, n, m.size);
+    // The texture tells its side for all lanes at once; drivers that run on the CPU read a word of one light among many lane by lane.
+    let side = f32(shadow_size_0().x);
+    let texel = shadow_texel_from_point(point, side);
+    let gradient = shadow_receiver_gradient(layer, point, n, side);
     let depth = point.z - biased.w;
     let deepest = max(depth, layer.deepest_tap);
-    let seen = clip.w > 0.0 && point.z <= layer.far;
+    let seen = clip.w > 0.0 && point.z <= shadow_far_bound(layer);
     return shadow_ShadowCoord(texel.xy, depth, gradient, deepest, index, seen);
 }
 
@@ -272,6 +274,9 @@ fn shadow_depth_at(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow
 // ---- choice: lit border
 fn shadow_is_lit_beside(is_outside: bool) -> bool { return is_outside; }
 
+// ---- choice: lit beyond the far plane
+fn shadow_far_bound(layer: shadow_MapLayer) -> f32 { return 1.0; }
+
 // ---- choice: what no map covers is lit
 fn shadow_full_light(r: shadow_Receiver) -> f32 { return 1.0; }
 
@@ -287,7 +292,7 @@ struct shadow_PcfUniforms {
 }
 
 fn shadow_visibility(l: shadow_ShadowCoord, r: shadow_Receiver) -> f32 {
-    let size = i32(shadow_kernel.lookup.size);
+    let size = shadow_size_0().x;
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
     let radius = shadow_pcf_radius();

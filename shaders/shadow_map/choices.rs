@@ -116,6 +116,17 @@ const CLAMPED_BORDER: Module = choice!(
 "
 );
 
+const LIT_BEYOND_FAR: Module = choice!(
+    "choice: lit beyond the far plane",
+    "fn far_bound(layer: MapLayer) -> f32 { return 1.0; }
+"
+);
+const COMPARED_BEYOND_FAR: Module = choice!(
+    "choice: compared beyond the far plane",
+    "fn far_bound(layer: MapLayer) -> f32 { return layer.far; }
+"
+);
+
 impl ShadowMapUniforms {
     /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them. The technique's
     /// own WGSL gives `fn visibility(l: ShadowCoord, r: Receiver) -> f32`, for receivers that the map covers; all others are lit. The
@@ -148,8 +159,8 @@ impl ShadowMapUniforms {
         modules
     }
 
-    fn choices(&self) -> [Module; 5] {
-        // Layers share their bias.
+    fn choices(&self) -> [Module; 6] {
+        // Layers share their bias and what is beyond their far planes.
         let layer = &self.layers[0];
         let arrangement = match self.arrangement {
             layers::CUBE => CUBE,
@@ -167,6 +178,7 @@ impl ShadowMapUniforms {
             bias,
             either(layer.follows_plane(), RECEIVER_PLANE, ONE_DEPTH),
             either(self.clamped != 0, CLAMPED_BORDER, LIT_BORDER),
+            either(layer.far == 1.0, LIT_BEYOND_FAR, COMPARED_BEYOND_FAR),
         ]
     }
 }

@@ -1,5 +1,5 @@
-// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `biased_receiver` and `receiver_gradient` are
-// this map's choices: see choices.rs.
+// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `biased_receiver`, `receiver_gradient`
+// and `far_bound` are this map's choices: see choices.rs.
 
 struct ShadowCoord {
     texel: vec2f,
@@ -32,10 +32,12 @@ fn shadow_coord_in(index: i32, m: ShadowMapUniforms, p: vec3f, n: vec3f) -> Shad
     let biased = biased_receiver(layer, m.light, p, n);
     let clip = transform(layer.clip_from_world, biased.xyz);
     let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
-    let texel = texel_from_point(point, m.size);
-    let gradient = receiver_gradient(layer, point, n, m.size);
+    // The texture tells its side for all lanes at once; drivers that run on the CPU read a word of one light among many lane by lane.
+    let side = f32(size_0().x);
+    let texel = texel_from_point(point, side);
+    let gradient = receiver_gradient(layer, point, n, side);
     let depth = point.z - biased.w;
     let deepest = max(depth, layer.deepest_tap);
-    let seen = clip.w > 0.0 && point.z <= layer.far;
+    let seen = clip.w > 0.0 && point.z <= far_bound(layer);
     return ShadowCoord(texel.xy, depth, gradient, deepest, index, seen);
 }

@@ -146,7 +146,7 @@ impl ShadowMap {
         }
         match self.fit {
             // Lamps stay where they are, and with them their maps.
-            Fit::Stable { .. } => light.position().is_none(),
+            Fit::Stable { .. } | Fit::AroundCamera { .. } => light.position().is_none(),
             Fit::Tight | Fit::Whole | Fit::Manual { .. } => false,
         }
     }

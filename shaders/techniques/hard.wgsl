@@ -1,5 +1,5 @@
 // Twin of hard.rs: one texel decides.
 
 fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
-    return tap(i32(kernel.lookup.size), l, i32(floor(l.texel.x)), i32(floor(l.texel.y)));
+    return tap(size_0().x, l, i32(floor(l.texel.x)), i32(floor(l.texel.y)));
 }

@@ -6,7 +6,7 @@ struct PcfUniforms {
 }
 
 fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
-    let size = i32(kernel.lookup.size);
+    let size = size_0().x;
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
     let radius = pcf_radius();

@@ -1,7 +1,7 @@
 // Twin of pcf_dithered.rs: four taps, two texels apart, shifted by the pixel's parity.
 
 fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
-    let size = i32(kernel.lookup.size);
+    let size = size_0().x;
     let ox = f32(r.pixel.x & 1u);
     let oy = f32((r.pixel.x ^ r.pixel.y) & 1u);
     let left = i32(floor(l.texel.x + (ox - 1.5)));

@@ -1,9 +1,17 @@
 //! What a frame of a light set allocates: nothing while all stands still, and only what wgpu's own writes allocate while casters move.
 
 use dhat::HeapStats;
-use umbrage_tests::light_stage::{Stage, at};
-use umbrage_wgpu::{SetBudget, SetFrame};
-use wgpu::BufferUsages;
+use glam::{Mat4, UVec2};
+use umbrage_tests::{
+    adapter::TestDevice,
+    foreign,
+    light_stage::{Stage, at, camera},
+};
+use umbrage_wgpu::{
+    DepthBuffer, LightId, MaskFormat, MaskInputs, NormalCoding, SetBudget, SetFrame, SetNormals,
+    SetReceivers,
+};
+use wgpu::{BufferUsages, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor};
 
 #[global_allocator]
 static ALLOCATIONS: dhat::Alloc = dhat::Alloc;
@@ -43,9 +51,7 @@ fn prepare(stage: &mut Stage) {
 fn steady_frames_allocate_nothing() {
     let _profiler = dhat::Profiler::builder().testing().build();
     let mut stage = Stage::new(SetBudget::default(), &[-4.0, 0.0, 4.0]);
-    for x in [-4.0, 0.0, 4.0] {
-        stage.light(x, 1.0);
-    }
+    let lights = [-4.0, 0.0, 4.0].map(|x| stage.light(x, 1.0));
     stage.frame();
     let d = stage.program.d;
     // Lists have grown as far as they will after a frame in which a caster moved.
@@ -64,6 +70,7 @@ fn steady_frames_allocate_nothing() {
         |usage| umbrage_tests::foreign::buffer(d, usage | BufferUsages::COPY_DST, &[0; 1024]);
     let placements = buffer(BufferUsages::VERTEX);
     let matrices = buffer(BufferUsages::UNIFORM);
+    let cameras = buffer(BufferUsages::UNIFORM);
     const FRAMES: u64 = 200;
     let written = blocks(|| {
         for _ in 0..FRAMES {
@@ -87,4 +94,75 @@ fn steady_frames_allocate_nothing() {
         own < 0.5,
         "a frame in which a caster moved allocated {own:.2} blocks more than wgpu's writes do"
     );
+
+    // Masks of the same lights from the same textures, whatever the camera's matrix.
+    let seen = DepthInputs::new(d, stage.program.size());
+    let matrices = [0.0, 0.1].map(world_from_clip);
+    for matrix in matrices {
+        prepare_masks(&mut stage, &seen, matrix, &lights);
+    }
+    let still = blocks(|| prepare_masks(&mut stage, &seen, matrices[1], &lights));
+    assert_eq!(still, 0, "masks of a still frame");
+    let written = blocks(|| {
+        for _ in 0..FRAMES {
+            from_below(6, &mut || d.queue.write_buffer(&cameras, 0, &[1; 80]));
+        }
+    });
+    let turned = blocks(|| {
+        for i in 0..FRAMES {
+            prepare_masks(&mut stage, &seen, matrices[i as usize % 2], &lights);
+        }
+    });
+    let own = turned as f64 / FRAMES as f64 - written as f64 / FRAMES as f64;
+    assert!(
+        own < 0.5,
+        "masks of a frame in which the camera turned allocated {own:.2} blocks more than wgpu's write does"
+    );
+}
+
+/// A depth buffer and normals.
+struct DepthInputs {
+    depth: TextureView,
+    normals: TextureView,
+    size: UVec2,
+}
+
+impl DepthInputs {
+    fn new(d: &TestDevice, size: UVec2) -> Self {
+        let view = |format| {
+            foreign::texture(d, size, format, TextureUsages::TEXTURE_BINDING)
+                .create_view(&TextureViewDescriptor::default())
+        };
+        Self {
+            depth: view(TextureFormat::R32Float),
+            normals: view(TextureFormat::Rgba16Float),
+            size,
+        }
+    }
+}
+
+fn world_from_clip(turn: f32) -> Mat4 {
+    let space = camera(turn).space();
+    space.clip_from_world().inverse()
+}
+
+fn prepare_masks(stage: &mut Stage, seen: &DepthInputs, world_from_clip: Mat4, lights: &[LightId]) {
+    let inputs = MaskInputs {
+        size: seen.size,
+        receivers: SetReceivers::Depth {
+            depth: DepthBuffer {
+                depth: &seen.depth,
+                world_from_clip,
+                empty: 1.0,
+            },
+            normals: Some(SetNormals {
+                texture: &seen.normals,
+                coding: NormalCoding::Components,
+            }),
+        },
+        lights,
+        format: MaskFormat::Unorm8,
+    };
+    let queue = &stage.program.d.queue;
+    stage.set.prepare_masks(queue, &inputs).expect("prepares");
 }

@@ -2,8 +2,8 @@
 
 use glam::{Affine3A, Mat4, UVec2, Vec2, Vec3};
 use umbrage_core::{
-    Backend, Camera, Fit, Geometry, Instance, Light, Mesh, Receivers, Scene, ShadowTechnique, View,
-    math::transform,
+    Backend, Camera, Cascades, Fit, Geometry, Instance, Layout, Light, Mesh, Receivers, Scene,
+    ShadowTechnique, View, math::transform,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, ShadowMap};
@@ -288,6 +288,115 @@ fn all_that_matters_is_on_the_map() {
         high.truncate().truncate().abs().max_element() < 1.0,
         "the high box is not over the map: {high}"
     );
+}
+
+/// A camera that stands still and looks anywhere.
+fn turned(eye: Vec3, yaw: f32, pitch: f32) -> Camera {
+    let ahead = Vec3::new(
+        yaw.sin() * pitch.cos(),
+        pitch.sin(),
+        -yaw.cos() * pitch.cos(),
+    );
+    Camera::perspective(
+        eye,
+        eye + ahead,
+        Vec3::Y,
+        1.0,
+        [0.1, 200.0],
+        UVec2::new(64, 48),
+    )
+    .expect("a good camera")
+}
+
+/// Maps around the camera stay where they are while it turns, whatever 32-bit floats make of its place; others move.
+#[test]
+fn a_camera_that_turns_moves_no_map_around_it() {
+    let geometry = town(Vec3::ZERO);
+    let cascades = Layout::Cascades(Cascades {
+        count: 3,
+        blend: 4.0,
+        ..Cascades::default()
+    });
+    let mut moved = 0;
+    for place in 0..40 {
+        // Whole numbers are where rounding is most likely to decide; others stand for all the rest.
+        let n = place as f32;
+        let eye = match place % 3 {
+            0 => Vec3::new(n, 3.0, -n),
+            1 => Vec3::new(0.37 * n, 1.7 + 0.01 * n, 3.1 * n - 50.0),
+            _ => Vec3::new(1e4 + n, 2.5, -3e4 - 0.77 * n),
+        };
+        for layout in [Layout::Single, cascades] {
+            let spaces = |fit: Fit, camera: &Camera| {
+                let view = View::new(camera, &SUN, &geometry);
+                fit.light_spaces(layout, &view, SIZE, 1.0).expect("it fits")
+            };
+            let around = Fit::AroundCamera { range: RANGE };
+            let stable = Fit::Stable { range: RANGE };
+            let ahead = turned(eye, 0.0, 0.0);
+            for turn in 1..8 {
+                let pitch = 0.2 * (turn % 5) as f32 - 0.4;
+                let camera = turned(eye, 0.9 * turn as f32, pitch);
+                assert_eq!(
+                    spaces(around, &ahead),
+                    spaces(around, &camera),
+                    "turned {turn} times at {eye}"
+                );
+                moved += u32::from(spaces(stable, &ahead) != spaces(stable, &camera));
+            }
+        }
+    }
+    assert!(moved > 400, "a stable fit moved only {moved} times of 560");
+}
+
+/// What docs/cascades.md says of the price: texels are 1.5 times as wide.
+#[test]
+fn maps_around_the_camera_have_larger_texels() {
+    let geometry = town(Vec3::ZERO);
+    let eye = Vec3::new(0.0, 3.0, 0.0);
+    let size = UVec2::new(1280, 720);
+    let ahead = eye + Vec3::NEG_Z;
+    let camera = Camera::perspective(eye, ahead, Vec3::Y, 0.9, [0.1, 200.0], size);
+    let camera = camera.expect("a good camera");
+    let view = View::new(&camera, &SUN, &geometry);
+    let texel = |fit: Fit| {
+        let space = fit.light_space(&view, 1024, 0.0).expect("it fits");
+        1.0 / space.clip_from_view.x_axis.x
+    };
+    let around = texel(Fit::AroundCamera { range: RANGE });
+    let ratio = around / texel(Fit::Stable { range: RANGE });
+    assert!((1.45..1.5).contains(&ratio), "{ratio}");
+}
+
+/// A map around the camera moves in steps that are far apart, and what is seen stays on it.
+#[test]
+fn a_camera_that_walks_seldom_moves_the_map_around_it() {
+    let geometry = town(Vec3::ZERO);
+    let fit = Fit::AroundCamera { range: RANGE };
+    let mut maps: Vec<Mat4> = Vec::new();
+    for frame in 0..400 {
+        let eye = Vec3::new(0.05 * frame as f32, 3.0, 0.0);
+        let camera = turned(eye, 0.3 * frame as f32, -0.2);
+        let view = View::new(&camera, &SUN, &geometry);
+        let space = fit.light_space(&view, SIZE, 2.0).expect("it fits");
+        let fitted = space.clip_from_world();
+        if maps.last() != Some(&fitted) {
+            maps.push(fitted);
+        }
+        let seen = Cpu::new()
+            .receivers(&camera, &geometry)
+            .expect("a good camera");
+        let view_from_world = camera.space().view_from_world;
+        let room = 1.0 - 2.0 * 2.0 / SIZE as f32;
+        let within = |p: &Vec3| -transform(view_from_world, *p).z <= RANGE;
+        for p in seen.positions().filter(within) {
+            let clip = transform(fitted, p);
+            let is_held = clip.x.abs().max(clip.y.abs()) <= room && clip.z <= 1.0;
+            assert!(is_held, "{p} falls on {clip} in frame {frame}");
+        }
+    }
+    // The map is 100 m wide: steps of 3 m, on 20 m of way across two axes.
+    assert!((3..=20).contains(&maps.len()), "{} maps", maps.len());
 }
 
 /// Lamps' stable fits hang on nothing that is seen; tight ones do.

@@ -64,6 +64,11 @@ impl FilterStage {
         }
     }
 
+    /// Returns whether there is anything to filter.
+    pub(crate) fn has_passes(&self) -> bool {
+        self.filters.iter().any(|(_, layers)| !layers.is_empty())
+    }
+
     /// Clears the layers that may be read before a stage writes them.
     pub(crate) fn clear(&self, encoder: &mut CommandEncoder) {
         for (format, view) in &self.clears {

@@ -41,8 +41,8 @@ pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexL
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 pub use light_set::{
     CasterId, CasterMesh, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat,
-    MaskInputs, MeshId, NormalCoding, SetBudget, SetFrame, SetLight, SetNormals, SetReceivers,
-    SetReport, StillLayers, Unserved,
+    MaskInputs, MeshId, NormalCoding, PassCasters, SetBudget, SetFrame, SetLight, SetNormals,
+    SetPass, SetReceivers, SetReport, SetTimestamps, StillLayers, TimedPass, Unserved,
 };
 #[cfg(feature = "testing")]
 pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};

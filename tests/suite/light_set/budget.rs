@@ -134,11 +134,24 @@ fn thrown_away_redraws_are_not_put_off() {
 fn two_hundred_and_fifty_six_lights_fit() {
     let places: Vec<f32> = (0..8).map(|i| i as f32 * 2.0 - 7.0).collect();
     let mut stage = Stage::new(SetBudget::default(), &places);
-    let lights: Vec<LightId> = (0..256)
-        .map(|i| stage.light(places[i % 8] + 0.001 * i as f32, 1.0))
-        .collect();
-    assert_eq!(stage.frame().redrawn, 256);
-    assert_eq!(stage.unserved(), []);
+    let light = |stage: &mut Stage, i: usize| stage.light(places[i % 8] + 0.001 * i as f32, 1.0);
+    let mut lights: Vec<LightId> = Vec::new();
+    let mut revisions = Vec::new();
+    // The numbers of few lights are in a uniform buffer, those of many in a storage buffer: both give the same.
+    for count in [1, 40, 256] {
+        while lights.len() < count {
+            let i = lights.len();
+            lights.push(light(&mut stage, i));
+        }
+        stage.frame();
+        assert_eq!(stage.unserved(), []);
+        let is_uniform = stage.set.wgsl().contains("var<uniform> shadow_set");
+        assert_eq!(is_uniform, count <= 40, "{count} lights");
+        revisions.push((stage.set.wgsl_revision(), stage.shadowed(lights[0])));
+    }
+    assert_eq!(revisions[0], revisions[1], "lights have room that is left");
+    assert_eq!(revisions[1].1, revisions[2].1);
+    assert!(revisions[1].0 < revisions[2].0);
     for id in [lights[0], lights[100], lights[255]] {
         assert!(stage.shadowed(id) > 0);
     }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use umbrage_core::{Aabb, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
 use umbrage_techniques::{Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
 use umbrage_tests::{
+    adapter::device,
     foreign,
     light_program::{Forward, ForwardProgram},
 };
@@ -78,7 +79,7 @@ fn edit() -> impl Strategy<Value = Edit> {
     ]
 }
 
-const TECHNIQUES: usize = 6;
+const TECHNIQUES: usize = 7;
 /// What a model begins with.
 const FIRST_LAMP: Lamp = Lamp {
     kind: 1,
@@ -93,6 +94,18 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
         ..ShadowMap::default()
     };
     let is_sun = lamp.kind == 0;
+    let cascades = |fit: Fit| Pcf {
+        map: ShadowMap {
+            fit,
+            layout: Layout::Cascades(Cascades {
+                count: 3,
+                blend: 4.0,
+                ..Cascades::default()
+            }),
+            ..map(64)
+        },
+        radius: 1,
+    };
     match lamp.technique {
         0 => Arc::new(Hard { map: map(96) }),
         1 => Arc::new(Pcf {
@@ -107,18 +120,8 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
             map: map(64),
             ..Midpoint::default()
         }),
-        4 if is_sun => Arc::new(Pcf {
-            map: ShadowMap {
-                fit: Fit::Stable { range: 30.0 },
-                layout: Layout::Cascades(Cascades {
-                    count: 3,
-                    blend: 4.0,
-                    ..Cascades::default()
-                }),
-                ..map(64)
-            },
-            radius: 1,
-        }),
+        4 if is_sun => Arc::new(cascades(Fit::Stable { range: 30.0 })),
+        5 if is_sun => Arc::new(cascades(Fit::AroundCamera { range: 30.0 })),
         _ => Arc::new(Pcss {
             map: map(96),
             ..Pcss::default()
@@ -365,7 +368,7 @@ impl<'a> Model<'a> {
 /// Random edits, with frames in between that are submitted, dropped, or never recorded.
 #[test]
 fn a_set_never_shows_what_is_stale() {
-    let program = ForwardProgram::floor(UVec2::new(64, 48));
+    let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
     let meshes = Meshes::new(&program);
     let config = ProptestConfig {
         cases: 40,
@@ -401,7 +404,7 @@ fn a_set_never_shows_what_is_stale() {
 /// The comparison above can fail: a set that isn't told of a change shows what was.
 #[test]
 fn a_change_that_the_set_is_not_told_of_is_seen() {
-    let program = ForwardProgram::floor(UVec2::new(64, 48));
+    let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
     let meshes = Meshes::new(&program);
     let mut model = Model::new(&program, &meshes, StillLayers::Auto);
     model.add_caster((0, Affine3A::from_translation(Vec3::new(0.0, 2.0, 0.0))));

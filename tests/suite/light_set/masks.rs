@@ -9,6 +9,7 @@ use umbrage_core::{
 };
 use umbrage_techniques::{Bias, Hard, ShadowMap};
 use umbrage_tests::{
+    adapter::device,
     foreign,
     light_program::{Forward, ForwardProgram},
     light_stage::{Stage, camera, hard, spot},
@@ -263,7 +264,7 @@ fn masks_come_from_depth_and_normals_of_any_format() {
     let floor = SeenFloor::new(&camera);
     let up = vec![Vec3::Y.extend(0.0).to_array(); floor.positions.len()];
     let ids = vec![u32::MAX; floor.positions.len()];
-    let program = ForwardProgram::of_texels(camera.size, &floor.positions, &up, &ids);
+    let program = ForwardProgram::of_texels(device(), camera.size, &floor.positions, &up, &ids);
     let exact = SetReceivers::Positions(program.gbuffer());
     let expected = masks(&program, &mut stage.set, exact, &lights);
     let shadowed = expected.iter().flatten().filter(|&&v| v < 1.0).count();

@@ -2,5 +2,7 @@
 
 mod alike;
 mod budget;
+mod devices;
 mod edits;
 mod masks;
+mod turning;

@@ -97,9 +97,9 @@ const fn plays_second_driver(options: &TestOptions) -> bool {
 
 /// The nets that are played on the second driver, too, and its own.
 #[rustfmt::skip]
-const SECOND: [&str; 10] = [
+const SECOND: [&str; 12] = [
     "test", "--workspace", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--",
-    "agreement::", "rasterisers::", "on_the_second_driver",
+    "agreement::", "rasterisers::", "light_set::alike::", "light_set::masks::", "on_the_second_driver",
 ];
 
 /// Returns the driver on which some tests run once more. Where it is missing a message says so. None for tests that the user

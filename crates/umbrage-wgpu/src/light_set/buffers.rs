@@ -1,14 +1,21 @@
-//! Storage buffers of a set: numbers by light, and all tables in one.
+//! Buffers of a set: the numbers of all lights in one, and all tables in another.
 
 use crate::resources::counters::ResourceFactory;
 use std::sync::Arc;
 use umbrage_core::Table;
-use wgpu::{Buffer, BufferUsages};
+use wgpu::{Buffer, BufferUsages, Queue};
 
-/// Bytes of a light's entry: `ShadowLight` in text.rs.
-const ENTRY_WORDS: usize = 18;
+/// Words of a light's entry: `ShadowLight` in text.rs.
+const ENTRY_WORDS: usize = 12;
+/// Most lights of a set, and with them most records of a kind: an index takes 12 bits of a light's entry.
+pub(crate) const MAX_LIGHTS: usize = 1 << 12;
+/// Most layers of a texture that lights can name: the first one's index takes 12 bits of a light's entry.
+pub(crate) const MAX_NAMED_LAYERS: u32 = 1 << 12;
+/// Arrays in uniform buffers go in steps of so many bytes.
+const UNIFORM_STEP: u64 = 16;
 
-/// Equal parts of a buffer, each with a copy on this side. What changed is written by [`upload`](Self::upload).
+/// One light's part of the numbers of its kind, or one light's entry: equal parts of the numbers' buffer, each with a copy on this
+/// side.
 #[derive(Debug, Default)]
 pub(crate) struct Records {
     /// Bytes of a record.
@@ -18,7 +25,10 @@ pub(crate) struct Records {
     used: Vec<bool>,
     /// Records that the buffer doesn't hold yet.
     changed: Vec<usize>,
-    buffer: Option<Buffer>,
+    /// How many records the buffer has room for.
+    capacity: usize,
+    /// Where in the buffer the first one is, bytes.
+    offset: u64,
 }
 
 /// What the buffers of a set took.
@@ -37,9 +47,10 @@ impl Uploaded {
 }
 
 impl Records {
-    pub(crate) fn new(stride: u64) -> Self {
+    /// Returns an empty list of records that hold so many bytes.
+    pub(crate) fn new(bytes: u64) -> Self {
         Self {
-            stride: stride as usize,
+            stride: bytes.next_multiple_of(UNIFORM_STEP) as usize,
             ..Self::default()
         }
     }
@@ -71,40 +82,83 @@ impl Records {
         self.changed.push(index);
     }
 
-    /// Writes what changed. The buffer is made anew where it is too small.
-    pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>, label: &str) -> Uploaded {
-        let mut uploaded = Uploaded::default();
-        let size = self.bytes.len() as u64;
-        let held = self.buffer.as_ref().map_or(0, Buffer::size);
-        if held < size.max(1) {
-            // Whole records, so that the shader's array has as many as there is room for.
-            let records = self.used.len().max(1).next_power_of_two();
-            self.bytes.resize(records * self.stride, 0);
-            self.used.resize(records, false);
-            let room = self.bytes.len() as u64;
-            let buffer = factory.buffer(label, BufferUsages::STORAGE, room.max(16));
-            factory.queue.write_buffer(&buffer, 0, &self.bytes);
-            self.buffer = Some(buffer);
-            self.changed.clear();
-            uploaded.bytes = room;
-            uploaded.made_buffer = true;
-            return uploaded;
-        }
-        if let Some(buffer) = &self.buffer {
-            for &index in &self.changed {
-                let start = index * self.stride;
-                let part = &self.bytes[start..start + self.stride];
-                factory.queue.write_buffer(buffer, start as u64, part);
-                uploaded.bytes += part.len() as u64;
-            }
-        }
-        self.changed.clear();
-        uploaded
-    }
-
     /// Returns how many records there are, in use or not.
     pub(crate) fn count(&self) -> usize {
         self.used.len()
+    }
+
+    /// Returns how many records the buffer has room for.
+    pub(crate) fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    /// Returns the bytes of a record.
+    pub(crate) fn stride(&self) -> u64 {
+        self.stride as u64
+    }
+
+    /// Returns the bytes of all records, of one at least where there are bytes at all.
+    fn needed_bytes(&self) -> u64 {
+        self.count().max(1) as u64 * self.stride()
+    }
+
+    /// Writes all records.
+    fn write_all(&mut self, queue: &Queue, buffer: &Buffer) -> u64 {
+        self.changed.clear();
+        if !self.bytes.is_empty() {
+            queue.write_buffer(buffer, self.offset, &self.bytes);
+        }
+        self.bytes.len() as u64
+    }
+
+    /// Writes the records that changed.
+    fn write_changed(&mut self, queue: &Queue, buffer: &Buffer) -> u64 {
+        let mut bytes = 0;
+        for &index in &self.changed {
+            let start = index * self.stride;
+            let part = &self.bytes[start..start + self.stride];
+            queue.write_buffer(buffer, self.offset + start as u64, part);
+            bytes += part.len() as u64;
+        }
+        self.changed.clear();
+        bytes
+    }
+}
+
+/// Where shaders read the numbers from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NumberSpace {
+    /// A uniform buffer, which most drivers read fastest.
+    Uniform,
+    /// A storage buffer, where there is more than a uniform buffer holds.
+    Storage,
+}
+
+/// What shaders read of the lights: their entries, then the uniforms of each kind of kernel. All of it is in one buffer.
+#[derive(Debug)]
+pub(crate) struct LightNumbers {
+    pub(crate) entries: Records,
+    /// For each kind, its lights' uniforms.
+    pub(crate) kernels: Vec<Records>,
+    space: NumberSpace,
+    /// Most bytes of a uniform buffer.
+    most_uniform_bytes: u64,
+    buffer: Option<Buffer>,
+}
+
+impl LightNumbers {
+    pub(crate) fn new(most_uniform_bytes: u64) -> Self {
+        Self {
+            entries: Records::new(LightEntry::BYTES),
+            kernels: Vec::new(),
+            space: NumberSpace::Uniform,
+            most_uniform_bytes,
+            buffer: None,
+        }
+    }
+
+    pub(crate) fn space(&self) -> NumberSpace {
+        self.space
     }
 
     pub(crate) fn buffer(&self) -> Option<&Buffer> {
@@ -115,22 +169,94 @@ impl Records {
     pub(crate) fn lose_buffer(&mut self) {
         self.buffer = None;
     }
+
+    /// Sees to it that there is room for all records. Returns whether the layout changed, and with it what shaders declare.
+    pub(crate) fn make_room(&mut self) -> bool {
+        let has_room = |list: &Records| list.capacity > 0 && list.count() <= list.capacity;
+        if self.lists().all(has_room) {
+            return false;
+        }
+        let needed: u64 = self.lists().map(Records::needed_bytes).sum();
+        let fits = needed <= self.most_uniform_bytes;
+        self.space = if fits {
+            NumberSpace::Uniform
+        } else {
+            NumberSpace::Storage
+        };
+        // Each list grows by the same factor, so that lights can be added for a while without that shaders change: to all that a
+        // uniform buffer holds, or to twice of what is needed.
+        let room = if fits {
+            self.most_uniform_bytes
+        } else {
+            2 * needed
+        };
+        let mut offset = 0;
+        for list in std::iter::once(&mut self.entries).chain(&mut self.kernels) {
+            let count = list.count().max(1) as u64;
+            let capacity = (count * room / needed).min(MAX_LIGHTS as u64);
+            list.capacity = capacity as usize;
+            list.offset = offset;
+            offset += capacity * list.stride();
+        }
+        self.buffer = None;
+        true
+    }
+
+    /// Writes what changed; all of it where there is no buffer yet.
+    pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>) -> Uploaded {
+        let mut uploaded = Uploaded::default();
+        let size = self
+            .lists()
+            .map(|list| list.capacity as u64 * list.stride())
+            .sum();
+        let lists = std::iter::once(&mut self.entries).chain(&mut self.kernels);
+        if let Some(buffer) = &self.buffer {
+            uploaded.bytes = lists
+                .map(|list| list.write_changed(factory.queue, buffer))
+                .sum();
+            return uploaded;
+        }
+        let usage = match self.space {
+            NumberSpace::Uniform => BufferUsages::UNIFORM,
+            NumberSpace::Storage => BufferUsages::STORAGE,
+        };
+        let buffer = factory.buffer("umbrage lights", usage, size);
+        uploaded.bytes = lists
+            .map(|list| list.write_all(factory.queue, &buffer))
+            .sum();
+        uploaded.made_buffer = true;
+        self.buffer = Some(buffer);
+        uploaded
+    }
+
+    fn lists(&self) -> impl Iterator<Item = &Records> {
+        std::iter::once(&self.entries).chain(&self.kernels)
+    }
 }
 
-/// Where a kernel finds an image or a table: see `ShadowInput` in text.rs.
+/// Where a kernel finds an image: the texture's index, and the first of its layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct InputPlace {
-    pub(crate) at: u32,
+pub(crate) struct ImagePlace {
+    pub(crate) texture: u32,
     pub(crate) first: u32,
+}
+
+/// Where a kernel finds a table: its first row, and how many there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct TablePlace {
+    pub(crate) first: u32,
+    pub(crate) count: u32,
 }
 
 /// A light's entry: twin of `ShadowLight` in text.rs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LightEntry {
+    /// 0 of lights that are not served, else the kind of kernel, counted from 1.
     pub(crate) kind: u32,
+    /// Index of the kernel's uniforms.
     pub(crate) kernel: u32,
-    pub(crate) images: [InputPlace; 4],
-    pub(crate) tables: [InputPlace; 4],
+    pub(crate) images: [ImagePlace; 4],
+    pub(crate) tables: [TablePlace; 4],
 }
 
 impl LightEntry {
@@ -138,13 +264,16 @@ impl LightEntry {
     pub(crate) const BYTES: u64 = 4 * ENTRY_WORDS as u64;
 
     pub(crate) fn words(&self) -> [u32; ENTRY_WORDS] {
+        let first = self.images.map(|image| image.first);
+        let texture = self.images.map(|image| image.texture);
         let mut words = [0; ENTRY_WORDS];
-        words[0] = self.kind;
-        words[1] = self.kernel;
-        let places = self.images.iter().chain(&self.tables);
-        for (i, place) in places.enumerate() {
-            words[2 + 2 * i] = place.at;
-            words[3 + 2 * i] = place.first;
+        words[0] = self.kind | self.kernel << 8 | first[0] << 20;
+        words[1] = texture[0] | texture[1] << 8 | texture[2] << 16 | texture[3] << 24;
+        words[2] = first[1] | first[2] << 16;
+        words[3] = first[3];
+        for (i, table) in self.tables.iter().enumerate() {
+            words[4 + i] = table.first;
+            words[8 + i] = table.count;
         }
         words
     }
@@ -167,16 +296,16 @@ struct HeldTable {
 
 impl SharedTables {
     /// Returns where a table is, and puts it there first where it is new.
-    pub(crate) fn place(&mut self, table: &Table) -> InputPlace {
+    pub(crate) fn place(&mut self, table: &Table) -> TablePlace {
         let count = table.rows.len() as u32;
         let known = self
             .held
             .iter()
             .find(|held| Arc::ptr_eq(&held.rows, &table.rows) || held.rows == table.rows);
         if let Some(held) = known {
-            return InputPlace {
-                at: held.first,
-                first: count,
+            return TablePlace {
+                first: held.first,
+                count,
             };
         }
         let first = self.rows();
@@ -184,10 +313,7 @@ impl SharedTables {
             rows: table.rows.clone(),
             first,
         });
-        InputPlace {
-            at: first,
-            first: count,
-        }
+        TablePlace { first, count }
     }
 
     /// Keeps only the tables for which `is_used`, and moves them together. Returns whether any moved: then all places are to be asked
@@ -264,11 +390,11 @@ mod tests {
         let mut tables = SharedTables::default();
         let first = tables.place(&table(1, 3));
         let second = tables.place(&table(2, 2));
-        assert_eq!((first.at, first.first), (0, 3));
-        assert_eq!((second.at, second.first), (3, 2));
+        assert_eq!((first.first, first.count), (0, 3));
+        assert_eq!((second.first, second.count), (3, 2));
         assert_eq!(tables.place(&table(1, 3)), first);
         assert!(tables.retain(|rows| rows[0][0] == 2));
-        assert_eq!(tables.place(&table(2, 2)).at, 0);
+        assert_eq!(tables.place(&table(2, 2)).first, 0);
         assert!(!tables.retain(|_| true));
     }
 
@@ -279,11 +405,40 @@ mod tests {
             kernel: 2,
             ..LightEntry::default()
         };
-        entry.images[1] = InputPlace { at: 3, first: 4 };
-        entry.tables[3] = InputPlace { at: 5, first: 6 };
+        for i in 0..4 {
+            entry.images[i as usize] = ImagePlace {
+                texture: 3 + i,
+                first: 7 + i,
+            };
+        }
+        entry.tables[3] = TablePlace { first: 5, count: 6 };
         let words = entry.words();
-        assert_eq!(words[..6], [1, 2, 0, 0, 3, 4]);
-        assert_eq!(words[16..], [5, 6]);
-        assert_eq!(LightEntry::BYTES, 72);
+        assert_eq!(words[0], 0x0070_0201);
+        assert_eq!(words[1], 0x0605_0403);
+        assert_eq!(words[2..4], [0x0009_0008, 10]);
+        assert_eq!(words[7], 5);
+        assert_eq!(words[11], 6);
+        assert_eq!(LightEntry::BYTES, 48);
+    }
+
+    /// Lists take all of a uniform buffer; beyond it they are in a storage buffer.
+    #[test]
+    fn numbers_are_uniform_as_long_as_they_fit() {
+        let mut numbers = LightNumbers::new(1 << 16);
+        numbers.kernels.push(Records::new(976));
+        let mut layouts = 0;
+        for _ in 0..64 {
+            numbers.entries.take();
+            numbers.kernels[0].take();
+            layouts += u32::from(numbers.make_room());
+            assert_eq!(numbers.space(), NumberSpace::Uniform);
+        }
+        assert_eq!(layouts, 1, "one light has all the room");
+        numbers.entries.take();
+        numbers.kernels[0].take();
+        assert!(numbers.make_room());
+        assert_eq!(numbers.space(), NumberSpace::Storage);
+        assert_eq!(numbers.entries.capacity(), 130);
+        assert!(!numbers.make_room());
     }
 }

@@ -8,6 +8,7 @@ use crate::{
         culling::{ShownSlots, Wanted},
         light::{LightCast, LightId},
         still_layers::LayerCopy,
+        timestamps::{PassCasters, PassClock},
     },
     resources::{
         counters::ResourceFactory,
@@ -85,24 +86,13 @@ fn run_length(slots: &[u32]) -> usize {
     end.map_or(slots.len(), |i| i + 1)
 }
 
-/// Which casters a pass draws, and where.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum CastPart {
-    /// All of them, into the light's layer.
-    Whole,
-    /// Those that are still, into a layer of their own.
-    Still,
-    /// Those that move, on a copy of that layer.
-    Moving,
-}
-
 /// Which cast of which light a pass draws.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassName {
     pub(crate) light: LightId,
     /// Index among the light's casts.
     pub(crate) cast: usize,
-    pub(crate) part: CastPart,
+    pub(crate) part: PassCasters,
 }
 
 /// What passes draw from.
@@ -114,6 +104,14 @@ pub(crate) struct CastSources<'a> {
     pub(crate) shown: &'a ShownSlots,
 }
 
+/// A cast, and what is drawn into it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrawnCast<'a> {
+    pub(crate) cast: &'a LightCast,
+    pub(crate) casters: &'a Casters,
+    pub(crate) instances: &'a Instances,
+}
+
 /// One pass of this frame.
 #[derive(Debug)]
 struct CastPass {
@@ -122,6 +120,8 @@ struct CastPass {
     copy: Option<LayerCopy>,
     /// Its part of the list of draws.
     draws: Range<usize>,
+    /// How many triangles it draws.
+    triangles: u64,
 }
 
 /// What is drawn of a mesh.
@@ -163,11 +163,12 @@ impl CastList {
     ) {
         let moving = sources.casters.moving();
         let wanted = match name.part {
-            CastPart::Whole => Wanted::All,
-            CastPart::Still => Wanted::Still(moving),
-            CastPart::Moving => Wanted::Moving(moving),
+            PassCasters::All => Wanted::All,
+            PassCasters::Still => Wanted::Still(moving),
+            PassCasters::Moving => Wanted::Moving(moving),
         };
         let first_draw = self.draws.len();
+        let mut triangles = 0;
         for (id, mesh) in sources.casters.meshes() {
             let first_run = self.runs.len();
             sources.shown.runs(mesh.slots(), wanted, &mut self.runs);
@@ -175,6 +176,11 @@ impl CastList {
             if runs.is_empty() {
                 continue;
             }
+            let instances: u64 = self.runs[runs.clone()]
+                .iter()
+                .map(|run| u64::from(run.end - run.start))
+                .sum();
+            triangles += instances * mesh.draw.triangles();
             let key = CastKey {
                 depth: cast.target.state(),
                 layout: mesh.draw.layout,
@@ -192,6 +198,7 @@ impl CastList {
             name,
             copy: layer_copy(cast, name.part),
             draws: first_draw..self.draws.len(),
+            triangles,
         });
     }
 
@@ -216,23 +223,39 @@ impl CastList {
         &self,
         encoder: &mut CommandEncoder,
         pass_index: usize,
-        cast: &LightCast,
-        casters: &Casters,
-        instances: &Instances,
+        drawn: &DrawnCast<'_>,
         own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
+        clock: &mut PassClock<'_, '_>,
     ) {
-        let part = self.passes[pass_index].name.part;
-        if let Some(copy) = &self.passes[pass_index].copy {
-            copy.encode(encoder, &cast.target);
+        let DrawnCast {
+            cast,
+            casters,
+            instances,
+        } = *drawn;
+        let CastPass {
+            name,
+            copy,
+            triangles,
+            ..
+        } = &self.passes[pass_index];
+        let part = name.part;
+        if let Some(copy) = copy {
+            let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
+            let record = |encoder: &mut CommandEncoder| copy.encode(encoder, &cast.target);
+            match &mut clock.meter {
+                Some(meter) => meter.copy(encoder, texels, record),
+                None => record(encoder),
+            }
         }
         let target = match (part, &cast.still) {
-            (CastPart::Still, Some(still)) => &still.target,
+            (PassCasters::Still, Some(still)) => &still.target,
             _ => &cast.target,
         };
-        let clears = target.clears && part != CastPart::Moving;
+        let clears = target.clears && part != PassCasters::Moving;
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage cast"),
             depth_stencil_attachment: Some(target.attachment_that(clears)),
+            timestamp_writes: clock.cast(name.light, cast.layer, part, *triangles),
             ..RenderPassDescriptor::default()
         });
         self.spaces.bind(&mut pass, 0, pass_index);
@@ -257,16 +280,16 @@ impl CastList {
             }
         }
         // What the caller draws belongs to what moves.
-        if part != CastPart::Still {
+        if part != PassCasters::Still {
             own_draws(&mut pass, &cast.target);
         }
     }
 }
 
 /// Returns what is copied before a part of a cast is drawn.
-fn layer_copy(cast: &LightCast, part: CastPart) -> Option<LayerCopy> {
+fn layer_copy(cast: &LightCast, part: PassCasters) -> Option<LayerCopy> {
     let still = cast.still.as_ref()?;
-    (part == CastPart::Moving).then(|| LayerCopy {
+    (part == PassCasters::Moving).then(|| LayerCopy {
         from: still.texture.clone(),
         to: cast.target.layer.texture().clone(),
         layer: cast.texture_layer,

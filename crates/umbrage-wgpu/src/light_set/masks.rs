@@ -4,7 +4,11 @@ use crate::{
     filter::color_attachment,
     frame::{GBuffer, check, check_readable},
     gbuffer_from_depth::{DepthBuffer, DepthCamera},
-    light_set::{light::LightId, shader::SetShader},
+    light_set::{
+        light::LightId,
+        shader::SetShader,
+        timestamps::{PassTimer, SetPass},
+    },
     receive::gbuffer,
     resources::{
         bindings::{Binding, Bound, Slot},
@@ -17,7 +21,7 @@ use encase::UniformBuffer;
 use glam::UVec2;
 use umbrage_core::{BackendError, Invalid};
 use wgpu::{
-    BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, RenderPassDescriptor,
+    BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Extent3d, RenderPassDescriptor,
     RenderPipeline, ShaderStages, Texture, TextureDescriptor, TextureDimension, TextureFormat,
     TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
 };
@@ -116,13 +120,49 @@ pub(crate) struct MaskStage {
     made_for: Option<MaskKey>,
     pipeline: Option<RenderPipeline>,
     receivers: Binding,
+    /// The textures that `receivers` binds.
+    seen: Option<SeenTextures>,
     camera: Option<Buffer>,
+    /// What `camera` holds.
+    camera_bytes: Vec<u8>,
     texture: Option<Texture>,
     /// All layers.
     whole: Option<TextureView>,
     layers: Vec<TextureView>,
-    /// For each layer, the light's index in shaders; none of lights that are not served.
-    lights: Vec<Option<u32>>,
+    /// For each layer, the light and its index in shaders; none of lights that are not served.
+    lights: Vec<(LightId, Option<u32>)>,
+}
+
+/// Bytes of the depth buffer's camera in shaders.
+const CAMERA_BYTES: usize = 80;
+
+/// The caller's textures that are bound: depth and normals, or positions, normals and triangles.
+#[derive(Debug)]
+struct SeenTextures([Option<TextureView>; 3]);
+
+impl SeenTextures {
+    fn of(receivers: &SetReceivers<'_>) -> Self {
+        Self(views(receivers).map(Option::<&TextureView>::cloned))
+    }
+
+    fn are(&self, receivers: &SetReceivers<'_>) -> bool {
+        self.0.each_ref().map(Option::as_ref) == views(receivers)
+    }
+}
+
+fn views<'a>(receivers: &SetReceivers<'a>) -> [Option<&'a TextureView>; 3] {
+    match receivers {
+        SetReceivers::Positions(gbuffer) => [
+            Some(gbuffer.position),
+            Some(gbuffer.normal),
+            gbuffer.triangle,
+        ],
+        SetReceivers::Depth { depth, normals } => [
+            Some(depth.depth),
+            normals.map(|normals| normals.texture),
+            None,
+        ],
+    }
 }
 
 impl MaskInputs<'_> {
@@ -169,24 +209,38 @@ impl MaskInputs<'_> {
 }
 
 impl MaskStage {
-    /// Makes what is missing, and writes the camera. `lights` are the lights' indices in shaders, none where they are not served.
+    /// Returns whether all that masks need is there but for the camera's numbers.
+    pub(crate) fn is_made_for(&self, shader: &SetShader, inputs: &MaskInputs<'_>) -> bool {
+        self.fits(inputs)
+            && self.pipeline.is_some()
+            && self.made_for == Some(MaskKey::of(shader, inputs))
+            && self
+                .seen
+                .as_ref()
+                .is_some_and(|seen| seen.are(&inputs.receivers))
+    }
+
+    /// Makes what is missing, and writes the camera. `lights` are the lights with their indices in shaders, none where they are not served.
     pub(crate) fn prepare(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         shader: &SetShader,
         inputs: &MaskInputs<'_>,
-        lights: impl Iterator<Item = Option<u32>>,
+        lights: impl Iterator<Item = (LightId, Option<u32>)>,
     ) -> Result<(), BackendError> {
         self.lights.clear();
         self.lights.extend(lights);
+        if let SetReceivers::Depth { depth, .. } = &inputs.receivers {
+            self.write_camera(factory, &DepthCamera::of(depth)?);
+        }
+        if self.is_made_for(shader, inputs) {
+            return Ok(());
+        }
         self.fit_texture(factory, inputs);
-        let key = MaskKey {
-            revision: shader.revision(),
-            receivers: ReceiversKey::of(&inputs.receivers),
-            format: inputs.format,
-        };
-        let layout = self.bind(factory, pipelines, &inputs.receivers)?;
+        let key = MaskKey::of(shader, inputs);
+        let layout = self.bind(factory, pipelines, &inputs.receivers);
+        self.seen = Some(SeenTextures::of(&inputs.receivers));
         if self.made_for == Some(key) && self.pipeline.is_some() {
             return Ok(());
         }
@@ -221,14 +275,20 @@ impl MaskStage {
         &self,
         encoder: &mut CommandEncoder,
         shader: &SetShader,
+        mut timer: Option<PassTimer<'_, '_>>,
     ) -> Option<&TextureView> {
         let pipeline = self.pipeline.as_ref()?;
         let (set_group, _) = shader.bind_group()?;
-        for (layer, light) in self.layers.iter().zip(&self.lights) {
+        for (layer, (id, light)) in self.layers.iter().zip(&self.lights) {
+            let timestamp_writes = match &mut timer {
+                Some(timer) => timer.writes(*id, SetPass::Mask),
+                None => None,
+            };
             let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
                 label: Some("umbrage mask"),
                 // What receives nothing, and lights that are not served, stay lit.
                 color_attachments: &[Some(color_attachment(layer, Color::WHITE))],
+                timestamp_writes,
                 ..RenderPassDescriptor::default()
             });
             let Some(light) = *light else {
@@ -242,17 +302,21 @@ impl MaskStage {
         self.whole.as_ref()
     }
 
+    /// Returns whether the texture fits.
+    fn fits(&self, inputs: &MaskInputs<'_>) -> bool {
+        let format = inputs.format.texture_format();
+        self.texture
+            .as_ref()
+            .is_some_and(|held| held.size() == mask_extent(inputs) && held.format() == format)
+    }
+
     /// Makes the texture anew if it doesn't fit.
     fn fit_texture(&mut self, factory: &mut ResourceFactory<'_>, inputs: &MaskInputs<'_>) {
-        let size = extent(inputs.size, inputs.lights.len().max(1) as u32);
-        let format = inputs.format.texture_format();
-        let fits = self
-            .texture
-            .as_ref()
-            .is_some_and(|held| held.size() == size && held.format() == format);
-        if fits {
+        if self.fits(inputs) {
             return;
         }
+        let size = mask_extent(inputs);
+        let format = inputs.format.texture_format();
         let texture = factory.texture(&TextureDescriptor {
             label: Some("umbrage masks"),
             size,
@@ -288,45 +352,67 @@ impl MaskStage {
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         receivers: &SetReceivers<'_>,
-    ) -> Result<BindGroupLayout, BackendError> {
+    ) -> BindGroupLayout {
         let (slots, bound) = match receivers {
             SetReceivers::Positions(textures) => gbuffer(textures),
-            SetReceivers::Depth { depth, normals } => {
-                self.bound_depth(factory, depth, normals.as_ref())?
-            }
+            SetReceivers::Depth { depth, normals } => self.bound_depth(depth, normals.as_ref()),
         };
         let layout = pipelines
             .layouts
             .get(factory, ShaderStages::FRAGMENT, &slots);
         self.receivers
             .set(factory, "umbrage receivers", &layout, bound);
-        Ok(layout)
+        layout
+    }
+
+    /// Writes the depth buffer's camera, if it is another one.
+    fn write_camera(&mut self, factory: &mut ResourceFactory<'_>, camera: &DepthCamera) {
+        let mut bytes = UniformBuffer::new([0; CAMERA_BYTES]);
+        // The struct fits: `CAMERA_BYTES` is its size.
+        bytes.write(camera).unwrap_or_default();
+        let bytes = bytes.into_inner();
+        if self.camera.is_some() && self.camera_bytes == bytes {
+            return;
+        }
+        self.camera_bytes.clear();
+        self.camera_bytes.extend(bytes);
+        let usage = BufferUsages::UNIFORM;
+        factory.write(&mut self.camera, "umbrage camera", usage, &bytes);
     }
 
     fn bound_depth(
-        &mut self,
-        factory: &mut ResourceFactory<'_>,
+        &self,
         depth: &DepthBuffer<'_>,
         normals: Option<&SetNormals<'_>>,
-    ) -> Result<(Vec<Slot>, Vec<Bound>), BackendError> {
-        let camera = DepthCamera::of(depth)?;
-        let mut bytes = UniformBuffer::new(Vec::new());
-        // Writing to a growing vector cannot fail.
-        bytes.write(&camera).unwrap_or_default();
-        let usage = BufferUsages::UNIFORM;
-        let bytes = bytes.into_inner();
-        let uniforms = factory.write(&mut self.camera, "umbrage camera", usage, &bytes);
+    ) -> (Vec<Slot>, Vec<Bound>) {
         let floats = Slot::Floats { layered: false };
         let has_samples = depth.depth.texture().sample_count() > 1;
         let depth_slot = if has_samples { Slot::Samples } else { floats };
         let mut slots = vec![Slot::Uniform, depth_slot];
-        let mut bound = vec![Bound::Buffer(uniforms), Bound::View(depth.depth.clone())];
+        let camera = self.camera.iter().cloned().map(Bound::Buffer);
+        let mut bound: Vec<Bound> = camera.collect();
+        bound.push(Bound::View(depth.depth.clone()));
         if let Some(normals) = normals {
             slots.push(floats);
             bound.push(Bound::View(normals.texture.clone()));
         }
-        Ok((slots, bound))
+        (slots, bound)
     }
+}
+
+impl MaskKey {
+    fn of(shader: &SetShader, inputs: &MaskInputs<'_>) -> Self {
+        Self {
+            revision: shader.revision(),
+            receivers: ReceiversKey::of(&inputs.receivers),
+            format: inputs.format,
+        }
+    }
+}
+
+/// Returns the size of the masks' texture.
+fn mask_extent(inputs: &MaskInputs<'_>) -> Extent3d {
+    extent(inputs.size, inputs.lights.len().max(1) as u32)
 }
 
 impl ReceiversKey {

@@ -11,23 +11,27 @@ mod options;
 mod plan;
 mod playing;
 mod pool;
+mod prices;
 mod report;
 mod shader;
 mod steady_box;
 mod still_layers;
 mod text;
+mod timestamps;
 
 pub use casters::{CasterId, CasterMesh, MeshId};
 pub use light::{LightId, SetLight, Unserved};
 pub use masks::{MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers};
 pub use options::{FrameGeometry, LightSetOptions, SetBudget, SetFrame, StillLayers};
 pub use report::SetReport;
+pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
 use crate::{
     cast::Layouts,
     device::{error_scopes::Scopes, later_errors::LaterErrors},
     light_set::{
-        cast_list::{CastList, CastPart, Instances},
+        buffers::MAX_LIGHTS,
+        cast_list::{CastList, DrawnCast, Instances},
         casters::Casters,
         culling::ShownSlots,
         dropped_encoders::DroppedEncoders,
@@ -35,7 +39,9 @@ use crate::{
         masks::MaskStage,
         playing::still_bytes,
         pool::LayerPool,
+        prices::PriceMeter,
         shader::SetShader,
+        timestamps::{PassClock, PassTimer},
     },
     renderer::{check_device, limits},
     resources::{
@@ -48,10 +54,11 @@ use crate::{
 use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
-use umbrage_core::{
-    Aabb, BackendError, BackendLimits, Camera, Invalid, Light, RecipeError, ShadowTechnique,
+use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
+use wgpu::{
+    BindGroup, BindGroupLayout, CommandEncoder, Device, Features, Limits, Queue, RenderPass,
+    TextureView,
 };
-use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, RenderPass, TextureView};
 
 /// The shadows of any number of lights, each by a technique of its own: one [`prepare`](Self::prepare), one
 /// [`encode`](Self::encode), one bind group and one WGSL text for all of them.
@@ -113,6 +120,7 @@ pub struct LightSet {
     list: CastList,
     /// Scratch: the slots that show in a layer.
     shown: ShownSlots,
+    meter: PriceMeter,
     errors: LaterErrors,
     dropped_encoders: DroppedEncoders,
     layouts: Option<Layouts>,
@@ -134,6 +142,18 @@ struct PlannedFor {
 }
 
 impl LightSet {
+    /// The features without which a set can't play: none. Where the device has `TIMESTAMP_QUERY` and
+    /// `TIMESTAMP_QUERY_INSIDE_ENCODERS`, [`StillLayers::Auto`] goes by what copies and draws take there.
+    pub const REQUIRED_FEATURES: Features = Features::empty();
+
+    /// The limits within which a set can play: those of WebGL 2, and two storage buffers in fragment shaders. Larger maps and more
+    /// layers than these limits have ask for more.
+    pub const REQUIRED_LIMITS: Limits = Limits {
+        max_storage_buffers_per_shader_stage: 2,
+        max_storage_buffer_binding_size: 1 << 27,
+        ..Limits::downlevel_webgl2_defaults()
+    };
+
     /// Returns an empty set for this device.
     ///
     /// # Errors
@@ -162,6 +182,7 @@ impl LightSet {
             masks: MaskStage::default(),
             list: CastList::default(),
             shown: ShownSlots::default(),
+            meter: PriceMeter::new(device),
             errors: LaterErrors::default(),
             dropped_encoders: DroppedEncoders::of(device),
             layouts: None,
@@ -235,9 +256,14 @@ impl LightSet {
     /// Adds a light.
     ///
     /// # Errors
-    /// Errors if a number of the light or the priority can't be used.
+    /// Errors if a number of the light or the priority can't be used, or if there are 4,096 lights.
     pub fn add_light(&mut self, light: SetLight) -> Result<LightId, Invalid> {
         check_light(&light.light, light.priority)?;
+        if self.lights.len() == MAX_LIGHTS {
+            let why = format!("has {MAX_LIGHTS} lights");
+            let help = "remove one first, or use a second set";
+            return Err(Invalid::new("light set", why, help));
+        }
         let free = self.indices.iter().position(|taken| !taken);
         let index = free.unwrap_or_else(|| {
             self.indices.push(false);
@@ -335,23 +361,6 @@ impl LightSet {
         self.casters.count()
     }
 
-    /// Checks whether the set can serve a light with a technique, and makes nothing: for lists in which a user picks one.
-    ///
-    /// # Errors
-    /// Errors with the reason that [`Unserved::Refused`] would have. What depends on the other lights (budgets, how many kinds of kernels
-    /// a shader can bind) is left out.
-    pub fn check(
-        &self,
-        light: &Light,
-        technique: &dyn ShadowTechnique,
-        frame: &SetFrame<'_>,
-    ) -> Result<(), RecipeError> {
-        light.validate()?;
-        let view = playing::view_of(light, frame, self.casters_box());
-        playing::plan(technique, &view, &self.limits)?;
-        Ok(())
-    }
-
     /// Plans the lights that changed, finds the layers that must be drawn, and writes what they need.
     ///
     /// # Errors
@@ -370,6 +379,7 @@ impl LightSet {
         }
         self.list.clear();
         self.report = SetReport::default();
+        self.meter.collect(queue);
         self.casters.begin_frame();
         self.plan_lights(frame);
         self.deal_out_layers();
@@ -417,6 +427,31 @@ impl LightSet {
         encoder: &mut CommandEncoder,
         mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget),
     ) -> Result<(), BackendError> {
+        self.encode_passes(encoder, &mut own_draws, None)
+    }
+
+    /// Records the passes as [`encode_with`](Self::encode_with) does, each between two timestamps. `passes` is filled with those that
+    /// are timed.
+    ///
+    /// # Errors
+    /// Errors if [`encode`](Self::encode) does.
+    pub fn encode_timed(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget),
+        stamps: &SetTimestamps<'_>,
+        passes: &mut Vec<TimedPass>,
+    ) -> Result<(), BackendError> {
+        let timer = PassTimer::new(stamps, passes);
+        self.encode_passes(encoder, &mut own_draws, Some(timer))
+    }
+
+    fn encode_passes(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
+        timer: Option<PassTimer<'_, '_>>,
+    ) -> Result<(), BackendError> {
         if self.shader.bind_group().is_none() {
             return Err(unprepared());
         }
@@ -424,6 +459,13 @@ impl LightSet {
             return Ok(());
         }
         self.dropped_encoders.watch(encoder);
+        let mut clock = PassClock {
+            meter: match &timer {
+                Some(_) => None,
+                None => self.meter.begin_frame(),
+            },
+            timer,
+        };
         let mut filtered: Option<LightId> = None;
         let mut names = self.list.names().enumerate().peekable();
         while let Some((pass, name)) = names.next() {
@@ -432,27 +474,34 @@ impl LightSet {
                 light.filters.clear(encoder);
                 filtered = Some(name.light);
             }
-            self.list.encode(
-                encoder,
-                pass,
-                &light.casts[name.cast],
-                &self.casters,
-                &self.instances,
-                &mut own_draws,
-            );
+            let drawn = DrawnCast {
+                cast: &light.casts[name.cast],
+                casters: &self.casters,
+                instances: &self.instances,
+            };
+            self.list
+                .encode(encoder, pass, &drawn, own_draws, &mut clock);
             // After the light's last pass its filters follow.
             if names
                 .peek()
                 .is_none_or(|(_, next)| next.light != name.light)
             {
-                light.filters.encode(encoder, None);
+                let stamps = if light.filters.has_passes() {
+                    clock.filters(name.light)
+                } else {
+                    None
+                };
+                light.filters.encode(encoder, stamps.as_ref());
             }
         }
         drop(names);
+        if let Some(meter) = clock.meter {
+            meter.end(encoder);
+        }
         for name in self.list.names() {
             let cast = &mut self.lights[name.light].casts[name.cast];
             match (name.part, &mut cast.still) {
-                (CastPart::Still, Some(still)) => still.is_stale = false,
+                (PassCasters::Still, Some(still)) => still.is_stale = false,
                 _ => {
                     cast.is_stale = false;
                     cast.is_drawn = true;
@@ -501,26 +550,36 @@ impl LightSet {
         inputs: &MaskInputs<'_>,
     ) -> Result<(), BackendError> {
         inputs.validate()?;
-        let mut lights = Vec::with_capacity(inputs.lights.len());
-        for &id in inputs.lights {
-            let light = self.lights.get(id).ok_or_else(unknown_light)?;
-            lights.push(light.shown.is_some().then_some(light.index));
+        if inputs
+            .lights
+            .iter()
+            .any(|&id| !self.lights.contains_key(id))
+        {
+            return Err(unknown_light().into());
         }
-        let device = self.device.clone();
-        let scopes = Scopes::open(&device);
+        // Where nothing new is made, there is no error to ask the device for.
+        let makes = !self.masks.is_made_for(&self.shader, inputs);
+        let scopes = makes.then(|| Scopes::open(&self.device));
         let mut factory = ResourceFactory {
-            device: &device,
+            device: &self.device,
             queue,
             counters: &mut self.counters,
         };
+        let lights = &self.lights;
+        let shown = inputs.lights.iter().map(|&id| {
+            let light = &lights[id];
+            (id, light.shown.is_some().then_some(light.index))
+        });
         let result = self.masks.prepare(
             &mut factory,
             &mut self.pipelines,
             &self.shader,
             inputs,
-            lights.into_iter(),
+            shown,
         );
-        let closed = self.errors.close(scopes, self.options.errors);
+        let closed = scopes.map_or(Ok(()), |scopes| {
+            self.errors.close(scopes, self.options.errors)
+        });
         let outcome = closed.and(result);
         if outcome.is_err() {
             self.masks = MaskStage::default();
@@ -534,10 +593,26 @@ impl LightSet {
     /// # Errors
     /// Errors if [`prepare_masks`](Self::prepare_masks) has not succeeded before.
     pub fn encode_masks(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
-        let help = "call `prepare_masks` first, and look at its error";
         self.masks
-            .encode(encoder, &self.shader)
-            .ok_or_else(|| Invalid::new("masks", "have nothing prepared", help).into())
+            .encode(encoder, &self.shader, None)
+            .ok_or_else(unprepared_masks)
+    }
+
+    /// Records the passes as [`encode_masks`](Self::encode_masks) does, each between two timestamps. `passes` is filled with those that
+    /// are timed.
+    ///
+    /// # Errors
+    /// Errors if [`encode_masks`](Self::encode_masks) does.
+    pub fn encode_masks_timed(
+        &self,
+        encoder: &mut CommandEncoder,
+        stamps: &SetTimestamps<'_>,
+        passes: &mut Vec<TimedPass>,
+    ) -> Result<&TextureView, BackendError> {
+        let timer = PassTimer::new(stamps, passes);
+        self.masks
+            .encode(encoder, &self.shader, Some(timer))
+            .ok_or_else(unprepared_masks)
     }
 
     /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, everything is
@@ -551,6 +626,22 @@ impl LightSet {
     /// Returns the bytes of all maps, and of the layers that hold still casters.
     pub fn map_bytes(&self) -> u64 {
         self.pool.bytes() + still_bytes(&self.lights)
+    }
+
+    /// Sets what drawing a triangle and copying a texel take, seconds, instead of measuring it.
+    #[cfg(feature = "testing")]
+    pub fn assume_prices(&mut self, triangle: f64, texel: f64) {
+        self.meter.assume(prices::Prices {
+            triangle: Some(triangle),
+            texel: Some(texel),
+        });
+    }
+
+    /// Returns what drawing a triangle and copying a texel were measured to take, seconds.
+    #[cfg(feature = "testing")]
+    pub fn measured_prices(&self) -> [Option<f64>; 2] {
+        let prices = self.meter.prices();
+        [prices.triangle, prices.texel]
     }
 
     /// Returns how many GPU objects were made so far.
@@ -576,6 +667,11 @@ fn check_priority(priority: f32) -> Result<(), Invalid> {
 fn unknown_light() -> Invalid {
     let help = "use an id that this set gave and that was not removed since";
     Invalid::new("light", "is not in the light set", help)
+}
+
+fn unprepared_masks() -> BackendError {
+    let help = "call `prepare_masks` first, and look at its error";
+    Invalid::new("masks", "have nothing prepared", help).into()
 }
 
 fn unprepared() -> BackendError {

@@ -4,8 +4,8 @@ use super::{LightSet, PlannedFor};
 use crate::{
     cast::Layouts,
     light_set::{
-        buffers::Uploaded,
-        cast_list::{CastList, CastPart, CastSources, PassName},
+        buffers::{MAX_NAMED_LAYERS, Uploaded},
+        cast_list::{CastList, CastSources, PassName},
         light::{LightCast, LightId, LightState, StillLayer},
         masks::MaskStage,
         options::SetFrame,
@@ -13,6 +13,7 @@ use crate::{
         pool::{LayerClass, LayerPool},
         shader::SetShader,
         still_layers,
+        timestamps::PassCasters,
     },
     resources::{
         counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
@@ -23,6 +24,23 @@ use umbrage_core::{Aabb, BackendError, BackendLimits, Light, RecipeError, Shadow
 use wgpu::Queue;
 
 impl LightSet {
+    /// Checks whether the set can serve a light with a technique, and makes nothing: for lists in which a user picks one.
+    ///
+    /// # Errors
+    /// Errors with the reason that [`Unserved::Refused`] would have. What depends on the other lights (budgets, how many kinds of kernels
+    /// a shader can bind) is left out.
+    pub fn check(
+        &self,
+        light: &Light,
+        technique: &dyn ShadowTechnique,
+        frame: &SetFrame<'_>,
+    ) -> Result<(), RecipeError> {
+        light.validate()?;
+        let view = view_of(light, frame, self.casters_box());
+        plan(technique, &view, &self.limits)?;
+        Ok(())
+    }
+
     /// Makes new plans for the lights whose plan may have changed.
     pub(super) fn plan_lights(&mut self, frame: &SetFrame<'_>) {
         let now = PlannedFor {
@@ -89,10 +107,11 @@ impl LightSet {
                 release(light, &mut self.pool, &mut self.shader);
             }
         }
+        let most_layers = self.limits.layers.min(MAX_NAMED_LAYERS);
         for &id in &order {
             let light = &mut self.lights[id];
             if light.has_room && light.shown.is_none() {
-                take_layers(light, &mut self.pool, self.limits.layers);
+                take_layers(light, &mut self.pool, most_layers);
             }
         }
     }
@@ -186,16 +205,17 @@ impl LightSet {
                 cast.volume.find(self.casters.boxes(), &mut self.shown);
                 let is_wanted = still_layers::is_wanted(
                     self.options.still_layers,
+                    self.meter.prices(),
                     &self.casters,
                     cast,
                     &self.shown,
                 );
                 let is_split =
                     may_split && is_wanted && has_still_layer(&mut factory, cast, &mut bytes_left);
-                let parts: &[CastPart] = match &cast.still {
-                    _ if !is_split => &[CastPart::Whole],
-                    Some(still) if !still.is_stale => &[CastPart::Moving],
-                    _ => &[CastPart::Still, CastPart::Moving],
+                let parts: &[PassCasters] = match &cast.still {
+                    _ if !is_split => &[PassCasters::All],
+                    Some(still) if !still.is_stale => &[PassCasters::Moving],
+                    _ => &[PassCasters::Still, PassCasters::Moving],
                 };
                 if !is_split {
                     cast.still = None;

@@ -2,7 +2,9 @@
 
 use crate::{
     light_set::{
-        buffers::{InputPlace, LightEntry, Records, SharedTables, Uploaded},
+        buffers::{
+            ImagePlace, LightEntry, LightNumbers, NumberSpace, Records, SharedTables, Uploaded,
+        },
         light::{KernelRecord, LightId, LightState},
         plan::LightPlan,
         pool::LayerPool,
@@ -25,16 +27,12 @@ use wgpu::{BindGroup, BindGroupLayout, Limits, ShaderStages};
 pub(crate) struct SetShader {
     group: u32,
     prefix: String,
-    /// Most kinds of kernels, each of which takes a storage buffer.
-    most_kinds: usize,
     most_maps: usize,
     kinds: Vec<KernelKind>,
-    /// For each kind, its lights' uniforms.
-    kernels: Vec<Records>,
+    numbers: LightNumbers,
     maps: Vec<MapBinding>,
     /// As [`TextParts::classes`].
     classes: Vec<Vec<Vec<usize>>>,
-    entries: Records,
     tables: SharedTables,
     text: String,
     revision: u64,
@@ -47,25 +45,24 @@ pub(crate) struct SetShader {
     has_changed: bool,
 }
 
-/// Storage buffers beside those of the kinds: entries and tables.
-const OTHER_BUFFERS: u32 = 2;
+/// Most textures that are bound: an index takes 8 bits of a light's entry.
+const MAX_MAPS: u32 = 256;
+/// Most kinds of kernels: a kind takes 8 bits of a light's entry.
+const MAX_KINDS: usize = 255;
 
 impl SetShader {
     /// Errors if the prefix can't begin a WGSL identifier.
     pub(crate) fn new(group: u32, prefix: &str, limits: &Limits) -> Result<Self, Invalid> {
         // An empty text takes any prefix that a full one does.
         with_prefix("", prefix)?;
-        let buffers = limits.max_storage_buffers_per_shader_stage;
         Ok(Self {
             group,
             prefix: prefix.to_owned(),
-            most_kinds: buffers.saturating_sub(OTHER_BUFFERS) as usize,
-            most_maps: limits.max_sampled_textures_per_shader_stage as usize,
+            most_maps: limits.max_sampled_textures_per_shader_stage.min(MAX_MAPS) as usize,
             kinds: Vec::new(),
-            kernels: Vec::new(),
+            numbers: LightNumbers::new(limits.max_uniform_buffer_binding_size),
             maps: Vec::new(),
             classes: Vec::new(),
-            entries: Records::new(LightEntry::BYTES),
             tables: SharedTables::default(),
             text: String::new(),
             revision: 0,
@@ -108,17 +105,14 @@ impl SetShader {
     /// Frees what a light has here. Shaders see it as not served from the next [`write`](Self::write) on.
     pub(crate) fn forget(&mut self, light: &mut LightState) {
         if let Some(KernelRecord { kind, index }) = light.record.take() {
-            self.kernels[kind].give_back(index);
+            self.numbers.kernels[kind].give_back(index);
         }
         self.has_forgotten = true;
     }
 
     /// Forgets all buffers and bind groups.
     pub(crate) fn lose_buffers(&mut self) {
-        for kernel in &mut self.kernels {
-            kernel.lose_buffer();
-        }
-        self.entries.lose_buffer();
+        self.numbers.lose_buffer();
         self.tables.lose_buffer();
         self.binding = Binding::default();
         self.has_changed = true;
@@ -146,13 +140,8 @@ impl SetShader {
         }
         self.has_forgotten = false;
         self.has_changed = false;
-        let mut uploaded = Uploaded::default();
-        for (kind, records) in self.kinds.iter().zip(&mut self.kernels) {
-            if let Some((name, _)) = kind.uniforms {
-                uploaded.add(records.upload(factory, name));
-            }
-        }
-        uploaded.add(self.entries.upload(factory, "umbrage lights"));
+        self.is_outdated |= self.numbers.make_room();
+        let mut uploaded = self.numbers.upload(factory);
         uploaded.add(self.tables.upload(factory));
         if self.is_outdated {
             self.make_text()?;
@@ -178,7 +167,7 @@ impl SetShader {
         }
         // The text changes anyway: what no light uses any more goes.
         self.kinds.clear();
-        self.kernels.clear();
+        self.numbers.kernels.clear();
         self.maps.clear();
         self.classes.clear();
         self.is_outdated = true;
@@ -232,11 +221,8 @@ impl SetShader {
     }
 
     fn add_kind(&mut self, plan: &LightPlan) -> Result<usize, RecipeError> {
-        if self.kinds.len() == self.most_kinds {
-            let why = format!(
-                "the lights of the set have {} other kinds of kernels, each with a storage buffer, and a shader of this device reads no more",
-                self.most_kinds
-            );
+        if self.kinds.len() == MAX_KINDS {
+            let why = format!("the lights of the set have {MAX_KINDS} other kinds of kernels");
             return Err(RecipeError::unsupported(why));
         }
         let stride = plan.kind.uniforms.map_or(0, |(_, size)| size);
@@ -245,7 +231,7 @@ impl SetShader {
             uniforms: plan.kind.uniforms,
             shape: plan.kind.shape.clone(),
         });
-        self.kernels.push(Records::new(stride));
+        self.numbers.kernels.push(Records::new(stride));
         self.classes
             .push(vec![Vec::new(); plan.kind.shape.images.len()]);
         Ok(self.kinds.len() - 1)
@@ -266,10 +252,10 @@ impl SetShader {
     /// Sets the numbers of all lights.
     fn set_records(&mut self, lights: &mut SlotMap<LightId, LightState>) {
         let highest = lights.values().map(|light| light.index + 1).max();
-        while self.entries.count() < highest.unwrap_or(0) as usize {
-            self.entries.take();
+        while self.numbers.entries.count() < highest.unwrap_or(0) as usize {
+            self.numbers.entries.take();
         }
-        let mut served = vec![false; self.entries.count()];
+        let mut served = vec![false; self.numbers.entries.count()];
         for light in lights.values_mut() {
             let Some(plan) = light.shown.take() else {
                 continue;
@@ -282,20 +268,22 @@ impl SetShader {
                 Some(record) if record.kind == kind => record,
                 _ => KernelRecord {
                     kind,
-                    index: self.kernels[kind].take(),
+                    index: self.numbers.kernels[kind].take(),
                 },
             };
             light.record = Some(record);
-            self.kernels[kind].set(record.index, &plan.uniforms);
+            self.numbers.kernels[kind].set(record.index, &plan.uniforms);
             let entry = self.entry(&plan, light, record);
-            self.entries
+            self.numbers
+                .entries
                 .set(light.index as usize, bytemuck::cast_slice(&entry.words()));
             served[light.index as usize] = true;
             light.shown = Some(plan);
         }
         let unserved = LightEntry::default().words();
         for (index, _) in served.iter().enumerate().filter(|(_, served)| !**served) {
-            self.entries.set(index, bytemuck::cast_slice(&unserved));
+            let entries = &mut self.numbers.entries;
+            entries.set(index, bytemuck::cast_slice(&unserved));
         }
     }
 
@@ -309,8 +297,8 @@ impl SetShader {
         for (i, &image) in receive.inputs.iter().enumerate() {
             let binding = map_binding(plan, light, i, image);
             let map = self.maps.iter().position(|map| *map == binding);
-            entry.images[i] = InputPlace {
-                at: map.unwrap_or(0) as u32,
+            entry.images[i] = ImagePlace {
+                texture: map.unwrap_or(0) as u32,
                 first: light.ranges[image].layers.start,
             };
         }
@@ -336,6 +324,7 @@ impl SetShader {
         let parts = TextParts {
             group: self.group,
             kinds: &self.kinds,
+            numbers: &self.numbers,
             maps: &self.maps,
             classes: &self.classes,
         };
@@ -352,14 +341,20 @@ impl SetShader {
     ) {
         let mut slots = Vec::new();
         let mut bound = Vec::new();
-        let fixed = [self.entries.buffer(), self.tables.buffer()];
-        let of_kinds = self.kernels.iter().map(Records::buffer);
-        for buffer in fixed.into_iter().chain(of_kinds) {
-            // A kind without uniforms has no buffer, and its text declares none; the entries keep its place.
-            let Some(buffer) = buffer.or(self.entries.buffer()) else {
+        let numbers = match self.numbers.space() {
+            NumberSpace::Uniform => Slot::Uniform,
+            NumberSpace::Storage => Slot::Table,
+        };
+        let buffers = [
+            (numbers, self.numbers.buffer()),
+            (Slot::Table, self.tables.buffer()),
+        ];
+        for (slot, buffer) in buffers {
+            // Both were uploaded.
+            let Some(buffer) = buffer else {
                 continue;
             };
-            slots.push(Slot::Table);
+            slots.push(slot);
             bound.push(Bound::Buffer(buffer.clone()));
         }
         let mut compares = false;

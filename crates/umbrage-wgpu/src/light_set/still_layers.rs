@@ -2,7 +2,8 @@
 //! is copied, and what moves is drawn on top. Depth tests keep the nearest in any order, so the bits are those of drawing everything.
 //!
 //! A copy has a price, too: Godot's engine lost more by such copies than it gained on small scenes (pull request 77683). So a layer is
-//! split only where what need not be drawn costs more than the copy.
+//! split only where what need not be drawn costs more than the copy, by prices that are measured where the device has timestamps
+//! (`prices.rs`).
 
 use crate::{
     light_set::{
@@ -10,6 +11,7 @@ use crate::{
         casters::Casters,
         culling::{ShownSlots, Wanted},
         light::{LightCast, StillLayer},
+        prices::Prices,
     },
     resources::{
         counters::ResourceFactory,
@@ -22,14 +24,14 @@ use wgpu::{
     TextureViewDimension,
 };
 
-/// Texels that are copied in the time in which a triangle is drawn. An estimate, which was not measured: a copy reads and writes four
-/// bytes a texel, and a small triangle takes some hundred bytes of vertices, set-up and texels.
-const TEXELS_A_TRIANGLE: u64 = 24;
+/// A layer that is split stays so until the copy takes this much longer than what it saves: measured prices waver.
+const PATIENCE: f64 = 1.5;
 
 /// Returns whether a layer that must be drawn again is to be split: whether something moves in it, and drawing what doesn't would cost
 /// more than copying it. `shown` are the slots that show in it.
 pub(crate) fn is_wanted(
     option: StillLayers,
+    prices: &Prices,
     casters: &Casters,
     cast: &LightCast,
     shown: &ShownSlots,
@@ -44,7 +46,9 @@ pub(crate) fn is_wanted(
     }
     // What is still is drawn once into its own layer, and then copied.
     let still = Wanted::Still(casters.moving());
-    triangles(casters, shown, still) * TEXELS_A_TRIANGLE > texels
+    let saved = triangles(casters, shown, still) as f64 * prices.texels_a_triangle();
+    let patience = if cast.still.is_some() { PATIENCE } else { 1.0 };
+    saved * patience > texels as f64
 }
 
 /// Returns how many triangles of the wanted casters may show in a layer.

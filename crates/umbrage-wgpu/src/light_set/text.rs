@@ -2,9 +2,12 @@
 //!
 //! Kernels are written for one light: uniforms `kernel`, tables `table_0` and so on, images behind `load_0` and so on. Here the same texts
 //! read what belongs to the light that is asked for: `kernel` becomes an element of an array, tables become parts of one table, and
-//! images become layers of arrays.
+//! images become layers of arrays. All arrays are in one uniform buffer as long as it holds them: with several, programs that have a
+//! few uniform buffers of their own would crash Mesa's lavapipe 22.3, which writes beyond an array where a branch depends on the
+//! fourth one of a shader or a later one.
 
 use crate::{
+    light_set::buffers::{LightNumbers, NumberSpace},
     prefix::with_prefix,
     wgsl::{InputImage, InputKind, KernelInterface, RECEIVER},
 };
@@ -35,35 +38,35 @@ pub(crate) struct MapBinding {
 pub(crate) struct TextParts<'a> {
     pub(crate) group: u32,
     pub(crate) kinds: &'a [KernelKind],
+    pub(crate) numbers: &'a LightNumbers,
     pub(crate) maps: &'a [MapBinding],
     /// For each kind, and in it for each image, the classes (indices of `maps`) in which its lights have layers.
     pub(crate) classes: &'a [Vec<Vec<usize>>],
 }
 
-/// Binding of the lights' entries.
-pub(crate) const ENTRIES: u32 = 0;
+/// Binding of the lights' numbers.
+pub(crate) const NUMBERS: u32 = 0;
 /// Binding of all tables.
 pub(crate) const TABLES: u32 = 1;
-/// Binding of the first kind's uniforms.
-pub(crate) const FIRST_KIND: u32 = 2;
+/// Binding of the first texture.
+pub(crate) const FIRST_MAP: u32 = 2;
 
-/// Declares a light's entry; `LightEntry` is its twin.
+/// Declares a light's entry; `LightEntry` is its twin. What every lookup reads is in one word: drivers that run on the CPU read each
+/// word of each light for itself.
 const ENTRY: &str = "\
-struct ShadowInput {
-    // Index of the texture, or the table's first row.
-    at: u32,
-    // First layer, or number of rows.
-    first: u32,
-}
 struct ShadowLight {
-    // 0: not served, so it is lit. Else the kind of kernel, counted from 1.
-    kind: u32,
-    // Index of the kernel's uniforms.
-    kernel: u32,
-    images: array<ShadowInput, 4>,
-    tables: array<ShadowInput, 4>,
+    // x: the kind of kernel, counted from 1 (bits 0 to 7; 0: the light is not served, so it is lit), index of the kernel's uniforms (8
+    // to 19), and first layer of image 0 (20 to 31). y: index of each image's texture, 8 bits each. z, w: first layers of images 1, 2
+    // (16 bits each) and 3.
+    places: vec4u,
+    // Each table's first row.
+    rows: vec4u,
+    // Each table's number of rows.
+    row_counts: vec4u,
 }
 ";
+/// The entry of the light that is asked for.
+const OF_LIGHT: &str = "shadow_set.lights[shadow_index]";
 
 impl TextParts<'_> {
     /// Returns the text: `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32` and all that it calls.
@@ -72,13 +75,13 @@ impl TextParts<'_> {
     pub(crate) fn text(&self) -> Result<String, Invalid> {
         let group = self.group;
         let mut text = format!("// Made by umbrage: a set of lights.\n{RECEIVER}{ENTRY}");
+        text += &self.numbers_text();
         let _ = writeln!(
             text,
-            "@group({group}) @binding({ENTRIES}) var<storage> shadow_lights: array<ShadowLight>;
-@group({group}) @binding({TABLES}) var<storage> shadow_tables: array<vec4u>;
+            "@group({group}) @binding({TABLES}) var<storage> shadow_tables: array<vec4u>;
 var<private> shadow_index: u32;"
         );
-        let mut binding = FIRST_KIND + self.kinds.len() as u32;
+        let mut binding = FIRST_MAP;
         for (i, map) in self.maps.iter().enumerate() {
             let ty = array_type(map.kind);
             let _ = writeln!(
@@ -104,25 +107,54 @@ var<private> shadow_index: u32;"
         self.maps.iter().any(|map| map.kind == InputKind::Compared)
     }
 
+    /// Returns the declaration of the lights' numbers.
+    fn numbers_text(&self) -> String {
+        let mut records = String::new();
+        let mut fields = String::new();
+        for (i, (kind, list)) in self.kinds.iter().zip(&self.numbers.kernels).enumerate() {
+            let Some((name, _)) = kind.uniforms else {
+                continue;
+            };
+            let number = i + 1;
+            let bytes = list.stride();
+            let capacity = list.capacity();
+            // Arrays in uniform buffers ask for elements in steps of 16 bytes.
+            let _ = writeln!(
+                records,
+                "struct ShadowRecord_{number} {{ @align(16) @size({bytes}) uniforms: shadow_{number}_{name} }}"
+            );
+            let _ = writeln!(
+                fields,
+                "    kernels_{number}: array<ShadowRecord_{number}, {capacity}>,"
+            );
+        }
+        let group = self.group;
+        let lights = self.numbers.entries.capacity();
+        let space = match self.numbers.space() {
+            NumberSpace::Uniform => "uniform",
+            NumberSpace::Storage => "storage",
+        };
+        format!(
+            "{records}struct ShadowSet {{
+    lights: array<ShadowLight, {lights}>,
+{fields}}}
+@group({group}) @binding({NUMBERS}) var<{space}> shadow_set: ShadowSet;
+"
+        )
+    }
+
     /// Returns one kind's kernel under a prefix of its own.
     fn kind_text(&self, index: usize) -> Result<String, Invalid> {
         let kind = &self.kinds[index];
+        let number = index + 1;
         let mut own = String::new();
-        if let Some((name, _)) = kind.uniforms {
-            let group = self.group;
-            let binding = FIRST_KIND + index as u32;
-            let _ = writeln!(
-                own,
-                "@group({group}) @binding({binding}) var<storage> kernels: array<{name}>;"
-            );
-        }
         for (i, image) in kind.shape.images.iter().enumerate() {
             own += &image_functions(i, *image, &self.classes[index][i]);
         }
         own += &join(&[MATH]);
         own += &join(&kind.modules);
-        let of_light = read_from_light(&own);
-        with_prefix(&of_light, &format!("shadow_{}_", index + 1))
+        let of_light = read_from_light(&own, number);
+        with_prefix(&of_light, &format!("shadow_{number}_"))
     }
 
     /// Returns `shadow` and `shadow_on`.
@@ -134,6 +166,7 @@ var<private> shadow_index: u32;"
                 "        case {i}u: {{ return shadow_{i}_receive(receiver); }}"
             );
         }
+        let lights = self.numbers.entries.capacity();
         format!(
             "\
 // Visibility of a light, 0..=1, at a position (world space) with a unit normal. `pixel` turns the patterns of kernels that vary from
@@ -143,12 +176,12 @@ fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32 {{
 }}
 // The same on a triangle with a known id, which rays then leave out.
 fn shadow_on(light: u32, position: vec3f, normal: vec3f, pixel: vec2u, triangle: u32) -> f32 {{
-    if light >= arrayLength(&shadow_lights) {{
+    if light >= {lights}u {{
         return 1.0;
     }}
     shadow_index = light;
     let receiver = Receiver(position, normal, pixel, triangle);
-    switch shadow_lights[light].kind {{
+    switch shadow_set.lights[light].places.x & 0xffu {{
 {cases}        default: {{ return 1.0; }}
     }}
 }}
@@ -167,7 +200,8 @@ const fn array_type(kind: InputKind) -> &'static str {
 
 /// Returns the functions with which a kernel reads image `i`; its lights have it in these textures.
 fn image_functions(i: usize, image: InputImage, maps: &[usize]) -> String {
-    let layer = format!("layer + i32(shadow_lights[shadow_index].images[{i}].first)");
+    let first = first_layer(i);
+    let layer = format!("layer + i32({first})");
     let load = |map: usize| {
         let load = format!("textureLoad(shadow_maps_{map}, texel, {layer}, 0)");
         match image.kind {
@@ -198,6 +232,12 @@ fn image_functions(i: usize, image: InputImage, maps: &[usize]) -> String {
     text + &by_map(i, &head, maps, "vec4f(1.0)", gather)
 }
 
+/// Returns the expression of the first layer of image `i`.
+fn first_layer(i: usize) -> String {
+    let bits = ["x >> 20u", "z & 0xffffu", "z >> 16u", "w"][i];
+    format!("{OF_LIGHT}.places.{bits}")
+}
+
 /// Returns a function that reads image `i` from the texture in which the light has it; `none` where it has none.
 fn by_map(
     i: usize,
@@ -216,14 +256,15 @@ fn by_map(
                 let _ = write!(cases, " case {map}u: {{ return {}; }}", read(map));
             }
             format!(
-                "{head} {{\n    switch shadow_lights[shadow_index].images[{i}].at {{{cases} default: {{ return {none}; }} }}\n}}\n"
+                "{head} {{\n    switch ({OF_LIGHT}.places.y >> {}u) & 0xffu {{{cases} default: {{ return {none}; }} }}\n}}\n",
+                8 * i
             )
         }
     }
 }
 
-/// Returns a kernel's text with its uniforms and tables read from where the light's are.
-fn read_from_light(text: &str) -> String {
+/// Returns the text of a kernel of this kind, counted from 1, with its uniforms and tables read from where the light's are.
+fn read_from_light(text: &str, kind: usize) -> String {
     let mut out = String::with_capacity(text.len() + text.len() / 8);
     let mut rest = text;
     while let Some(first) = rest.chars().next() {
@@ -245,13 +286,16 @@ fn read_from_light(text: &str) -> String {
         rest = &rest[end..];
         let is_field = out.ends_with('.');
         if word == "kernel" && !is_field {
-            out.push_str("kernels[shadow_lights[shadow_index].kernel]");
+            let _ = write!(
+                out,
+                "shadow_set.kernels_{kind}[({OF_LIGHT}.places.x >> 8u) & 0xfffu].uniforms"
+            );
         } else if word == "arrayLength" {
             rest = push_table_length(&mut out, rest);
         } else if let Some(table) = table_index(word)
             && rest.starts_with('[')
         {
-            rest = push_table_row(&mut out, table, rest);
+            rest = push_table_row(&mut out, table, rest, kind);
         } else {
             out.push_str(word);
         }
@@ -272,7 +316,7 @@ fn push_table_length<'a>(out: &mut String, rest: &'a str) -> &'a str {
     if let Some((name, after)) = argument
         && let Some(table) = table_index(name)
     {
-        let _ = write!(out, "shadow_lights[shadow_index].tables[{table}].first");
+        let _ = write!(out, "{OF_LIGHT}.row_counts[{table}]");
         return after;
     }
     out.push_str("arrayLength");
@@ -280,7 +324,7 @@ fn push_table_length<'a>(out: &mut String, rest: &'a str) -> &'a str {
 }
 
 /// Appends what stands for a row of a table, and returns what follows; `rest` begins with the bracket behind the table's name.
-fn push_table_row<'a>(out: &mut String, table: usize, rest: &'a str) -> &'a str {
+fn push_table_row<'a>(out: &mut String, table: usize, rest: &'a str, kind: usize) -> &'a str {
     let mut depth = 0_u32;
     let closing = rest.char_indices().find(|&(_, c)| {
         match c {
@@ -292,11 +336,8 @@ fn push_table_row<'a>(out: &mut String, table: usize, rest: &'a str) -> &'a str 
     });
     // A text without the closing bracket is no WGSL; the compiler will say so.
     let (end, _) = closing.unwrap_or((rest.len() - 1, ']'));
-    let row = read_from_light(&rest[1..end]);
-    let _ = write!(
-        out,
-        "shadow_tables[shadow_lights[shadow_index].tables[{table}].at + u32({row})]"
-    );
+    let row = read_from_light(&rest[1..end], kind);
+    let _ = write!(out, "shadow_tables[{OF_LIGHT}.rows[{table}] + u32({row})]");
     &rest[end + 1..]
 }
 
@@ -318,12 +359,13 @@ fn receive(kernel_size: u32) -> f32 {
         let expected = "\
 // the kernel of table_0[1]
 fn receive(kernel_size: u32) -> f32 {
-    let row = shadow_tables[shadow_lights[shadow_index].tables[0].at + u32(i / 4u)];
-    let nested = shadow_tables[shadow_lights[shadow_index].tables[1].at + u32(shadow_tables[shadow_lights[shadow_index].tables[0].at + u32(kernels[shadow_lights[shadow_index].kernel].first)].x + 1u)];
-    if i >= shadow_lights[shadow_index].tables[0].first { return kernels[shadow_lights[shadow_index].kernel].lookup.kernel; }
+    let row = shadow_tables[shadow_set.lights[shadow_index].rows[0] + u32(i / 4u)];
+    let nested = shadow_tables[shadow_set.lights[shadow_index].rows[1] + u32(shadow_tables[shadow_set.lights[shadow_index].rows[0] + u32(KERNEL.first)].x + 1u)];
+    if i >= shadow_set.lights[shadow_index].row_counts[0] { return KERNEL.lookup.kernel; }
     return f32(arrayLength(&others));
 }
 ";
-        assert_eq!(read_from_light(text), expected);
+        let kernel = "shadow_set.kernels_2[(shadow_set.lights[shadow_index].places.x >> 8u) & 0xfffu].uniforms";
+        assert_eq!(read_from_light(text, 2), expected.replace("KERNEL", kernel));
     }
 }

@@ -51,7 +51,7 @@ impl<'a> CascadeInput<'a> {
         cascades.validate()?;
         let keeps_receivers = match fit {
             Fit::Tight => true,
-            Fit::Stable { range } => {
+            Fit::Stable { range } | Fit::AroundCamera { range } => {
                 invalid::positive("stable fit's range", *range)?;
                 cascades.split == Split::Receivers
             }
@@ -59,7 +59,7 @@ impl<'a> CascadeInput<'a> {
                 return Err(Invalid::new(
                     "cascades",
                     format!("have the {}, which doesn't follow the camera", fit.label()),
-                    "use the fit `tight` or `stable`",
+                    "use the fit `tight`, `stable` or `around_camera`",
                 ));
             }
         };
@@ -122,7 +122,7 @@ impl<'a> CascadeInput<'a> {
     /// Returns where what is to be cut begins and ends.
     pub(super) fn range(&self) -> Slice {
         let near = self.frustum.near();
-        if let Fit::Stable { range } = self.fit {
+        if let Fit::Stable { range } | Fit::AroundCamera { range } = self.fit {
             return Slice {
                 begin: near,
                 end: self.frustum.before_far(f64::from(range)).max(near),
@@ -170,7 +170,9 @@ impl<'a> CascadeInput<'a> {
     /// receivers, light's view.
     pub(super) fn side(&self, slice: Slice, receivers: &[DVec3; 2]) -> f64 {
         match self.fit {
-            Fit::Stable { .. } => 2.0 * stable::slice_radius(&self.frustum, slice),
+            Fit::Stable { .. } | Fit::AroundCamera { .. } => {
+                2.0 * stable::slice_radius(&self.frustum, slice, self.fit.sphere_center())
+            }
             Fit::Tight | Fit::Whole | Fit::Manual { .. } => {
                 let extent = receivers[1] - receivers[0];
                 extent.x.max(extent.y)
@@ -179,7 +181,7 @@ impl<'a> CascadeInput<'a> {
     }
 
     pub(super) fn is_stable(&self) -> bool {
-        matches!(self.fit, Fit::Stable { .. })
+        matches!(self.fit, Fit::Stable { .. } | Fit::AroundCamera { .. })
     }
 
     /// Returns [`Cascades::nearest`].
@@ -192,9 +194,11 @@ impl<'a> CascadeInput<'a> {
         if slice.begin >= slice.end {
             return Ok(None);
         }
-        if let Fit::Stable { .. } = self.fit {
+        if self.is_stable() {
             let view = &self.input.view;
-            return stable::slice(view, self.direction, slice, size, margin).map(Some);
+            let center = self.fit.sphere_center();
+            let space = stable::slice(view, self.direction, slice, center, size, margin)?;
+            return Ok(Some(space));
         }
         if let Some(seen) = &self.input.seen {
             let part = self

@@ -30,6 +30,15 @@ pub enum Fit {
         /// How far from the camera shadows are wanted, metres along its view. Beyond, everything is lit.
         range: f32,
     },
+    /// As [`Fit::Stable`], but the sphere is around the camera itself, and the map moves in steps of a 32nd of its side. So a camera that
+    /// turns moves no map, and one that walks moves it seldom: a renderer that keeps maps while they stay draws nothing again.
+    ///
+    /// For that its texels are larger: with a camera that sees 52 degrees up and 81 across they are 1.5 times as wide as those of
+    /// [`Fit::Stable`]. It stays only where [`Split::Receivers`](crate::Split::Receivers) doesn't cut by what is seen.
+    AroundCamera {
+        /// How far from the camera shadows are wanted, metres along its view. Beyond, everything is lit.
+        range: f32,
+    },
     /// Textbook style: from `eye` along the light, with explicit extents. Perspective lights use `near` and `far` alone.
     Manual {
         /// Where depth is counted from, world space. Lights with a position use theirs instead.

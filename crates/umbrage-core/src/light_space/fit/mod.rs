@@ -28,7 +28,7 @@ use crate::{
     Cascades, Invalid, Light, RecipeError, SliceEnds, View, invalid,
     light_space::{
         Extents, LightSpace,
-        fit::{cascades::CascadeInput, input::FitInput},
+        fit::{cascades::CascadeInput, input::FitInput, stable::SphereCenter},
         layers::{Layout, LightSpaces},
         look_along, orthographic,
     },
@@ -47,6 +47,7 @@ impl Fit {
             Self::Tight => String::new(),
             Self::Whole => "whole fit".to_owned(),
             Self::Stable { range } => format!("stable fit to {range} m"),
+            Self::AroundCamera { range } => format!("fit around the camera to {range} m"),
             Self::Manual { .. } => "manual fit".to_owned(),
         }
     }
@@ -84,14 +85,23 @@ impl Fit {
         Ok(match *self {
             Self::Tight => parallel::tight(input, direction, size, margin, true)?,
             Self::Whole => parallel::tight(input, direction, size, margin, false)?,
-            Self::Stable { range } => {
-                stable::parallel(&input.view, direction, range, size, margin)?
+            Self::Stable { range } | Self::AroundCamera { range } => {
+                let center = self.sphere_center();
+                stable::parallel(&input.view, direction, range, center, size, margin)?
             }
             Self::Manual { eye, extents } => LightSpace {
                 view_from_world: look_along(eye, direction, Vec3::Y)?,
                 clip_from_view: orthographic(extents)?,
             },
         })
+    }
+
+    /// Returns where the sphere of a stable fit has its centre.
+    fn sphere_center(&self) -> SphereCenter {
+        match self {
+            Self::AroundCamera { .. } => SphereCenter::Camera,
+            _ => SphereCenter::Seen,
+        }
     }
 
     /// Errors if a number is not finite. What depends on the light is checked when its light space is made.
@@ -125,7 +135,7 @@ impl Fit {
     fn without_what_it_ignores<'a>(&self, view: &View<'a>) -> View<'a> {
         match self {
             Self::Tight | Self::Manual { .. } => *view,
-            Self::Whole | Self::Stable { .. } => View {
+            Self::Whole | Self::Stable { .. } | Self::AroundCamera { .. } => View {
                 receivers: None,
                 ..*view
             },

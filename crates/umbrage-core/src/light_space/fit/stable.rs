@@ -27,10 +27,33 @@ use glam::{DAffine3, DVec2, DVec3, Mat4, Vec3, Vec4};
 const DEPTH_STEP: f64 = 0.25;
 /// Steps in which the radius of a slice's sphere doubles.
 const RADIUS_STEPS_PER_OCTAVE: f64 = 8.0;
-/// Texels beside the sphere: one for the outermost receivers' own, one for the step.
-const BORDER_TEXELS: f64 = 2.0;
+/// Texels beside the sphere for the outermost receivers' own.
+const BORDER_TEXELS: f64 = 1.0;
+/// Steps of a map's side in which a map around the camera moves.
+const CAMERA_STEPS_PER_SIDE: u32 = 32;
+/// Steps of the radius to which the camera's place is rounded: a camera's matrix holds it only as well as 32-bit floats turn it.
+const CAMERA_STEPS_PER_RADIUS: f64 = 4096.0;
 /// Least radius, as a fraction of the coordinates: below, 32-bit positions could not be told apart.
 const MIN_RADIUS_OVER_COORDINATE: f64 = 1.0 / 1_048_576.0;
+
+/// Where the sphere has its centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SphereCenter {
+    /// In the middle of what is seen, so that it is smallest.
+    Seen,
+    /// At the camera, so that it stays where it is while the camera turns.
+    Camera,
+}
+
+impl SphereCenter {
+    /// Returns the whole number of texels in steps of which a map moves.
+    fn step(self, size: u32) -> f64 {
+        match self {
+            Self::Seen => 1.0,
+            Self::Camera => f64::from((size / CAMERA_STEPS_PER_SIDE).max(1)),
+        }
+    }
+}
 
 #[derive(Clone, Copy, Debug)]
 struct Sphere {
@@ -45,14 +68,16 @@ pub(super) fn parallel(
     view: &View<'_>,
     direction: Vec3,
     range: f32,
+    center: SphereCenter,
     size: u32,
     margin: f32,
 ) -> Result<LightSpace, Invalid> {
     invalid::positive("stable fit's range", range)?;
     let frustum = CameraFrustum::new(view.camera);
     let far_corners = frustum.corners_at(frustum.before_far(f64::from(range)));
-    let seen = around_view(&frustum, &frustum.near_corners, &far_corners);
-    around_sphere(view, direction, seen, size, margin)
+    let seen = around_view(&frustum, &frustum.near_corners, &far_corners, center);
+    let sphere = smallest(view, seen);
+    around_sphere(view, direction, sphere, center.step(size), size, margin)
 }
 
 /// Returns the light space around what the camera may see in a slice of its view.
@@ -62,25 +87,27 @@ pub(super) fn slice(
     view: &View<'_>,
     direction: Vec3,
     slice: Slice,
+    center: SphereCenter,
     size: u32,
     margin: f32,
 ) -> Result<LightSpace, Invalid> {
     let frustum = CameraFrustum::new(view.camera);
-    let seen = slice_sphere(&frustum, slice);
-    around_sphere(view, direction, seen, size, margin)
+    let seen = slice_sphere(&frustum, slice, center);
+    let sphere = smallest(view, seen);
+    around_sphere(view, direction, sphere, center.step(size), size, margin)
 }
 
 /// Returns the radius, metres, of the sphere around a slice of what a camera sees.
-pub(super) fn slice_radius(frustum: &CameraFrustum, slice: Slice) -> f64 {
-    slice_sphere(frustum, slice).radius
+pub(super) fn slice_radius(frustum: &CameraFrustum, slice: Slice, center: SphereCenter) -> f64 {
+    slice_sphere(frustum, slice, center).radius
 }
 
 /// Returns the sphere around a slice of what a camera sees, its radius rounded up to a step: so texels seldom change size while a field
 /// of view does, or the slices' ends.
-fn slice_sphere(frustum: &CameraFrustum, slice: Slice) -> Sphere {
+fn slice_sphere(frustum: &CameraFrustum, slice: Slice, center: SphereCenter) -> Sphere {
     let near_corners = frustum.corners_at(slice.begin);
     let far_corners = frustum.corners_at(slice.end);
-    let sphere = around_view(frustum, &near_corners, &far_corners);
+    let sphere = around_view(frustum, &near_corners, &far_corners, center);
     let steps = (sphere.radius.log2() * RADIUS_STEPS_PER_OCTAVE).ceil();
     let radius = (steps / RADIUS_STEPS_PER_OCTAVE).exp2();
     Sphere {
@@ -90,33 +117,43 @@ fn slice_sphere(frustum: &CameraFrustum, slice: Slice) -> Sphere {
     }
 }
 
-/// Returns the light space around the sphere around what is seen, or a smaller one.
+/// Returns the light space around a sphere, which moves in steps of `step` texels.
 fn around_sphere(
     view: &View<'_>,
     direction: Vec3,
-    seen: Sphere,
+    sphere: Sphere,
+    step: f64,
     size: u32,
     margin: f32,
 ) -> Result<LightSpace, Invalid> {
     let view_from_world = look_along(Vec3::ZERO, direction, Vec3::Y)?;
-    let sphere = smallest(view, seen);
-    let inner = (f64::from(size) - 2.0 * (f64::from(margin) + BORDER_TEXELS)).max(1.0);
+    // A step takes the map half of it away from the sphere; one texel is left where that is less.
+    let beside = f64::from(margin) + BORDER_TEXELS + (0.5 * step).max(1.0);
+    let inner = (f64::from(size) - 2.0 * beside).max(1.0);
     let half_side = sphere.radius * f64::from(size) / inner;
-    let [near, depth] = depths(view, &view_from_world, &sphere, half_side);
+    // Casters count wherever a step may take the map.
+    let column_half_side = if step > 1.0 {
+        half_side * (1.0 + step / f64::from(size))
+    } else {
+        half_side
+    };
+    let [near, depth] = depths(view, &view_from_world, &sphere, column_half_side);
     let scale_xy = (1.0 / half_side) as f32;
     let scale_z = (-1.0 / depth) as f32;
     let unmoved = LightSpace {
         view_from_world,
         clip_from_view: Mat4::from_diagonal(Vec4::new(scale_xy, scale_xy, scale_z, 1.0)),
     };
-    // The sphere's centre in clip space, rounded to whole texels, moves to the middle of the map.
+    // The sphere's centre in clip space, rounded to whole steps, moves to the middle of the map.
     let center = unmoved
         .clip_from_world()
         .as_dmat4()
         .transform_point3(sphere.center);
     let texel = 2.0 / f64::from(size);
-    let whole_texels = (center.truncate() / texel).round();
-    let shift = (-whole_texels * texel).extend(-near / depth).as_vec3();
+    let whole_steps = (center.truncate() / (texel * step)).round();
+    let shift = (-whole_steps * step * texel)
+        .extend(-near / depth)
+        .as_vec3();
     let clip_from_view = Mat4 {
         w_axis: shift.extend(1.0),
         ..unmoved.clip_from_view
@@ -129,7 +166,8 @@ fn around_sphere(
 }
 
 /// Returns the near plane's distance and the depth of the space behind it, metres. Both go in steps, so that clip depths
-/// (and with them biases) seldom change: the near plane by quarters of the radius, the depth by factors of two.
+/// (and with them biases) seldom change: the near plane by quarters of the radius, the depth by factors of two. `half_side` is that of
+/// the column in which casters count, metres.
 fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f64) -> [f64; 2] {
     let space = MapSpace {
         view_from_world: DAffine3::from_mat4(view_from_world.as_dmat4()),
@@ -197,13 +235,49 @@ fn around(b: &Aabb) -> Sphere {
     }
 }
 
-/// Returns the sphere, world space, around what a camera sees between two rectangles across its view (view space): its centre on the
-/// line between their middles, as far from the corners of both as can be. The radius depends on the projection alone.
+/// Returns the sphere, world space, around what a camera sees between two rectangles across its view (view space). The radius depends on
+/// the projection alone.
 fn around_view(
     frustum: &CameraFrustum,
     near_corners: &[DVec3; 4],
     far_corners: &[DVec3; 4],
+    center: SphereCenter,
 ) -> Sphere {
+    let in_view = match center {
+        SphereCenter::Seen => center_of_view(near_corners, far_corners),
+        SphereCenter::Camera => DVec3::ZERO,
+    };
+    let radius = near_corners
+        .iter()
+        .chain(far_corners)
+        .map(|corner| corner.distance(in_view))
+        .fold(0.0, f64::max);
+    let sphere = Sphere {
+        center: frustum.world_from_view.transform_point3(in_view),
+        radius,
+    };
+    match center {
+        SphereCenter::Seen => sphere,
+        SphereCenter::Camera => at_rounded_place(sphere),
+    }
+}
+
+/// Returns a sphere around another one, its centre at a place that stays the same whatever 32-bit floats rounded.
+fn at_rounded_place(sphere: Sphere) -> Sphere {
+    // A power of two, so that places like 0 or 3.5 lie in the middle between the bounds of rounding.
+    let step = (sphere.radius / CAMERA_STEPS_PER_RADIUS)
+        .log2()
+        .floor()
+        .exp2();
+    Sphere {
+        center: (sphere.center / step).round() * step,
+        // The centre moves by less than a step: by half of it along each axis.
+        radius: sphere.radius + step,
+    }
+}
+
+/// Returns the point on the line between the middles of two rectangles across a view that is as far from the corners of both as can be.
+fn center_of_view(near_corners: &[DVec3; 4], far_corners: &[DVec3; 4]) -> DVec3 {
     let near_middle = middle(near_corners);
     let far_middle = middle(far_corners);
     let near_radius_squared = radius_squared(near_corners, near_middle);
@@ -216,16 +290,7 @@ fn around_view(
     let share = ((length_squared + far_radius_squared - near_radius_squared)
         / (2.0 * length_squared))
         .clamp(0.0, 1.0);
-    let center = near_middle.lerp(far_middle, share);
-    let radius = near_corners
-        .iter()
-        .chain(far_corners)
-        .map(|corner| corner.distance(center))
-        .fold(0.0, f64::max);
-    Sphere {
-        center: frustum.world_from_view.transform_point3(center),
-        radius,
-    }
+    near_middle.lerp(far_middle, share)
 }
 
 /// Returns the mean of a rectangle's corners.

@@ -1,0 +1,311 @@
+//! What drawing a triangle and copying a texel take on this device, measured by timestamps where it has them.
+//!
+//! Results come a few frames after they were measured, and nobody waits for them: they only decide what is drawn and what is copied,
+//! and both give the same bits.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicU8, Ordering},
+};
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, Features, MapMode,
+    QUERY_RESOLVE_BUFFER_ALIGNMENT, QuerySet, QuerySetDescriptor, QueryType, Queue,
+    RenderPassTimestampWrites,
+};
+
+/// Texels that are copied in the time in which a triangle is drawn, where no timestamps tell. An estimate: a copy reads and writes
+/// four bytes a texel, and a small triangle takes some hundred bytes of vertices, set-up and texels.
+const TEXELS_A_TRIANGLE: f64 = 24.0;
+/// Share of a new measurement in the mean of all.
+const NEW_SHARE: f64 = 0.25;
+/// Frames with redraws that are measured one after the other; from then on one of [`RARE`] is.
+const FIRST_FRAMES: u32 = 16;
+/// See [`FIRST_FRAMES`].
+const RARE: u32 = 32;
+
+/// Queries of the draw's begin and end, then those of the copy's.
+const QUERIES: u32 = 4;
+
+const IDLE: u8 = 0;
+const WAITING: u8 = 1;
+const READY: u8 = 2;
+
+/// What is known of prices.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Prices {
+    /// Seconds to draw a triangle.
+    pub(crate) triangle: Option<f64>,
+    /// Seconds to copy a texel.
+    pub(crate) texel: Option<f64>,
+}
+
+impl Prices {
+    /// Returns how many texels are copied in the time in which a triangle is drawn.
+    pub(crate) fn texels_a_triangle(&self) -> f64 {
+        match (self.triangle, self.texel) {
+            (Some(triangle), Some(texel)) if texel > 0.0 => triangle / texel,
+            _ => TEXELS_A_TRIANGLE,
+        }
+    }
+
+    /// Takes a measurement into the means.
+    fn add(&mut self, measured: Self) {
+        let mean = |held: &mut Option<f64>, new: Option<f64>| {
+            if let Some(new) = new {
+                let before = held.unwrap_or(new);
+                *held = Some(before + NEW_SHARE * (new - before));
+            }
+        };
+        mean(&mut self.triangle, measured.triangle);
+        mean(&mut self.texel, measured.texel);
+    }
+}
+
+/// How much of what was timed in a frame.
+#[derive(Clone, Copy, Debug, Default)]
+struct Timed {
+    triangles: Option<u64>,
+    texels: Option<u64>,
+}
+
+/// Measures prices.
+#[derive(Debug)]
+pub(crate) struct PriceMeter {
+    prices: Prices,
+    queries: Option<Queries>,
+    /// Frames with redraws so far.
+    frames: u32,
+    /// What the queries of the frame in flight are of.
+    timed: Timed,
+}
+
+#[derive(Debug)]
+struct Queries {
+    set: QuerySet,
+    resolved: Buffer,
+    read: Buffer,
+    state: Arc<AtomicU8>,
+    /// Seconds a tick; known once there is a queue.
+    period: Option<f64>,
+}
+
+/// Sets the state on being dropped: callbacks of encoders that were thrown away are dropped without a call.
+struct Outcome {
+    state: Arc<AtomicU8>,
+    becomes: u8,
+}
+
+impl Drop for Outcome {
+    fn drop(&mut self) {
+        self.state.store(self.becomes, Ordering::Release);
+    }
+}
+
+impl PriceMeter {
+    /// Measures nothing where the device lacks timestamps in passes or between them.
+    pub(crate) fn new(device: &Device) -> Self {
+        let needed = Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let has_timestamps = device.features().contains(needed);
+        Self {
+            prices: Prices::default(),
+            queries: has_timestamps.then(|| Queries::new(device)),
+            frames: 0,
+            timed: Timed::default(),
+        }
+    }
+
+    pub(crate) fn prices(&self) -> &Prices {
+        &self.prices
+    }
+
+    /// Sets what is known of prices, and measures nothing from then on.
+    #[cfg(feature = "testing")]
+    pub(crate) fn assume(&mut self, prices: Prices) {
+        self.prices = prices;
+        self.queries = None;
+    }
+
+    /// Takes what a frame before has measured, if it is there by now.
+    pub(crate) fn collect(&mut self, queue: &Queue) {
+        let Some(queries) = &mut self.queries else {
+            return;
+        };
+        let period = *queries
+            .period
+            .get_or_insert_with(|| 1e-9 * f64::from(queue.get_timestamp_period()));
+        if queries.state.load(Ordering::Acquire) != READY {
+            return;
+        }
+        let Some(ticks) = queries.ticks() else {
+            return;
+        };
+        let seconds = |first: usize| {
+            let ticks = ticks[first + 1].checked_sub(ticks[first])?;
+            Some(ticks as f64 * period)
+        };
+        let each = |seconds: Option<f64>, count: Option<u64>| Some(seconds? / count? as f64);
+        self.prices.add(Prices {
+            triangle: each(seconds(0), self.timed.triangles),
+            texel: each(seconds(2), self.timed.texels),
+        });
+    }
+
+    /// Returns what times passes of this frame, if it is one to be measured.
+    pub(crate) fn begin_frame(&mut self) -> Option<FrameMeter<'_>> {
+        let queries = self.queries.as_ref()?;
+        if queries.state.load(Ordering::Acquire) != IDLE {
+            return None;
+        }
+        self.frames = self.frames.saturating_add(1);
+        let is_measured = self.frames <= FIRST_FRAMES || self.frames.is_multiple_of(RARE);
+        is_measured.then(|| {
+            self.timed = Timed::default();
+            FrameMeter {
+                queries,
+                timed: &mut self.timed,
+            }
+        })
+    }
+}
+
+/// Times one draw and one copy of a frame.
+#[derive(Debug)]
+pub(crate) struct FrameMeter<'a> {
+    queries: &'a Queries,
+    timed: &'a mut Timed,
+}
+
+impl FrameMeter<'_> {
+    /// Returns the timestamps of a pass that draws so many triangles into a cleared layer, if it is to be timed.
+    pub(crate) fn draw(&mut self, triangles: u64) -> Option<RenderPassTimestampWrites<'_>> {
+        if self.timed.triangles.is_some() || triangles == 0 {
+            return None;
+        }
+        self.timed.triangles = Some(triangles);
+        Some(RenderPassTimestampWrites {
+            query_set: &self.queries.set,
+            beginning_of_pass_write_index: Some(0),
+            end_of_pass_write_index: Some(1),
+        })
+    }
+
+    /// Records a copy of so many texels, between timestamps if it is to be timed.
+    pub(crate) fn copy(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        texels: u64,
+        record: impl FnOnce(&mut CommandEncoder),
+    ) {
+        if self.timed.texels.is_some() {
+            record(encoder);
+            return;
+        }
+        self.timed.texels = Some(texels);
+        encoder.write_timestamp(&self.queries.set, 2);
+        record(encoder);
+        encoder.write_timestamp(&self.queries.set, 3);
+    }
+
+    /// Records that what was timed is read. Queries that were not written are left out: waiting for them could take forever.
+    pub(crate) fn end(self, encoder: &mut CommandEncoder) {
+        let Queries {
+            set,
+            resolved,
+            read,
+            state,
+            ..
+        } = self.queries;
+        if self.timed.triangles.is_none() && self.timed.texels.is_none() {
+            return;
+        }
+        if self.timed.triangles.is_some() {
+            encoder.resolve_query_set(set, 0..2, resolved, 0);
+        }
+        if self.timed.texels.is_some() {
+            encoder.resolve_query_set(set, 2..4, resolved, QUERY_RESOLVE_BUFFER_ALIGNMENT);
+        }
+        encoder.copy_buffer_to_buffer(resolved, 0, read, 0, read.size());
+        state.store(WAITING, Ordering::Release);
+        let outcome = Outcome {
+            state: state.clone(),
+            becomes: IDLE,
+        };
+        encoder.map_buffer_on_submit(read, MapMode::Read, .., move |mapped| {
+            // Taken whole, so that it is dropped with the closure, called or not.
+            let mut outcome = outcome;
+            if mapped.is_ok() {
+                outcome.becomes = READY;
+            }
+        });
+    }
+}
+
+impl Queries {
+    fn new(device: &Device) -> Self {
+        let buffer = |label, usage| {
+            device.create_buffer(&BufferDescriptor {
+                label: Some(label),
+                size: 2 * QUERY_RESOLVE_BUFFER_ALIGNMENT,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let resolve = BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC;
+        let read = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        Self {
+            set: device.create_query_set(&QuerySetDescriptor {
+                label: Some("umbrage prices"),
+                ty: QueryType::Timestamp,
+                count: QUERIES,
+            }),
+            resolved: buffer("umbrage prices", resolve),
+            read: buffer("umbrage prices read", read),
+            state: Arc::new(AtomicU8::new(IDLE)),
+            period: None,
+        }
+    }
+
+    /// Returns the four timestamps of a buffer that is mapped, and lets it be used again.
+    fn ticks(&self) -> Option<[u64; QUERIES as usize]> {
+        let mut ticks = [0; QUERIES as usize];
+        let pair = QUERY_RESOLVE_BUFFER_ALIGNMENT as usize;
+        let is_read = match self.read.get_mapped_range(..) {
+            Ok(bytes) => {
+                for (i, tick) in ticks.iter_mut().enumerate() {
+                    let start = i / 2 * pair + i % 2 * size_of::<u64>();
+                    let word = bytes[start..].first_chunk().copied().unwrap_or_default();
+                    *tick = u64::from_le_bytes(word);
+                }
+                true
+            }
+            Err(_) => false,
+        };
+        self.read.unmap();
+        self.state.store(IDLE, Ordering::Release);
+        is_read.then_some(ticks)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measured_prices_replace_the_estimate() {
+        let mut prices = Prices::default();
+        assert_eq!(prices.texels_a_triangle(), TEXELS_A_TRIANGLE);
+        prices.add(Prices {
+            triangle: Some(3e-6),
+            texel: None,
+        });
+        assert_eq!(prices.texels_a_triangle(), TEXELS_A_TRIANGLE, "half of it");
+        for texel in [1e-6, 2e-6, 2e-6, 2e-6, 2e-6, 2e-6, 2e-6, 2e-6, 2e-6] {
+            prices.add(Prices {
+                triangle: None,
+                texel: Some(texel),
+            });
+        }
+        let ratio = prices.texels_a_triangle();
+        assert!((1.5..1.7).contains(&ratio), "{ratio} after nine copies");
+    }
+}

@@ -1,0 +1,218 @@
+//! What a set asks of a device, and what devices tell it.
+
+use umbrage_tests::{
+    adapter::{TestDevice, open_with},
+    foreign,
+    light_stage::{LAYER, Stage, at},
+};
+use umbrage_wgpu::{
+    LightSet, MaskFormat, MaskInputs, PassCasters, SetBudget, SetFrame, SetPass, SetReceivers,
+    SetTimestamps, StillLayers, TimedPass,
+};
+use wgpu::{BufferUsages, DeviceDescriptor, Features, Limits, PollType};
+
+const PLACES: [f32; 3] = [-4.0, 0.0, 4.0];
+
+fn device(features: Features, limits: Limits) -> &'static TestDevice {
+    let desc = DeviceDescriptor {
+        required_features: features,
+        required_limits: limits,
+        ..DeviceDescriptor::default()
+    };
+    Box::leak(Box::new(open_with(&desc).expect("a device")))
+}
+
+/// Few lights, whose numbers a uniform buffer holds, and many.
+#[test]
+fn the_required_limits_are_enough() {
+    let d = device(LightSet::REQUIRED_FEATURES, LightSet::REQUIRED_LIMITS);
+    let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
+    let mut lights = Vec::new();
+    for count in [3, 30] {
+        while lights.len() < count {
+            lights.push(stage.light(PLACES[lights.len() % 3], 1.0));
+        }
+        stage.frame();
+        assert_eq!(stage.unserved(), []);
+        let shadowed = lights.iter().map(|&id| stage.shadowed(id));
+        assert!(shadowed.into_iter().all(|count| count > 0));
+    }
+    assert!(stage.set.wgsl().contains("var<storage> shadow_set"));
+    let inputs = MaskInputs {
+        size: stage.program.size(),
+        receivers: SetReceivers::Positions(stage.program.gbuffer()),
+        lights: &lights[..2],
+        format: MaskFormat::Unorm8,
+    };
+    stage
+        .set
+        .prepare_masks(&d.queue, &inputs)
+        .expect("the masks, too");
+}
+
+#[test]
+fn less_than_the_required_limits_is_not_enough() {
+    let limits = Limits {
+        max_storage_buffers_per_shader_stage: 0,
+        ..LightSet::REQUIRED_LIMITS
+    };
+    let d = device(Features::empty(), limits);
+    let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
+    stage.light(0.0, 1.0);
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: None,
+    };
+    let prepared = stage.set.prepare(&d.device, &d.queue, &frame);
+    assert!(prepared.is_err(), "no tables can be bound");
+}
+
+const TIMESTAMPS: Features =
+    Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
+
+#[test]
+fn each_pass_is_timed() {
+    let d = device(TIMESTAMPS, Limits::default());
+    let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
+    let lights = PLACES.map(|x| stage.light(x, 1.0));
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: None,
+    };
+    stage
+        .set
+        .prepare(&d.device, &d.queue, &frame)
+        .expect("prepares");
+    let queries = d.device.create_query_set(&wgpu::QuerySetDescriptor {
+        label: None,
+        ty: wgpu::QueryType::Timestamp,
+        count: 16,
+    });
+    let mut encoder = stage.program.encoder();
+    let mut casts: Vec<TimedPass> = Vec::new();
+    let stamps = SetTimestamps {
+        queries: &queries,
+        range: 1..6,
+    };
+    stage
+        .set
+        .encode_timed(&mut encoder, |_, _| (), &stamps, &mut casts)
+        .expect("was prepared");
+    let cast = SetPass::Cast {
+        layer: 0,
+        casters: PassCasters::All,
+    };
+    // Five queries are enough for two of the three passes.
+    assert_eq!(casts.len(), 2);
+    for (timed, begin) in casts.iter().zip([1, 3]) {
+        assert_eq!((timed.pass, timed.begin), (cast, begin));
+        assert!(lights.contains(&timed.light));
+    }
+    let inputs = MaskInputs {
+        size: stage.program.size(),
+        receivers: SetReceivers::Positions(stage.program.gbuffer()),
+        lights: &lights,
+        format: MaskFormat::Unorm8,
+    };
+    stage
+        .set
+        .prepare_masks(&d.queue, &inputs)
+        .expect("prepares");
+    let mut masks: Vec<TimedPass> = Vec::new();
+    let stamps = SetTimestamps {
+        queries: &queries,
+        range: 6..16,
+    };
+    stage
+        .set
+        .encode_masks_timed(&mut encoder, &stamps, &mut masks)
+        .expect("was prepared");
+    let of_lights: Vec<_> = masks
+        .iter()
+        .map(|timed| (timed.light, timed.pass))
+        .collect();
+    assert_eq!(of_lights, lights.map(|id| (id, SetPass::Mask)));
+    // The queries of all that was listed are written, in order.
+    let resolved = foreign::buffer(
+        d,
+        BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
+        &[0; 512],
+    );
+    let read = foreign::buffer(
+        d,
+        BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+        &[0; 512],
+    );
+    encoder.resolve_query_set(&queries, 1..5, &resolved, 0);
+    encoder.resolve_query_set(&queries, 6..12, &resolved, 256);
+    encoder.copy_buffer_to_buffer(&resolved, 0, &read, 0, 512);
+    d.queue.submit([encoder.finish()]);
+    read.map_async(wgpu::MapMode::Read, .., |_| ());
+    d.device
+        .poll(PollType::wait_indefinitely())
+        .expect("the device is there");
+    let bytes = read.get_mapped_range(..).expect("mapped").to_vec();
+    let ticks: &[u64] = bytemuck::cast_slice(&bytes);
+    for pair in ticks[..4].chunks(2).chain(ticks[32..38].chunks(2)) {
+        assert!(0 < pair[0] && pair[0] <= pair[1], "{pair:?}");
+    }
+}
+
+/// Two triangles in one light's layer, of which one moves in each frame.
+fn moving_stage(d: &'static TestDevice, still_layers: StillLayers) -> Stage {
+    let mut stage = Stage::on(d, SetBudget::default(), still_layers, &[0.0, 0.3]);
+    stage.light(0.0, 1.0);
+    stage
+}
+
+fn play(stage: &mut Stage, frames: std::ops::Range<u32>) {
+    for i in frames {
+        let caster = stage.casters[1];
+        let x = 0.31 + 0.01 * (i % 5) as f32;
+        stage.set.move_caster(caster, at(x)).expect("is there");
+        assert!(stage.frame().redrawn > 0);
+    }
+}
+
+/// What a copy takes decides whether still casters have a layer of their own, whichever way prices change; shadows stay the same.
+#[test]
+fn still_layers_go_where_copies_take_longer() {
+    let mut stage = moving_stage(umbrage_tests::adapter::device(), StillLayers::Auto);
+    // The first light has index 0.
+    let index = 0;
+    let mut forward = umbrage_tests::light_program::Forward::default();
+    let mut masks = Vec::new();
+    for (triangle, texel, layers) in [(1.0, 1e-9, 2), (1e-9, 1.0, 1), (1.0, 1e-9, 2)] {
+        stage.set.assume_prices(triangle, texel);
+        play(&mut stage, 0..5);
+        assert_eq!(
+            stage.set.map_bytes(),
+            layers * LAYER,
+            "a triangle takes {triangle} s and a texel {texel} s"
+        );
+        masks.push(forward.mask(&stage.program, &stage.set, index));
+    }
+    assert!(masks[0].iter().any(|&v| v < 1.0));
+    assert!(masks.windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+#[test]
+fn prices_are_measured_where_there_are_timestamps() {
+    let d = device(TIMESTAMPS, Limits::default());
+    let mut stage = moving_stage(d, StillLayers::Always);
+    assert_eq!(stage.set.measured_prices(), [None, None]);
+    for i in 0..20 {
+        play(&mut stage, i..i + 1);
+        d.device
+            .poll(PollType::wait_indefinitely())
+            .expect("the device is there");
+    }
+    let seen = stage.set.measured_prices();
+    let is_plausible = |price: &Option<f64>| price.is_some_and(|s| (0.0..10.0).contains(&s));
+    assert!(seen.iter().all(is_plausible), "{seen:?}");
+    // Without timestamps nothing is known.
+    let plain = umbrage_tests::adapter::device();
+    let mut without = moving_stage(plain, StillLayers::Always);
+    play(&mut without, 0..3);
+    assert_eq!(without.set.measured_prices(), [None, None]);
+}
