@@ -112,6 +112,14 @@ await_change() {
         sleep 1
     done
 }
+# Takes a picture again and again until at least so many pixels differ from another one in a part.
+shot_once_changed() {
+    for _ in $(seq 60); do
+        shot "$1"
+        [ "$(differing "$2" "$1" "$3")" -ge "$4" ] && return
+        sleep 1
+    done
+}
 # Takes a picture once the scene has come to rest.
 settle() {
     shot "$1"
@@ -238,13 +246,11 @@ settle rest
 
 # The list of techniques: items are 23 pixels apart.
 click 65 62
-shot list
+shot_once_changed list rest "$panel" 5000
 differs "the list of techniques opens" rest list "$panel" 5000
 # `planar`, which the set refuses.
 xdotool mousemove --window "$window" 50 318
-sleep "$patience"
-sleep "$patience"
-shot refused
+shot_once_changed refused list "360x200+130+280" 2000
 differs "the reason of a technique that can't be chosen is shown" list refused "360x200+130+280" 2000
 xdotool click 1
 sleep "$patience"
