@@ -27,8 +27,8 @@ impl LightSet {
     /// Checks whether the set can serve a light with a technique, and makes nothing: for lists in which a user picks one.
     ///
     /// # Errors
-    /// Errors with the reason that [`Unserved::Refused`](crate::Unserved::Refused) would have. What depends on the other lights (budgets, how many kinds of kernels
-    /// a shader can bind) is left out.
+    /// Errors with the reason that [`Unserved::Refused`](crate::Unserved::Refused) would have. What depends on the other lights, such as
+    /// budgets, is left out.
     pub fn check(
         &self,
         light: &Light,
