@@ -2,8 +2,8 @@
 
 use crate::deferred::{HandMasks, MaskShading, Picture};
 use crate::scene::{
-    DEPTH, Device, INSTANCES, LIGHTS, MAP, Shared, depth_attachment, depth_state, lights,
-    placements, uniform_entry,
+    DEPTH, Device, INSTANCES, LIGHTS, MAP, Shared, depth_attachment, depth_state, layer_views,
+    lights, placements, uniform_entry,
 };
 use anyhow::Result;
 use umbrage::{Aabb, ShadowTechnique, View, glam::Mat4, wgpu::wgpu};
@@ -67,16 +67,6 @@ impl ByHand {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
-        let layers = (0..LIGHTS as u32)
-            .map(|layer| {
-                maps.create_view(&wgpu::TextureViewDescriptor {
-                    dimension: Some(wgpu::TextureViewDimension::D2),
-                    base_array_layer: layer,
-                    array_layer_count: Some(1),
-                    ..wgpu::TextureViewDescriptor::default()
-                })
-            })
-            .collect();
         let matrix_layout = bind_group_layout(d, &[uniform_entry(0, true)]);
         let spaces_group = spaces_group(d, &matrix_layout, &spaces);
         let cast = cast_pipeline(d, &matrix_layout);
@@ -95,7 +85,7 @@ impl ByHand {
             pipeline,
             spaces: spaces_group,
             shadows,
-            layers,
+            layers: layer_views(&maps),
             masks,
             shading: MaskShading::default(),
         })

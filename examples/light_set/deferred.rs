@@ -3,8 +3,8 @@
 use crate::{
     by_hand::bind_group_layout,
     scene::{
-        COLOR, DEPTH, Device, INSTANCES, LIGHTS, SIZE, Shared, VERTICES, depth_attachment,
-        depth_state, uniform_entry,
+        COLOR, DEPTH, Device, LIGHTS, SIZE, Shared, depth_attachment, layer_views, scene_pipeline,
+        uniform_entry,
     },
 };
 use anyhow::Result;
@@ -250,19 +250,9 @@ impl HandMasks {
         );
         let groups = [None, Some(shadows), Some(&gbuffer.receivers_layout)];
         let texture = picture(d, MASK, LIGHTS as u32);
-        let layers = (0..LIGHTS as u32)
-            .map(|layer| {
-                texture.create_view(&wgpu::TextureViewDescriptor {
-                    dimension: Some(wgpu::TextureViewDimension::D2),
-                    base_array_layer: layer,
-                    array_layer_count: Some(1),
-                    ..wgpu::TextureViewDescriptor::default()
-                })
-            })
-            .collect();
         Self {
             pipeline: fullscreen_pipeline(d, text, "store_mask", &groups, MASK),
-            layers,
+            layers: layer_views(&texture),
             whole: texture.create_view(&wgpu::TextureViewDescriptor::default()),
         }
     }
@@ -296,38 +286,13 @@ fn geometry_pipeline(d: &Device, shared: &Shared) -> wgpu::RenderPipeline {
         include_str!("scene.wgsl"),
         include_str!("gbuffer.wgsl")
     );
-    let module = d.shader(text);
-    let layout = d
-        .device
-        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            bind_group_layouts: &[Some(&shared.scene_layout)],
-            ..wgpu::PipelineLayoutDescriptor::default()
-        });
-    d.device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: None,
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("surface"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[Some(VERTICES), Some(INSTANCES)],
-            },
-            primitive: wgpu::PrimitiveState {
-                cull_mode: Some(wgpu::Face::Back),
-                ..wgpu::PrimitiveState::default()
-            },
-            depth_stencil: Some(depth_state()),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("store_normal"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(NORMAL.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+    scene_pipeline(
+        d,
+        text,
+        &[Some(&shared.scene_layout)],
+        "store_normal",
+        NORMAL,
+    )
 }
 
 /// Returns the pipeline that runs a fragment shader at every pixel.

@@ -267,38 +267,9 @@ impl Shared {
         lit: &str,
         shadows: &wgpu::BindGroupLayout,
     ) -> wgpu::RenderPipeline {
-        let module = d.shader(format!("{lit}{}", include_str!("scene.wgsl")));
-        let layout = d
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                bind_group_layouts: &[Some(&self.scene_layout), Some(shadows)],
-                ..wgpu::PipelineLayoutDescriptor::default()
-            });
-        d.device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: None,
-                layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("surface"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[Some(VERTICES), Some(INSTANCES)],
-                },
-                primitive: wgpu::PrimitiveState {
-                    cull_mode: Some(wgpu::Face::Back),
-                    ..wgpu::PrimitiveState::default()
-                },
-                depth_stencil: Some(depth_state()),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("shade"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(COLOR.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
+        let text = format!("{lit}{}", include_str!("scene.wgsl"));
+        let groups = [Some(&self.scene_layout), Some(shadows)];
+        scene_pipeline(d, text, &groups, "shade", COLOR)
     }
 
     /// Records the picture's pass.
@@ -539,4 +510,59 @@ pub(crate) fn read(d: &Device, color: &wgpu::Texture) -> Result<Vec<u8>> {
     buffer.map_async(wgpu::MapMode::Read, .., |_| {});
     d.wait()?;
     Ok(buffer.get_mapped_range(..)?.to_vec())
+}
+
+/// Returns a pipeline that draws the scene's triangles, by a shader that has `surface` for vertices and this fragment shader.
+pub(crate) fn scene_pipeline(
+    d: &Device,
+    text: String,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+    fragment: &str,
+    target: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let module = d.shader(text);
+    let layout = d
+        .device
+        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            bind_group_layouts: groups,
+            ..wgpu::PipelineLayoutDescriptor::default()
+        });
+    d.device
+        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: None,
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("surface"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[Some(VERTICES), Some(INSTANCES)],
+            },
+            primitive: wgpu::PrimitiveState {
+                cull_mode: Some(wgpu::Face::Back),
+                ..wgpu::PrimitiveState::default()
+            },
+            depth_stencil: Some(depth_state()),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(fragment),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(target.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+}
+
+/// Returns a view of each layer of an array.
+pub(crate) fn layer_views(array: &wgpu::Texture) -> Vec<wgpu::TextureView> {
+    let view = |layer| {
+        array.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: layer,
+            array_layer_count: Some(1),
+            ..wgpu::TextureViewDescriptor::default()
+        })
+    };
+    (0..array.depth_or_array_layers()).map(view).collect()
 }

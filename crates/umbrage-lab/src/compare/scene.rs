@@ -503,10 +503,7 @@ impl SceneRun<'_> {
             Some(seen) => shadows.receivers = Some(seen.clone()),
             None => self.find_out_what_is_seen(backend, player, &shadows)?,
         }
-        // Where the few settings of all scenes are compared, one backend's controls will do: that the others agree with it is measured.
-        if backend == 0 || !self.options.headline {
-            self.add_control(player, &*setting.technique, recipe, &shadows)?;
-        }
+        self.add_control(player, &*setting.technique, recipe, &shadows)?;
         let pixels = self.seen[backend]
             .as_ref()
             .and_then(|seen| seen.pixels.as_deref());
