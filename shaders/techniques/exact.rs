@@ -15,6 +15,7 @@
 
 mod light_frame;
 mod lists;
+mod lookup;
 mod outline;
 mod tile;
 mod touches;
@@ -24,17 +25,15 @@ use crate::{
     shadow_map::ShadowMap,
 };
 use lists::{Lists, Rows};
-use outline::Outline;
+use lookup::look_up_span;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use touches::DEPTH_UNKNOWN;
 use umbrage_core::{
     Aabb, Fit, Geometry, Inputs, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel, Recipe,
     RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
-    bvh::{RAY_BOX, RAY_TRIANGLE, segment_hits},
-    glam::{UVec4, Vec2, Vec3, Vec4},
-    light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, segment},
-    math::dot3,
+    bvh::{RAY_BOX, RAY_TRIANGLE},
+    glam::{UVec4, Vec4},
+    light_sample::{LIGHT_SAMPLE, LightSampler},
     uniforms,
 };
 
@@ -163,90 +162,6 @@ impl ExactKernel {
         };
         Self { uniforms, lists }
     }
-
-    /// The origin of a receiver's ray: as [`Traced`](crate::Traced) has it.
-    #[inline(always)]
-    fn lifted(&self, p: Vec3, n: Vec3) -> Vec3 {
-        let u = &self.uniforms;
-        let to_eye = (u.eye.truncate() - p).abs();
-        let reach = to_eye.max_element().max(u.grid.w);
-        p + n * origin_offset(p, reach)
-    }
-
-    /// Returns whether the segment from `o` along `d` meets a caster other than triangle `own`.
-    #[inline(always)]
-    fn is_shadowed(&self, o: Vec3, d: Vec3, own: u32) -> bool {
-        let lists = &*self.lists;
-        let frame = &lists.frame;
-        let point = frame.look_up(frame.place(o));
-        let at = (point.on_face + frame.half) * frame.tiles_a_unit;
-        let [wide, high] = [frame.tiles.x as f32, frame.tiles.y as f32];
-        // Written so that what is not a number is outside.
-        let is_inside = at.x >= 0.0 && at.y >= 0.0 && at.x < wide && at.y < high;
-        // A lamp's faces end where others begin.
-        let at = if frame.is_lamp {
-            at.clamp(Vec2::ZERO, Vec2::new(wide, high) - 0.001)
-        } else if is_inside {
-            at
-        } else {
-            return false;
-        };
-        let tile = at.as_uvec2();
-        let number = ((point.face * frame.tiles.y + tile.y) * frame.tiles.x + tile.x) as usize;
-        let pair = &lists.tiles[number / 2];
-        let [first_cell, side_log2] = if number % 2 == 0 {
-            [pair[0], pair[1]]
-        } else {
-            [pair[2], pair[3]]
-        };
-        let within = (at - at.floor()) * (1_u32 << side_log2) as f32;
-        let cell = within.as_uvec2();
-        let [first, count, covered_behind, _] =
-            lists.cells[(first_cell + (cell.y << side_log2) + cell.x) as usize];
-        if point.depth > f32::from_bits(covered_behind) {
-            return true;
-        }
-        let [factor, summand] = frame.depth_terms(point.depth, self.uniforms.origin.w);
-        for i in first..first + count {
-            let pair = &lists.items[i as usize / 2];
-            let [word, nearest] = if i % 2 == 0 {
-                [pair[0], pair[1]]
-            } else {
-                [pair[2], pair[3]]
-            };
-            if f32::from_bits(nearest) > point.depth {
-                return false;
-            }
-            let caster = word & !DEPTH_UNKNOWN;
-            if caster == own {
-                continue;
-            }
-            let outline = Outline::of_caster(&lists.outlines, caster);
-            let mut value = outline.at(point.direction) * factor + summand;
-            if word != caster {
-                value.w = 0.0;
-            }
-            if value.cmplt(Vec4::NEG_ONE).any() {
-                continue;
-            }
-            if value.cmpgt(Vec4::ONE).all() || self.meets(o, d, caster) {
-                return true;
-            }
-        }
-        false
-    }
-
-    /// The triangle test.
-    #[inline(never)]
-    fn meets(&self, o: Vec3, d: Vec3, caster: u32) -> bool {
-        let first = 3 * caster as usize;
-        let rows = &self.lists.corners[first..first + 3];
-        let corner = |i: usize| {
-            let row = rows[i].map(f32::from_bits);
-            Vec3::new(row[0], row[1], row[2])
-        };
-        segment_hits(o, d, corner(0), corner(1), corner(2))
-    }
 }
 
 impl Kernel for ExactKernel {
@@ -268,15 +183,8 @@ impl Kernel for ExactKernel {
 }
 
 impl ReceiveKernel for ExactKernel {
-    fn receive(&self, _: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let u = &self.uniforms;
-        for (i, out) in out.iter_mut().enumerate() {
-            let n = span.normal(i);
-            let o = self.lifted(span.position(i), n);
-            let d = segment(&u.light, o, Vec2::ZERO, u.far);
-            let is_lit = dot3(n, d) > 0.0 && !self.is_shadowed(o, d, span.triangle[i]);
-            *out = f32::from(u8::from(is_lit));
-        }
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        look_up_span(inputs.simd, &self.uniforms, &self.lists, span, out);
     }
 
     fn cost_per_receiver(&self) -> KernelCost {

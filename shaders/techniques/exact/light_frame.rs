@@ -135,8 +135,18 @@ impl LightFrame {
     /// Returns a world position in frame space.
     #[inline(always)]
     pub(super) fn place(&self, p: Vec3) -> Vec3 {
-        let v = p - self.origin;
         if self.is_lamp {
+            self.place_as::<true>(p)
+        } else {
+            self.place_as::<false>(p)
+        }
+    }
+
+    /// Returns a world position in frame space, of a lamp or of a sun.
+    #[inline(always)]
+    pub(super) fn place_as<const LAMP: bool>(&self, p: Vec3) -> Vec3 {
+        let v = p - self.origin;
+        if LAMP {
             return v;
         }
         Vec3::new(
@@ -146,10 +156,10 @@ impl LightFrame {
         )
     }
 
-    /// Returns where a point of frame space is looked up.
+    /// Returns where a point of frame space is looked up, in the frame of a lamp or of a sun.
     #[inline(always)]
-    pub(super) fn look_up(&self, v: Vec3) -> FramePoint {
-        if !self.is_lamp {
+    pub(super) fn look_up_as<const LAMP: bool>(&self, v: Vec3) -> FramePoint {
+        if !LAMP {
             return FramePoint {
                 direction: Vec3::new(v.x, v.y, 1.0),
                 face: 0,
@@ -157,13 +167,21 @@ impl LightFrame {
                 depth: v.z,
             };
         }
-        let axis = longest_axis(v);
-        let depth = v[axis].abs();
+        let size = v.abs();
+        let is_x = size.x >= size.y && size.x >= size.z;
+        let is_y = !is_x && size.y >= size.z;
+        // Selections instead of branches, so that a loop over receivers becomes one of vector instructions.
+        let pick = |x: f32, y: f32, z: f32| if is_x { x } else if is_y { y } else { z };
+        let depth = pick(size.x, size.y, size.z);
         let direction = v / depth;
+        let across = pick(direction.y, direction.z, direction.x);
+        let down = pick(direction.z, direction.x, direction.y);
+        let axis = if is_x { 0 } else if is_y { 2 } else { 4 };
+        let is_negative = pick(v.x, v.y, v.z) < 0.0;
         FramePoint {
             direction,
-            face: face_of(axis, v[axis] < 0.0),
-            on_face: Vec2::new(direction[(axis + 1) % 3], direction[(axis + 2) % 3]),
+            face: axis + u32::from(is_negative),
+            on_face: Vec2::new(across, down),
             depth,
         }
     }
@@ -231,25 +249,6 @@ impl LightFrame {
             [Vec4::ONE, Vec4::new(0.0, 0.0, 0.0, depth * per_margin)]
         }
     }
-}
-
-/// Returns the axis of the greatest coordinate, the first of equal ones.
-#[inline(always)]
-pub(super) fn longest_axis(v: Vec3) -> usize {
-    let size = v.abs();
-    if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    }
-}
-
-/// Returns the number of the cube's face that an axis passes.
-#[inline(always)]
-pub(super) fn face_of(axis: usize, is_negative: bool) -> u32 {
-    2 * axis as u32 + u32::from(is_negative)
 }
 
 /// Returns how many tiles a face has along its longer side.

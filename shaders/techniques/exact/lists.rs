@@ -94,6 +94,7 @@ impl Lists {
     }
 
     fn make(frame: LightFrame, geometry: &Geometry) -> Self {
+        let t0 = std::time::Instant::now();
         let casters = geometry.casters();
         let mut outlines = zeros(3 * casters.len().max(1));
         let chunk = casters.len().div_ceil(2 * rayon::current_num_threads()).max(1);
@@ -102,6 +103,7 @@ impl Lists {
             .par_iter()
             .map(|&p| frame.place(p))
             .collect();
+        let t1 = t0.elapsed();
         let corners_of = |id: u32| geometry.triangles()[id as usize].map(|v| places[v as usize]);
         let touches: Vec<TouchesByTile> = writable(&mut outlines)
             .par_chunks_mut(3 * chunk)
@@ -114,6 +116,7 @@ impl Lists {
             })
             .collect();
         drop(places);
+        let t2 = t0.elapsed();
         let weights = Weights {
             item: ITEM_NANOSECONDS,
             cell: CELL_NANOSECONDS,
@@ -128,7 +131,10 @@ impl Lists {
             })
             .collect();
         drop(touches);
+        let t3 = t0.elapsed();
         let [tiles, cells, items] = joined(&lists);
+        let t4 = t0.elapsed();
+        if std::env::var_os("SPENT").is_some() { eprintln!("SPENT place {:.1} touch {:.1} lists {:.1} join {:.1}; {} cells {} items", t1.as_secs_f64()*1e3, (t2-t1).as_secs_f64()*1e3, (t3-t2).as_secs_f64()*1e3, (t4-t3).as_secs_f64()*1e3, cells.len(), 2*items.len()); }
         Self {
             frame,
             tiles,
