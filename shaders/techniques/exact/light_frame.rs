@@ -10,7 +10,7 @@
 
 use umbrage_core::{
     Aabb, Geometry, Light,
-    glam::{DVec3, UVec2, Vec2, Vec3, Vec4},
+    glam::{DVec3, UVec2, Vec2, Vec3},
     math::dot3,
 };
 
@@ -238,22 +238,12 @@ impl LightFrame {
             depth + self.depth_margin()
         }
     }
-
-    /// Returns factor and summand of an outline's functions at a depth (see [`Outline`](super::outline::Outline)): the first three
-    /// don't know of depth.
-    #[inline(always)]
-    pub(super) fn depth_terms(&self, depth: f32, per_margin: f32) -> [Vec4; 2] {
-        if self.is_lamp {
-            [Vec4::new(1.0, 1.0, 1.0, depth), Vec4::new(0.0, 0.0, 0.0, -per_margin)]
-        } else {
-            [Vec4::ONE, Vec4::new(0.0, 0.0, 0.0, depth * per_margin)]
-        }
-    }
 }
 
 /// Returns how many tiles a face has along its longer side.
 fn tiles_along(casters: usize) -> u32 {
-    let even = (casters as f32 / TRIANGLES_A_TILE).sqrt();
+    let per: f32 = std::env::var("PER_TILE").ok().and_then(|v| v.parse().ok()).unwrap_or(TRIANGLES_A_TILE);
+    let even = (casters as f32 / per).sqrt();
     let side = even.clamp(TILES[0], TILES[1]);
     (side.ceil() as u32).next_power_of_two()
 }

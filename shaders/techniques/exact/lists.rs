@@ -9,8 +9,10 @@ use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use umbrage_core::{
     Geometry, Light,
-    glam::{UVec2, Vec3},
 };
+
+fn tuned(name: &str, default: f32) -> f32 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
+
 
 /// Rows of four words.
 pub(super) type Rows = Arc<[[u32; 4]]>;
@@ -27,9 +29,8 @@ const SEEN_TILES: f32 = 0.5;
 /// Lights whose lists a geometry keeps: those that were asked for last.
 const KEPT_LIGHTS: usize = 4;
 
-/// Four tiles, or two items, are a row.
+/// Tiles of a row.
 const TILES_A_ROW: usize = 2;
-const ITEMS_A_ROW: usize = 2;
 
 /// The lists of one light.
 #[derive(Clone, Debug)]
@@ -39,9 +40,9 @@ pub(super) struct Lists {
     pub(super) tiles: Rows,
     /// A row a cell: first item, count, what is deeper than this is in shadow (bits of a float).
     pub(super) cells: Rows,
-    /// Two items a row: caster, least depth (bits of a float).
+    /// A row an item: caster, outline, least depth (bits of a float), the box around it in the cell.
     pub(super) items: Rows,
-    /// Three rows a caster: its outline.
+    /// Three rows an outline.
     pub(super) outlines: Rows,
     /// Three rows a caster: its corners.
     pub(super) corners: Rows,
@@ -96,45 +97,35 @@ impl Lists {
     fn make(frame: LightFrame, geometry: &Geometry) -> Self {
         let t0 = std::time::Instant::now();
         let casters = geometry.casters();
-        let mut outlines = zeros(3 * casters.len().max(1));
-        let chunk = casters.len().div_ceil(2 * rayon::current_num_threads()).max(1);
-        let places: Vec<Vec3> = geometry
-            .positions()
-            .par_iter()
-            .map(|&p| frame.place(p))
-            .collect();
+        let chunk = casters.len().div_ceil(2 * rayon::current_num_threads()).max(1) as u32;
         let t1 = t0.elapsed();
-        let corners_of = |id: u32| geometry.triangles()[id as usize].map(|v| places[v as usize]);
-        let touches: Vec<TouchesByTile> = writable(&mut outlines)
-            .par_chunks_mut(3 * chunk)
-            .enumerate()
-            .map(|(i, rows)| {
-                let first = (i * chunk) as u32;
-                let count = (rows.len() / 3).min(casters.len()) as u32;
-                let corners = (0..count).map(|k| corners_of(casters.start + first + k));
-                TouchesByTile::find(&frame, first, corners, rows)
+        let firsts: Vec<u32> = casters.clone().step_by(chunk as usize).collect();
+        let touches: Vec<TouchesByTile> = firsts
+            .into_par_iter()
+            .map(|first| {
+                let end = casters.end.min(first + chunk);
+                TouchesByTile::find(&frame, geometry, first..end)
             })
             .collect();
-        drop(places);
         let t2 = t0.elapsed();
         let weights = Weights {
             item: ITEM_NANOSECONDS,
             cell: CELL_NANOSECONDS,
-            test: TEST_NANOSECONDS,
+            test: tuned("TEST_NS", TEST_NANOSECONDS),
             receivers: RECEIVERS / (SEEN_TILES * frame.tile_count() as f32),
         };
         let lines = frame.faces() * frame.tiles.y;
         let lists: Vec<TileLists> = (0..lines)
             .into_par_iter()
             .map_init(Scratch::default, |scratch, line| {
-                line_of_tiles(&frame, line, &touches, &outlines, &weights, scratch)
+                line_of_tiles(&frame, geometry, line, &touches, &weights, scratch)
             })
             .collect();
         drop(touches);
         let t3 = t0.elapsed();
-        let [tiles, cells, items] = joined(&lists);
+        let [tiles, cells, items, outlines] = joined(&lists);
         let t4 = t0.elapsed();
-        if std::env::var_os("SPENT").is_some() { eprintln!("SPENT place {:.1} touch {:.1} lists {:.1} join {:.1}; {} cells {} items", t1.as_secs_f64()*1e3, (t2-t1).as_secs_f64()*1e3, (t3-t2).as_secs_f64()*1e3, (t4-t3).as_secs_f64()*1e3, cells.len(), 2*items.len()); }
+        if std::env::var_os("SPENT").is_some() { eprintln!("SPENT place {:.1} touch {:.1} lists {:.1} join {:.1}; {} cells {} items", t1.as_secs_f64()*1e3, (t2-t1).as_secs_f64()*1e3, (t3-t2).as_secs_f64()*1e3, (t4-t3).as_secs_f64()*1e3, cells.len(), items.len()); }
         Self {
             frame,
             tiles,
@@ -149,9 +140,9 @@ impl Lists {
 /// Makes the lists of a line of tiles across a face; lines are counted through all faces.
 fn line_of_tiles(
     frame: &LightFrame,
+    geometry: &Geometry,
     line: u32,
     touches: &[TouchesByTile],
-    outlines: &[[u32; 4]],
     weights: &Weights,
     scratch: &mut Scratch,
 ) -> TileLists {
@@ -162,62 +153,90 @@ fn line_of_tiles(
         let tile = (line * frame.tiles.x + x) as usize;
         scratch.clear();
         for part in touches {
-            scratch.add(UVec2::new(x, y), part.of_tile(tile));
+            scratch.add(part.of_tile(tile));
         }
-        scratch.finish(frame, outlines, [face, x, y], weights, &mut out);
+        scratch.finish(frame, geometry, [face, x, y], weights, &mut out);
     }
     out
 }
 
-/// Returns the tables of all tiles, cells and items.
-fn joined(lists: &[TileLists]) -> [Rows; 3] {
+/// Returns the tables of all tiles, cells, items and outlines.
+fn joined(lists: &[TileLists]) -> [Rows; 4] {
     let mut tiles = Vec::new();
-    // Where the cells and the rows of items of each part begin.
     let mut starts = Vec::new();
-    let [mut cell_count, mut item_rows] = [0, 0];
+    let mut end = PartStart::default();
     for part in lists {
-        starts.push([cell_count, item_rows]);
+        starts.push(end);
         for tile in &part.tiles {
-            tiles.push([tile.first_cell + cell_count as u32, tile.side_log2]);
+            tiles.push([tile.first_cell + end.cell as u32, tile.side_log2]);
         }
-        cell_count += part.cells.len();
-        item_rows += part.items.len().div_ceil(ITEMS_A_ROW);
+        end.cell += part.cells.len();
+        end.item += part.items.len();
+        end.outline_row += part.outlines.len();
     }
     let tile_rows = tiles.chunks(TILES_A_ROW).map(|pair| {
         let last = pair[pair.len() - 1];
         [pair[0][0], pair[0][1], last[0], last[1]]
     });
     let tiles: Rows = tile_rows.collect();
-    let mut cells = zeros(cell_count.max(1));
-    let mut items = zeros(item_rows.max(1));
+    let mut cells = zeros(end.cell.max(1));
+    let mut items = zeros(end.item.max(1));
+    let mut outlines = zeros(end.outline_row.max(3));
     let mut jobs = Vec::new();
     let mut cells_left = writable(&mut cells);
     let mut items_left = writable(&mut items);
-    for (part, start) in lists.iter().zip(&starts) {
-        let (part_cells, rest) = cells_left.split_at_mut(part.cells.len());
-        cells_left = rest;
-        let rows = part.items.len().div_ceil(ITEMS_A_ROW);
-        let (part_items, rest) = items_left.split_at_mut(rows);
-        items_left = rest;
-        let first_item = (start[1] * ITEMS_A_ROW) as u32;
-        jobs.push((part, first_item, part_cells, part_items));
+    let mut outlines_left = writable(&mut outlines);
+    for (part, start) in lists.iter().zip(starts) {
+        jobs.push(PartCopy {
+            part,
+            start,
+            cells: split_front(&mut cells_left, part.cells.len()),
+            items: split_front(&mut items_left, part.items.len()),
+            outlines: split_front(&mut outlines_left, part.outlines.len()),
+        });
     }
-    jobs.into_par_iter().for_each(|(part, first_item, cells, items)| {
-        for (out, cell) in cells.iter_mut().zip(&part.cells) {
+    jobs.into_par_iter().for_each(PartCopy::run);
+    [tiles, cells, items, outlines]
+}
+
+/// Where a part begins in the tables of all.
+#[derive(Clone, Copy, Default)]
+struct PartStart {
+    cell: usize,
+    item: usize,
+    outline_row: usize,
+}
+
+/// A part, and its rows of the tables of all.
+struct PartCopy<'a> {
+    part: &'a TileLists,
+    start: PartStart,
+    cells: &'a mut [[u32; 4]],
+    items: &'a mut [[u32; 4]],
+    outlines: &'a mut [[u32; 4]],
+}
+
+impl PartCopy<'_> {
+    fn run(self) {
+        let first_item = self.start.item as u32;
+        let first_outline = self.start.outline_row as u32 / 3;
+        for (out, cell) in self.cells.iter_mut().zip(&self.part.cells) {
             let covered_behind = cell.covered_behind.to_bits();
             *out = [first_item + cell.first, cell.count, covered_behind, 0];
         }
-        for (out, pair) in items.iter_mut().zip(part.items.chunks(ITEMS_A_ROW)) {
-            let last = pair[pair.len() - 1];
-            *out = [
-                pair[0].caster,
-                pair[0].nearest.to_bits(),
-                last.caster,
-                last.nearest.to_bits(),
-            ];
+        for (out, item) in self.items.iter_mut().zip(&self.part.items) {
+            let outline = first_outline + item.outline;
+            *out = [item.caster, outline, item.nearest.to_bits(), item.bounds];
         }
-    });
-    [tiles, cells, items]
+        self.outlines.copy_from_slice(&self.part.outlines);
+    }
+}
+
+/// Takes the first `count` rows off.
+fn split_front<'a>(rows: &mut &'a mut [[u32; 4]], count: usize) -> &'a mut [[u32; 4]] {
+    let (front, rest) = std::mem::take(rows).split_at_mut(count);
+    *rows = rest;
+    front
 }
 
 /// Returns rows of zeros, to be written once.

@@ -4,15 +4,15 @@ use super::{
     ExactUniforms,
     light_frame::LightFrame,
     lists::Lists,
-    outline::Outline,
-    touches::DEPTH_UNKNOWN,
+    outline::{Outline, greater, lesser},
+    tile::DEPTH_UNKNOWN,
 };
 use crate::lanes::batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch};
 use umbrage_core::{
     Simd, SimdTask, Span,
     bvh::segment_hits,
     glam::{Vec2, Vec3, Vec4},
-    light_sample::{origin_offset, segment},
+    light_sample::{SHORT, origin_offset, segment},
     math::dot3,
 };
 
@@ -24,37 +24,31 @@ pub(super) fn look_up_span(
     span: &Span<'_>,
     out: &mut [f32],
 ) {
-    let mut rays = Rays::new();
     let mut padded = PaddedReceivers::new();
-    let mut walk = Walk {
-        lists,
-        per_margin: uniforms.origin.w,
-        last_hit: NO_CASTER,
-    };
+    let mut last_hit = NO_CASTER;
     for first in (0..out.len()).step_by(BATCH) {
         let count = BATCH.min(out.len() - first);
         let receivers = ReceiverBatch::from(span, first, &mut padded);
         let frame = &lists.frame;
-        if frame.is_lamp {
+        let rays = if frame.is_lamp {
             simd.run_task(Place::<true> {
                 uniforms,
                 frame,
                 receivers: &receivers,
-                out: &mut rays,
-            });
+            })
         } else {
             simd.run_task(Place::<false> {
                 uniforms,
                 frame,
                 receivers: &receivers,
-                out: &mut rays,
-            });
-        }
-        simd.run_task(Answer {
-            walk: &mut walk,
+            })
+        };
+        last_hit = simd.run_task(Answer {
+            lists,
             rays: &rays,
             own: &span.triangle[first..first + count],
             out: &mut out[first..first + count],
+            last_hit,
         });
     }
 }
@@ -62,37 +56,55 @@ pub(super) fn look_up_span(
 /// The number of no caster.
 const NO_CASTER: u32 = u32::MAX;
 
+/// How many receivers ask a list at once.
+const LANES: usize = 8;
+
+/// A number of each receiver of a batch, and beyond its end for a last run that is not full.
+type Numbers = [f32; BATCH + LANES];
+
 /// The rays of a batch of receivers, and where they fall on the grid.
 struct Rays {
-    origin: [Lanes<f32>; 3],
-    vector: [Lanes<f32>; 3],
-    direction: [Lanes<f32>; 3],
-    depth: Lanes<f32>,
-    /// Across and down the face, tiles.
-    at: [Lanes<f32>; 2],
-    /// Negative where the light lies below the receiver's tangent plane.
-    face: Lanes<i32>,
+    origin: [Numbers; 3],
+    vector: [Numbers; 3],
+    direction: [Numbers; 3],
+    depth: Numbers,
+    /// What the plane's function is multiplied by, and what is added.
+    factor: Numbers,
+    summand: Numbers,
+    /// The number of the tile; [`NO_TILE`] outside of the grid.
+    tile: Lanes<i32>,
+    /// Across and down the tile, 0 to 1.
+    within: [Numbers; 2],
 }
 
-/// [`Rays::face`] of receivers that face away from the light.
+/// Numbers from here to twice this are whole.
+const WHOLE: f32 = 8_388_608.0;
+const WHOLE_BITS: u32 = 1 << 23;
+
+/// [`Rays::tile`] of receivers that face away from the light.
 const FACES_AWAY: i32 = -1;
+
+/// [`Rays::tile`] of receivers outside of the grid.
+const NO_TILE: i32 = -2;
 
 impl Rays {
     fn new() -> Self {
-        let zeros = [0.0; BATCH];
+        let zeros = [0.0; BATCH + LANES];
         Self {
             origin: [zeros; 3],
             vector: [zeros; 3],
             direction: [zeros; 3],
             depth: zeros,
-            at: [zeros; 2],
-            face: [0; BATCH],
+            factor: zeros,
+            summand: zeros,
+            tile: [NO_TILE; BATCH],
+            within: [zeros; 2],
         }
     }
 
     #[inline(always)]
-    fn at(lanes: &[Lanes<f32>; 3], i: usize) -> Vec3 {
-        Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
+    fn at(numbers: &[Numbers; 3], i: usize) -> Vec3 {
+        Vec3::new(numbers[0][i], numbers[1][i], numbers[2][i])
     }
 }
 
@@ -101,180 +113,299 @@ struct Place<'a, const LAMP: bool> {
     uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
     receivers: &'a ReceiverBatch<'a>,
-    out: &'a mut Rays,
 }
 
 impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
-    type Output = ();
+    type Output = Rays;
 
     #[inline(always)]
-    fn run(self) {
+    fn run(self) -> Rays {
+        let mut out = Rays::new();
         let u = self.uniforms;
         let frame = *self.frame;
         let eye = u.eye.truncate();
+        // Copies, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
         let receivers = *self.receivers;
         let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
+        let lamp = u.light.center.truncate();
+        let [wide, high] = [frame.tiles.x as f32, frame.tiles.y as f32];
+        let per_margin = u.origin.w;
         for i in 0..BATCH {
             let p = receivers.position(i);
             let n = receivers.normal(i);
             let to_eye = (eye - p).abs();
-            let reach = to_eye.x.max(to_eye.y).max(to_eye.z).max(u.grid.w);
+            let reach = greater(greater(to_eye.x, to_eye.y), greater(to_eye.z, u.grid.w));
             let o = p + n * origin_offset(p, reach);
-            let d = if LAMP {
-                // As `segment` has it of a point.
-                (u.light.center.truncate() - o) * umbrage_core::light_sample::SHORT
-            } else {
-                sun
-            };
-            let faces_away = dot3(n, d) <= 0.0;
-            let v = frame.place_as::<LAMP>(o);
-            let point = frame.look_up_as::<LAMP>(v);
+            // As `segment` has it of a point.
+            let d = if LAMP { (lamp - o) * SHORT } else { sun };
+            let point = frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o));
             let at = (point.on_face + frame.half) * frame.tiles_a_unit;
-            let out = &mut *self.out;
-            out.origin[0][i] = o.x;
-            out.origin[1][i] = o.y;
-            out.origin[2][i] = o.z;
-            out.vector[0][i] = d.x;
-            out.vector[1][i] = d.y;
-            out.vector[2][i] = d.z;
-            out.direction[0][i] = point.direction.x;
-            out.direction[1][i] = point.direction.y;
-            out.direction[2][i] = point.direction.z;
+            // A lamp's faces end where others begin. Written so that what is not a number is outside.
+            let is_inside = LAMP || at.x >= 0.0 && at.y >= 0.0 && at.x < wide && at.y < high;
+            let x = lesser(greater(at.x, 0.0), wide - 0.001);
+            let y = lesser(greater(at.y, 0.0), high - 0.001);
+            let [tile_x, tile_y] = [x.floor(), y.floor()];
+            let line = point.face as f32 * high + tile_y;
+            // 2^23 more has the whole number in its lowest bits: a conversion that knows no bounds.
+            let tile = ((line * wide + tile_x + WHOLE).to_bits() & (WHOLE_BITS - 1)) as i32;
+            for (axis, numbers) in out.origin.iter_mut().enumerate() {
+                numbers[i] = o[axis];
+            }
+            for (axis, numbers) in out.vector.iter_mut().enumerate() {
+                numbers[i] = d[axis];
+            }
+            for (axis, numbers) in out.direction.iter_mut().enumerate() {
+                numbers[i] = point.direction[axis];
+            }
             out.depth[i] = point.depth;
-            out.at[0][i] = at.x;
-            out.at[1][i] = at.y;
-            out.face[i] = if faces_away { FACES_AWAY } else { point.face as i32 };
+            out.factor[i] = if LAMP { point.depth } else { 1.0 };
+            out.summand[i] = if LAMP { -per_margin } else { point.depth * per_margin };
+            out.within[0][i] = x - tile_x;
+            out.within[1][i] = y - tile_y;
+            let tile = if is_inside { tile } else { NO_TILE };
+            let faces_light = dot3(n, d) > 0.0;
+            out.tile[i] = if faces_light { tile } else { FACES_AWAY };
         }
+        out
     }
 }
 
 /// Answers for a batch.
-struct Answer<'a, 'b> {
-    walk: &'a mut Walk<'b>,
+struct Answer<'a> {
+    lists: &'a Lists,
     rays: &'a Rays,
     own: &'a [u32],
     out: &'a mut [f32],
+    last_hit: u32,
 }
 
-impl SimdTask for Answer<'_, '_> {
-    type Output = ();
+impl SimdTask for Answer<'_> {
+    /// The item that hid the light last.
+    type Output = u32;
 
     #[inline(always)]
-    fn run(self) {
-        for (i, (out, &own)) in self.out.iter_mut().zip(self.own).enumerate() {
-            let is_lit = self.rays.face[i] != FACES_AWAY && !self.walk.is_shadowed(self.rays, i, own);
-            *out = if is_lit { 1.0 } else { 0.0 };
+    fn run(self) -> u32 {
+        let rays = self.rays;
+        let mut walk = Walk {
+            lists: self.lists,
+            rays,
+            own: self.own,
+            last_hit: self.last_hit,
+        };
+        let count = self.out.len();
+        let mut places = CellPlaces {
+            cell: [NO_CELL; BATCH],
+            across: [0.0; BATCH + LANES],
+            down: [0.0; BATCH + LANES],
+        };
+        for (i, out) in self.out.iter_mut().enumerate() {
+            *out = if rays.tile[i] == FACES_AWAY { 0.0 } else { 1.0 };
+            if rays.tile[i] >= 0 {
+                walk.find_cell(i, &mut places);
+            }
         }
+        let mut first = 0;
+        while first < count {
+            let cell = places.cell[first];
+            if cell == NO_CELL {
+                first += 1;
+                continue;
+            }
+            // Neighbours in the same cell ask its list together.
+            let mut end = first + 1;
+            while end < count && end < first + LANES && places.cell[end] == cell {
+                end += 1;
+            }
+            let all = (1_u32 << (end - first)) - 1;
+            let mut hidden = all & !walk.ask(cell, first, all, &places);
+            while hidden != 0 {
+                self.out[first + hidden.trailing_zeros() as usize] = 0.0;
+                hidden &= hidden - 1;
+            }
+            first = end;
+        }
+        walk.last_hit
     }
+}
+
+/// The cells of a batch of receivers, and where in them the receivers lie, in 256ths of their sides.
+struct CellPlaces {
+    cell: Lanes<u32>,
+    across: Numbers,
+    down: Numbers,
+}
+
+/// No cell: the receiver faces away, or lies outside of the grid.
+const NO_CELL: u32 = u32::MAX;
+
+/// The numbers of a run of receivers.
+type Window = [f32; LANES];
+
+#[inline(always)]
+fn window(numbers: &Numbers, first: usize) -> Window {
+    let mut out = [0.0; LANES];
+    out.copy_from_slice(&numbers[first..first + LANES]);
+    out
+}
+
+/// Returns a bit for each number that is greater than the limit.
+#[inline(always)]
+fn bits_above(numbers: &Window, limit: f32) -> u32 {
+    let limit = Vec4::splat(limit);
+    let low = Vec4::from_slice(&numbers[..4]).cmpgt(limit).bitmask();
+    let high = Vec4::from_slice(&numbers[4..]).cmpgt(limit).bitmask();
+    low | high << 4
+}
+
+/// Returns the least and the greatest of those numbers whose bits are set.
+#[inline(always)]
+fn range_of(numbers: &Window, bits: u32) -> [f32; 2] {
+    let mut low = [f32::INFINITY; LANES];
+    let mut high = [f32::NEG_INFINITY; LANES];
+    for lane in 0..LANES {
+        let is_set = bits & (1 << lane) != 0;
+        low[lane] = if is_set { numbers[lane] } else { f32::INFINITY };
+        high[lane] = if is_set { numbers[lane] } else { f32::NEG_INFINITY };
+    }
+    let half = |all: &Window| [Vec4::from_slice(&all[..4]), Vec4::from_slice(&all[4..])];
+    let [a, b] = half(&low);
+    let [c, d] = half(&high);
+    [a.min(b).min_element(), c.max(d).max_element()]
 }
 
 /// Walks lists.
 struct Walk<'a> {
     lists: &'a Lists,
-    per_margin: f32,
-    /// The caster that hid the light from the last receiver: it mostly hides it from the next, too, and any hit will do.
+    rays: &'a Rays,
+    own: &'a [u32],
+    /// The row of the item that hid the light from the last receivers: it mostly hides it from the next, too, and any hit will do.
     last_hit: u32,
 }
 
 impl Walk<'_> {
-    /// Returns whether the ray of lane `i` meets a caster other than triangle `own`.
+    /// Finds the cell of a receiver that has a tile.
     #[inline(always)]
-    fn is_shadowed(&mut self, rays: &Rays, i: usize, own: u32) -> bool {
-        let lists = self.lists;
-        let frame = &lists.frame;
-        let depth = rays.depth[i];
-        let terms = frame.depth_terms(depth, self.per_margin);
-        let direction = Rays::at(&rays.direction, i);
-        if self.last_hit != NO_CASTER
-            && self.last_hit & !DEPTH_UNKNOWN != own
-            && self.verdict(self.last_hit, direction, terms) == Verdict::Hit
-        {
-            return true;
-        }
-        let at = Vec2::new(rays.at[0][i], rays.at[1][i]);
-        let [wide, high] = [frame.tiles.x as f32, frame.tiles.y as f32];
-        // Written so that what is not a number is outside. A lamp's faces end where others begin.
-        let is_inside = at.x >= 0.0 && at.y >= 0.0 && at.x < wide && at.y < high;
-        if !is_inside && !frame.is_lamp {
-            self.last_hit = NO_CASTER;
-            return false;
-        }
-        let at = at.clamp(Vec2::ZERO, Vec2::new(wide, high) - 0.001);
-        let x = at.x as i32;
-        let y = at.y as i32;
-        let face = rays.face[i] as usize;
-        let tile = (face * frame.tiles.y as usize + y as usize) * frame.tiles.x as usize + x as usize;
-        let [first_cell, side_log2] = pair_at(&lists.tiles, tile);
+    fn find_cell(&self, i: usize, out: &mut CellPlaces) {
+        let rays = self.rays;
+        let [first_cell, side_log2] = pair_at(&self.lists.tiles, rays.tile[i] as usize);
         let side = (1_u32 << side_log2) as f32;
-        let cell_x = ((at.x - x as f32) * side) as i32 as u32;
-        let cell_y = ((at.y - y as f32) * side) as i32 as u32;
-        let cell = first_cell + (cell_y << side_log2) + cell_x;
-        let [first, count, covered_behind, _] = lists.cells[cell as usize];
-        if depth > f32::from_bits(covered_behind) {
-            return true;
-        }
-        for k in first..first + count {
-            let [word, nearest] = pair_at(&lists.items, k as usize);
-            if f32::from_bits(nearest) > depth {
-                break;
-            }
-            if word & !DEPTH_UNKNOWN == own {
-                continue;
-            }
-            let is_hit = match self.verdict(word, direction, terms) {
-                Verdict::Miss => false,
-                Verdict::Hit => true,
-                Verdict::Unsure => self.meets(rays, i, word & !DEPTH_UNKNOWN),
-            };
-            if is_hit {
-                self.last_hit = word;
-                return true;
-            }
-        }
-        self.last_hit = NO_CASTER;
-        false
+        let across = rays.within[0][i] * side;
+        let down = rays.within[1][i] * side;
+        let [x, y] = [across as i32, down as i32];
+        out.cell[i] = first_cell + ((y as u32) << side_log2) + x as u32;
+        out.across[i] = across - x as f32;
+        out.down[i] = down - y as f32;
     }
 
-    /// What a caster's outline says; `word` is as in a list.
+    /// Asks a cell's list for the receivers from `first` on whose bits are set. Returns the bits of those that see the light.
     #[inline(always)]
-    fn verdict(&self, word: u32, direction: Vec3, [factor, summand]: [Vec4; 2]) -> Verdict {
-        let caster = word & !DEPTH_UNKNOWN;
-        let outline = Outline::of_caster(&self.lists.outlines, caster);
-        let mut value = outline.at(direction) * factor + summand;
-        if word != caster {
-            value.w = 0.0;
+    fn ask(&mut self, cell: u32, first: usize, all: u32, places: &CellPlaces) -> u32 {
+        let [first_item, count, covered_behind, _] = self.lists.cells[cell as usize];
+        let depth = window(&self.rays.depth, first);
+        let mut open = all & !bits_above(&depth, f32::from_bits(covered_behind));
+        if open == 0 || count == 0 {
+            return open;
         }
-        if value.cmplt(Vec4::NEG_ONE).any() {
-            Verdict::Miss
-        } else if value.cmpgt(Vec4::ONE).all() {
-            Verdict::Hit
+        if self.last_hit != NO_CASTER {
+            let item = self.lists.items[self.last_hit as usize];
+            let still_open = self.ask_item(self.last_hit, &item, first, open);
+            if still_open == 0 {
+                return 0;
+            }
+            if still_open == open {
+                self.last_hit = NO_CASTER;
+            }
+            open = still_open;
+        }
+        let [_, deepest] = range_of(&depth, open);
+        let across = range_of(&window(&places.across, first), open).map(|v| (v * 256.0) as i32 as u32);
+        let down = range_of(&window(&places.down, first), open).map(|v| (v * 256.0) as i32 as u32);
+        let end = (first_item + count) as usize;
+        for (number, item) in (first_item..).zip(&self.lists.items[first_item as usize..end]) {
+            if f32::from_bits(item[2]) > deepest {
+                break;
+            }
+            let [low_x, low_y, high_x, high_y] = item[3].to_le_bytes().map(u32::from);
+            let is_beside = across[1] < low_x || down[1] < low_y || across[0] > high_x || down[0] > high_y;
+            if is_beside {
+                continue;
+            }
+            open = self.ask_item(number, item, first, open);
+            if open == 0 {
+                break;
+            }
+        }
+        open
+    }
+
+    /// Returns the bits of those receivers whose rays do not meet a caster, their own triangle apart.
+    #[inline(always)]
+    fn ask_item(&mut self, number: u32, item: &[u32; 4], first: usize, open: u32) -> u32 {
+        let caster = item[0] & !DEPTH_UNKNOWN;
+        let outline = Outline::at(&self.lists.outlines, item[1]);
+        let least = self.least(&outline, item[0] != caster, first);
+        // Not less than -1, and not a number, too.
+        let mut near = open & bits_above(&least, -1.000_000_2);
+        if near == 0 {
+            return open;
+        }
+        let sure = bits_above(&least, 1.0);
+        let mut open = open;
+        while near != 0 {
+            let lane = near.trailing_zeros();
+            near &= near - 1;
+            let i = first + lane as usize;
+            if self.own[i] == caster {
+                continue;
+            }
+            if sure & (1 << lane) != 0 || self.meets(i, caster) {
+                open &= !(1 << lane);
+                self.last_hit = number;
+            }
+        }
+        open
+    }
+
+    /// Returns the least of an outline's functions for a run of receivers.
+    #[inline(always)]
+    fn least(&self, outline: &Outline, is_depth_unknown: bool, first: usize) -> Window {
+        let rays = self.rays;
+        let [x, y, z] = [0, 1, 2].map(|axis| window(&rays.direction[axis], first));
+        let mut out = [0.0; LANES];
+        for lane in 0..LANES {
+            let value = |k: usize| outline.x[k] * x[lane] + outline.y[k] * y[lane] + outline.z[k] * z[lane];
+            out[lane] = lesser(value(0), lesser(value(1), value(2)));
+        }
+        if is_depth_unknown {
+            let depth = window(&rays.depth, first);
+            for lane in 0..LANES {
+                let value = if depth[lane] > outline.z.w { 2.0 } else { 0.0 };
+                out[lane] = lesser(out[lane], value);
+            }
         } else {
-            Verdict::Unsure
+            let factor = window(&rays.factor, first);
+            let summand = window(&rays.summand, first);
+            for lane in 0..LANES {
+                let plane = outline.x.w * x[lane] + outline.y.w * y[lane] + outline.z.w * z[lane];
+                out[lane] = lesser(out[lane], plane * factor[lane] + summand[lane]);
+            }
         }
+        out
     }
 
     /// The triangle test of rays.
     #[inline(never)]
-    fn meets(&self, rays: &Rays, i: usize, caster: u32) -> bool {
+    fn meets(&self, i: usize, caster: u32) -> bool {
         let first = 3 * caster as usize;
         let rows = &self.lists.corners[first..first + 3];
         let corner = |i: usize| {
             let row = rows[i].map(f32::from_bits);
             Vec3::new(row[0], row[1], row[2])
         };
-        let o = Rays::at(&rays.origin, i);
-        let d = Rays::at(&rays.vector, i);
+        let o = Rays::at(&self.rays.origin, i);
+        let d = Rays::at(&self.rays.vector, i);
         segment_hits(o, d, corner(0), corner(1), corner(2))
     }
-}
-
-/// Whether a ray meets a caster.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
-    Hit,
-    Miss,
-    /// The triangle test decides.
-    Unsure,
 }
 
 /// Returns entry `i` of a table with two a row.

@@ -2,19 +2,33 @@
 
 use super::{
     light_frame::LightFrame,
-    outline::Outline,
-    touches::{DEPTH_UNKNOWN, FINEST, Touch},
+    outline::{Traits, outlines},
+    touches::{STEPS, Touch},
 };
-use umbrage_core::glam::{UVec2, Vec3, Vec4};
+use umbrage_core::{
+    Geometry,
+    glam::{Vec3, Vec4},
+};
+
+/// The most cells along a tile's side, as a power of two.
+const FINEST: u32 = 7;
 
 /// One triangle of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Item {
-    /// As [`Touch::caster`].
+    /// Its place in the list of triangles; the highest bit says that its outline does not know its depth.
     pub(super) caster: u32,
+    /// Its outline.
+    pub(super) outline: u32,
     /// Least depth that it has in the cell, less the margin.
     pub(super) nearest: f32,
+    /// The box around it in the cell, in 256ths of its side: least across, least down, greatest across, greatest down, from the lowest byte on.
+    pub(super) bounds: u32,
 }
+
+/// The bit of [`Item::caster`] that says that only the triangle test of rays tells the depth, or, of rays from behind all of the triangle, that
+/// the plane's summand does: it is the greatest depth then.
+pub(super) const DEPTH_UNKNOWN: u32 = 1 << 31;
 
 /// A cell's list.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +54,8 @@ pub(super) struct TileLists {
     pub(super) tiles: Vec<Tile>,
     pub(super) cells: Vec<Cell>,
     pub(super) items: Vec<Item>,
+    /// Three rows each.
+    pub(super) outlines: Vec<[u32; 4]>,
 }
 
 /// What making lists and asking them costs, in nanoseconds or anything else: `bench` measures, and only proportions matter.
@@ -59,6 +75,7 @@ pub(super) struct Weights {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     touches: Vec<Touch>,
+    traits: Vec<Traits>,
     /// Items and their cells, in the order in which they are found.
     found: Vec<(u32, Item)>,
     counts: Vec<u32>,
@@ -72,26 +89,16 @@ impl Scratch {
         self.touches.clear();
     }
 
-    /// Adds touches of the tile, with their boxes cut to it.
-    pub(super) fn add(&mut self, tile: UVec2, touches: &[Touch]) {
-        let low = tile << FINEST;
-        let high = low + (1 << FINEST) - 1;
-        let cut = |at: [u16; 2]| {
-            let at = UVec2::new(u32::from(at[0]), u32::from(at[1])).clamp(low, high) - low;
-            [at.x as u16, at.y as u16]
-        };
-        self.touches.extend(touches.iter().map(|t| Touch {
-            low: cut(t.low),
-            high: cut(t.high),
-            ..*t
-        }));
+    /// Adds touches of the tile.
+    pub(super) fn add(&mut self, touches: &[Touch]) {
+        self.touches.extend_from_slice(touches);
     }
 
     /// Makes the tile's lists.
     pub(super) fn finish(
         &mut self,
         frame: &LightFrame,
-        outlines: &[[u32; 4]],
+        geometry: &Geometry,
         [face, x, y]: [u32; 3],
         weights: &Weights,
         out: &mut TileLists,
@@ -102,6 +109,17 @@ impl Scratch {
             side_log2,
         };
         out.tiles.push(tile);
+        let first_outline = out.outlines.len() as u32 / 3;
+        self.traits.clear();
+        let casters = self.touches.iter().map(|touch| touch.caster);
+        outlines(frame, geometry, casters, |traits| self.traits.push(traits));
+        for (touch, traits) in self.touches.iter_mut().zip(&mut self.traits) {
+            if !traits.knows_depth {
+                touch.caster |= DEPTH_UNKNOWN;
+                traits.outline.z.w = touch.farthest;
+            }
+            out.outlines.extend(traits.outline.rows());
+        }
         let cells = 1_usize << (2 * side_log2);
         self.counts.clear();
         self.counts.resize(cells, 0);
@@ -115,42 +133,40 @@ impl Scratch {
             1.0,
         );
         let step = tile_side / (1 << side_log2) as f32;
-        let shift = FINEST - side_log2;
         for i in 0..self.touches.len() {
             let touch = self.touches[i];
-            let [x0, y0] = touch.low.map(|v| u32::from(v) >> shift);
-            let [x1, y1] = touch.high.map(|v| u32::from(v) >> shift);
-            if x0 == x1 && y0 == y1 {
-                self.push((y0 << side_log2) + x0, &touch, touch.nearest);
+            let number = first_outline + i as u32;
+            let range = CellRange::of(&touch, side_log2);
+            if range.is_small() && !touch.is_cut {
+                // Finding out which of the cells it leaves out costs more than asking it in vain.
+                for [cx, cy] in range.cells() {
+                    self.push(&touch, number, side_log2, [cx, cy], touch.nearest);
+                }
                 continue;
             }
-            let outline = Outline::of_caster(outlines, touch.caster & !DEPTH_UNKNOWN);
+            let outline = self.traits[i].outline;
             let [across, down, summand] = outline.on_face(frame.is_lamp, face);
             let at_tile = summand + across * low.x + down * low.y;
             let [across, down] = [across * step, down * step];
-            let up = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
+            let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
             let to_least = across.min(Vec4::ZERO) + down.min(Vec4::ZERO);
-            for cy in y0..=y1 {
-                let at_row = at_tile + down * cy as f32;
-                for cx in x0..=x1 {
-                    let at_cell = at_row + across * cx as f32;
-                    let greatest = at_cell + up;
-                    // The fourth lane, depth, counts as inside.
-                    if greatest.with_w(0.0).cmplt(Vec4::NEG_ONE).any() {
-                        continue;
-                    }
-                    let cell = (cy << side_log2) + cx;
-                    if touch.caster & DEPTH_UNKNOWN != 0 {
-                        self.push(cell, &touch, touch.nearest);
-                        continue;
-                    }
-                    let least = at_cell + to_least;
-                    let nearest = frame.nearest_of_plane(greatest.w);
-                    self.push(cell, &touch, nearest.max(touch.nearest));
-                    if least.truncate().cmpgt(Vec3::ONE).all() {
-                        let covered = &mut self.covered[cell as usize];
-                        *covered = covered.min(frame.farthest_of_plane(least.w));
-                    }
+            let knows_depth = self.traits[i].knows_depth;
+            for [cx, cy] in range.cells() {
+                let at_cell = at_tile + down * cy as f32 + across * cx as f32;
+                let greatest = at_cell + to_greatest;
+                if greatest.truncate().cmplt(Vec3::NEG_ONE).any() {
+                    continue;
+                }
+                if !knows_depth {
+                    self.push(&touch, number, side_log2, [cx, cy], touch.nearest);
+                    continue;
+                }
+                let least = at_cell + to_least;
+                let nearest = frame.nearest_of_plane(greatest.w);
+                self.push(&touch, number, side_log2, [cx, cy], nearest.max(touch.nearest));
+                if least.truncate().cmpgt(Vec3::ONE).all() {
+                    let covered = &mut self.covered[((cy << side_log2) + cx) as usize];
+                    *covered = covered.min(frame.farthest_of_plane(least.w));
                 }
             }
         }
@@ -158,10 +174,16 @@ impl Scratch {
     }
 
     #[inline(always)]
-    fn push(&mut self, cell: u32, touch: &Touch, nearest: f32) {
-        let caster = touch.caster;
-        self.found.push((cell, Item { caster, nearest }));
-        self.counts[cell as usize] += 1;
+    fn push(&mut self, touch: &Touch, outline: u32, side_log2: u32, cell: [u32; 2], nearest: f32) {
+        let item = Item {
+            caster: touch.caster,
+            outline,
+            nearest,
+            bounds: bounds_in_cell(touch, side_log2, cell),
+        };
+        let number = (cell[1] << side_log2) + cell[0];
+        self.found.push((number, item));
+        self.counts[number as usize] += 1;
     }
 
     /// Sorts what was found by cell and depth, and leaves out what lies behind the cell's cover.
@@ -225,12 +247,12 @@ fn sort_by_depth(list: &mut [Item]) {
 /// they lower.
 fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
     // A triangle of area A in a box of w x h cells touches A + w + h + 1 of them in the mean (the area of its sum with a cell).
-    let tile_side = (1_u32 << FINEST) as f32;
+    let steps = (1_u32 << STEPS) as f32;
     let mut widths = 0.0;
     let mut areas = 0.0;
     for touch in touches {
-        let wide = f32::from(touch.high[0] - touch.low[0]) / tile_side;
-        let high = f32::from(touch.high[1] - touch.low[1]) / tile_side;
+        let wide = f32::from(touch.high[0] - touch.low[0]) / steps;
+        let high = f32::from(touch.high[1] - touch.low[1]) / steps;
         widths += wide + high;
         areas += 0.5 * wide * high;
     }
@@ -249,4 +271,55 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
         }
     }
     best
+}
+
+/// The cells of a tile that a triangle's box touches.
+#[derive(Clone, Copy)]
+struct CellRange {
+    low: [u32; 2],
+    /// Inclusive.
+    high: [u32; 2],
+}
+
+impl CellRange {
+    #[inline(always)]
+    fn of(touch: &Touch, side_log2: u32) -> Self {
+        let shift = STEPS - side_log2;
+        Self {
+            low: touch.low.map(|v| u32::from(v) >> shift),
+            high: touch.high.map(|v| u32::from(v) >> shift),
+        }
+    }
+
+    /// Returns whether it is at most two cells wide and high.
+    #[inline(always)]
+    fn is_small(&self) -> bool {
+        self.high[0] - self.low[0] <= 1 && self.high[1] - self.low[1] <= 1
+    }
+
+    #[inline(always)]
+    fn cells(self) -> impl Iterator<Item = [u32; 2]> {
+        let [x0, y0] = self.low;
+        let [x1, y1] = self.high;
+        (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| [x, y]))
+    }
+}
+
+/// Returns a triangle's box cut to a cell, as [`Item::bounds`] has it.
+#[inline(always)]
+fn bounds_in_cell(touch: &Touch, side_log2: u32, cell: [u32; 2]) -> u32 {
+    // A cell has 32 steps or more.
+    let cell_log2 = STEPS - side_log2;
+    let last = (1_u32 << cell_log2) - 1;
+    let mut packed = 0;
+    for axis in 0..2 {
+        let start = cell[axis] << cell_log2;
+        let low = u32::from(touch.low[axis]).saturating_sub(start);
+        let high = u32::from(touch.high[axis]).saturating_sub(start).min(last);
+        // The first 256th of the least step, and the last one of the greatest.
+        let first_byte = (low << 8) >> cell_log2;
+        let last_byte = (((high + 1) << 8) - 1) >> cell_log2;
+        packed |= first_byte << (8 * axis) | last_byte << (8 * axis + 16);
+    }
+    packed
 }

@@ -2,27 +2,32 @@
 
 use super::{
     light_frame::LightFrame,
-    outline::{Outline, Traits},
+    outline::{distance_to_origin, greater, lesser, outlines},
 };
-use umbrage_core::glam::{UVec2, Vec2, Vec3, Vec4};
+use umbrage_core::{
+    Geometry,
+    glam::{IVec2, UVec2, Vec2, Vec3, Vec4},
+};
 
-/// The finest cells along a tile's side, as a power of two.
-pub(super) const FINEST: u32 = 7;
+/// Steps along a tile's side in which boxes are kept, as a power of two.
+pub(super) const STEPS: u32 = 12;
 
-/// A triangle on a face: where its box lies, in finest cells of the face, and how near to the light it comes.
-#[derive(Clone, Copy, Debug)]
+/// A triangle in a tile.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Touch {
-    /// Its place among the casters; the highest bit says that its outline does not know its depth.
+    /// Its place in the list of triangles.
     pub(super) caster: u32,
     /// Least depth on this face, less the margin.
     pub(super) nearest: f32,
+    /// Greatest depth, and the margin.
+    pub(super) farthest: f32,
+    /// The box around it, cut to the tile, in steps.
     pub(super) low: [u16; 2],
     /// Inclusive.
     pub(super) high: [u16; 2],
+    /// Whether it touches other tiles, too.
+    pub(super) is_cut: bool,
 }
-
-/// The bit of [`Touch::caster`] and of list items that says that only the triangle test of rays tells depth.
-pub(super) const DEPTH_UNKNOWN: u32 = 1 << 31;
 
 /// The touches of some triangles, by tile.
 #[derive(Debug, Default)]
@@ -38,22 +43,21 @@ impl TouchesByTile {
         &self.touches[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
-    /// Finds which tiles triangles touch, and writes their outlines. `corners` are in frame space.
-    pub(super) fn find(
-        frame: &LightFrame,
-        first_caster: u32,
-        corners: impl Iterator<Item = [Vec3; 3]>,
-        outlines: &mut [[u32; 4]],
-    ) -> Self {
+    /// Finds which tiles some casters touch.
+    pub(super) fn find(frame: &LightFrame, geometry: &Geometry, casters: std::ops::Range<u32>) -> Self {
         let mut found = Found {
             frame,
-            tiles: Vec::new(),
-            touches: Vec::new(),
+            geometry,
+            tiles: Vec::with_capacity(casters.len()),
+            touches: Vec::with_capacity(casters.len()),
         };
-        for ((i, corners), rows) in corners.enumerate().zip(outlines.chunks_exact_mut(3)) {
-            let traits = Traits::new(frame, corners);
-            rows.copy_from_slice(&traits.outline.rows());
-            found.add(first_caster + i as u32, corners, &traits);
+        for id in casters {
+            let corners = geometry.corners(id).map(|p| frame.place(p));
+            if frame.is_lamp {
+                found.add_around_lamp(id, corners);
+            } else {
+                found.add_under_sun(id, corners);
+            }
         }
         found.by_tile()
     }
@@ -62,71 +66,81 @@ impl TouchesByTile {
 /// Touches in the order in which they are found, and the tile of each.
 struct Found<'a> {
     frame: &'a LightFrame,
+    geometry: &'a Geometry,
     tiles: Vec<u32>,
     touches: Vec<Touch>,
 }
 
 impl Found<'_> {
-    fn add(&mut self, caster: u32, corners: [Vec3; 3], traits: &Traits) {
-        let bit = if traits.knows_depth { 0 } else { DEPTH_UNKNOWN };
-        let caster = caster | bit;
-        if !self.frame.is_lamp {
-            let [a, b, c] = corners;
-            let low = a.min(b).min(c);
-            let high = a.max(b).max(c);
-            let bounds = FaceBounds {
-                low: low.truncate(),
-                high: high.truncate(),
-                nearest: low.z,
-            };
-            self.add_on_face(caster, 0, &bounds, traits);
-            return;
-        }
+    #[inline]
+    fn add_under_sun(&mut self, caster: u32, [a, b, c]: [Vec3; 3]) {
+        let low = Vec3::from_array([0, 1, 2].map(|axis| lesser(a[axis], lesser(b[axis], c[axis]))));
+        let high = Vec3::from_array([0, 1, 2].map(|axis| greater(a[axis], greater(b[axis], c[axis]))));
+        let bounds = FaceBounds {
+            low: low.truncate(),
+            high: high.truncate(),
+            nearest: low.z,
+            farthest: high.z,
+        };
+        self.add_on_face(caster, 0, &bounds, self.frame.margin(0.0));
+    }
+
+    fn add_around_lamp(&mut self, caster: u32, corners: [Vec3; 3]) {
+        let distance = distance_to_origin(corners);
+        let margin = self.frame.margin(distance);
+        let is_anywhere = self.frame.is_at_lamp(distance);
         for face in 0..6 {
-            if traits.is_anywhere {
-                let bounds = FaceBounds {
-                    low: Vec2::NEG_ONE,
-                    high: Vec2::ONE,
-                    nearest: 0.0,
-                };
-                self.add_on_face(caster, face, &bounds, traits);
-            } else if let Some(bounds) = FaceBounds::on_cube(face, corners, traits.margin) {
-                self.add_on_face(caster, face, &bounds, traits);
+            if is_anywhere {
+                self.add_on_face(caster, face, &FaceBounds::ANYWHERE, 0.0);
+            } else if let Some(bounds) = FaceBounds::on_cube(face, corners, margin) {
+                self.add_on_face(caster, face, &bounds, margin);
             }
         }
     }
 
-    fn add_on_face(&mut self, caster: u32, face: u32, bounds: &FaceBounds, traits: &Traits) {
+    #[inline]
+    fn add_on_face(&mut self, caster: u32, face: u32, bounds: &FaceBounds, margin: f32) {
         let frame = self.frame;
-        let cells_a_unit = frame.tiles_a_unit * (1 << FINEST) as f32;
-        let last = (frame.tiles << FINEST) - UVec2::ONE;
-        let to_cell = |at: Vec2| (at + frame.half) * cells_a_unit;
-        let low = to_cell(bounds.low - traits.margin);
-        let high = to_cell(bounds.high + traits.margin);
+        let steps_a_unit = frame.tiles_a_unit * (1 << STEPS) as f32;
+        let end = (frame.tiles << STEPS).as_ivec2();
+        let to_step = |at: Vec2| ((at + frame.half) * steps_a_unit).floor().as_ivec2();
+        let low = to_step(bounds.low - margin);
+        let high = to_step(bounds.high + margin);
         // What lies beside a lamp's face shows on another one.
-        let is_beside = high.cmplt(Vec2::ZERO).any() || low.cmpge((last + 1).as_vec2()).any();
-        if is_beside {
+        if high.cmplt(IVec2::ZERO).any() || low.cmpge(end).any() {
             return;
         }
-        let low = low.max(Vec2::ZERO).as_uvec2().min(last);
-        let high = high.max(Vec2::ZERO).as_uvec2().min(last);
-        let touch = Touch {
+        let low = low.max(IVec2::ZERO).as_uvec2();
+        let high = high.min(end - 1).as_uvec2();
+        let [first, last] = [low >> STEPS, high >> STEPS];
+        let first_tile = face * frame.tiles.x * frame.tiles.y;
+        let mut touch = Touch {
             caster,
             nearest: frame.before(bounds.nearest),
-            low: [low.x as u16, low.y as u16],
-            high: [high.x as u16, high.y as u16],
+            farthest: frame.behind(bounds.farthest),
+            low: [0; 2],
+            high: [0; 2],
+            is_cut: first != last,
         };
-        let [first, end] = [low >> FINEST, high >> FINEST];
-        let face_start = face * frame.tiles.x * frame.tiles.y;
-        let is_small = (end - first).max_element() == 0;
-        let has_edges = !traits.is_anywhere && !is_small;
-        let on_face = traits.outline.on_face(frame.is_lamp, face);
-        for y in first.y..=end.y {
-            for x in first.x..=end.x {
-                if has_edges && !touches_tile(frame, &on_face, UVec2::new(x, y)) {
+        let is_large = (last - first).max_element() > 1 && bounds.farthest < f32::INFINITY;
+        let mut on_face = [Vec4::ZERO; 3];
+        if is_large {
+            let one = std::iter::once(caster);
+            outlines(frame, self.geometry, one, |traits| {
+                on_face = traits.outline.on_face(frame.is_lamp, face);
+            });
+        }
+        for y in first.y..=last.y {
+            for x in first.x..=last.x {
+                let tile = UVec2::new(x, y);
+                if is_large && !touches_tile(frame, &on_face, tile) {
                     continue;
                 }
-                self.tiles.push(face_start + y * frame.tiles.x + x);
+                let tile_low = tile << STEPS;
+                let tile_high = tile_low + ((1 << STEPS) - 1);
+                touch.low = (low.max(tile_low) - tile_low).to_array().map(|v| v as u16);
+                touch.high = (high.min(tile_high) - tile_low).to_array().map(|v| v as u16);
+                self.tiles.push(first_tile + y * frame.tiles.x + x);
                 self.touches.push(touch);
             }
         }
@@ -142,13 +156,7 @@ impl Found<'_> {
             starts[i] += starts[i - 1];
         }
         let mut next = starts.clone();
-        let nothing = Touch {
-            caster: 0,
-            nearest: 0.0,
-            low: [0; 2],
-            high: [0; 2],
-        };
-        let mut touches = vec![nothing; self.touches.len()];
+        let mut touches = vec![Touch::default(); self.touches.len()];
         for (&tile, &touch) in self.tiles.iter().zip(&self.touches) {
             let place = &mut next[tile as usize];
             touches[*place as usize] = touch;
@@ -168,22 +176,32 @@ fn touches_tile(frame: &LightFrame, on_face: &[Vec4; 3], tile: UVec2) -> bool {
     greatest.truncate().cmpge(Vec3::NEG_ONE).all()
 }
 
-/// The box around what shows of a triangle on a face, in units of a direction, and its least depth.
+/// The box around what shows of a triangle on a face, in units of a direction, and its depths.
 #[derive(Clone, Copy, Debug)]
 struct FaceBounds {
     low: Vec2,
     high: Vec2,
     nearest: f32,
+    farthest: f32,
 }
 
 impl FaceBounds {
+    /// Of a triangle at a lamp, which may lie anywhere.
+    const ANYWHERE: Self = Self {
+        low: Vec2::NEG_ONE,
+        high: Vec2::ONE,
+        nearest: 0.0,
+        farthest: f32::INFINITY,
+    };
+
     /// Returns what shows of a triangle on a face of the cube around a lamp, and a little beyond its rim; none where nothing does.
     /// `corners` are relative to the lamp.
     fn on_cube(face: u32, corners: [Vec3; 3], margin: f32) -> Option<Self> {
         let axis = face as usize / 2;
         let sign = if face % 2 == 1 { -1.0 } else { 1.0 };
         // Across and down the face, and along its axis.
-        let turned = corners.map(|c| Vec3::new(c[(axis + 1) % 3], c[(axis + 2) % 3], sign * c[axis]));
+        let turned =
+            corners.map(|c| Vec3::new(c[(axis + 1) % 3], c[(axis + 2) % 3], sign * c[axis]));
         let rim = 1.0 + 2.0 * margin;
         // The four sides of the pyramid that is seen through the face, a little widened: positive within.
         let sides: [fn(Vec3, f32) -> f32; 4] = [
@@ -216,6 +234,7 @@ impl FaceBounds {
             low: Vec2::INFINITY,
             high: Vec2::NEG_INFINITY,
             nearest: f32::INFINITY,
+            farthest: f32::NEG_INFINITY,
         };
         for v in points {
             let depth = v.z.max(1e-30);
@@ -223,6 +242,7 @@ impl FaceBounds {
             out.low = out.low.min(at);
             out.high = out.high.max(at);
             out.nearest = out.nearest.min(v.z);
+            out.farthest = out.farthest.max(v.z);
         }
         (!points.is_empty()).then_some(out)
     }
@@ -243,13 +263,4 @@ fn clip(polygon: &[Vec3], side: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
         }
     }
     out
-}
-
-impl Outline {
-    /// Returns the outline of a caster in a table of [`rows`](Self::rows).
-    #[inline(always)]
-    pub(super) fn of_caster(table: &[[u32; 4]], caster: u32) -> Self {
-        let first = 3 * caster as usize;
-        Self::from_rows(&table[first..first + 3])
-    }
 }
