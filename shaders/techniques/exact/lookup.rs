@@ -25,7 +25,6 @@ pub(super) fn look_up_span(
     out: &mut [f32],
 ) {
     let mut padded = PaddedReceivers::new();
-    let mut last_hit = NO_CASTER;
     for first in (0..out.len()).step_by(BATCH) {
         let count = BATCH.min(out.len() - first);
         let receivers = ReceiverBatch::from(span, first, &mut padded);
@@ -43,18 +42,14 @@ pub(super) fn look_up_span(
                 receivers: &receivers,
             })
         };
-        last_hit = simd.run_task(Answer {
+        simd.run_task(Answer {
             lists,
             rays: &rays,
             own: &span.triangle[first..first + count],
             out: &mut out[first..first + count],
-            last_hit,
         });
     }
 }
-
-/// The number of no caster.
-const NO_CASTER: u32 = u32::MAX;
 
 /// How many receivers ask a list at once.
 const LANES: usize = 8;
@@ -176,21 +171,18 @@ struct Answer<'a> {
     rays: &'a Rays,
     own: &'a [u32],
     out: &'a mut [f32],
-    last_hit: u32,
 }
 
 impl SimdTask for Answer<'_> {
-    /// The item that hid the light last.
-    type Output = u32;
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> u32 {
+    fn run(self) {
         let rays = self.rays;
-        let mut walk = Walk {
+        let walk = Walk {
             lists: self.lists,
             rays,
             own: self.own,
-            last_hit: self.last_hit,
         };
         let count = self.out.len();
         let mut places = CellPlaces {
@@ -204,29 +196,76 @@ impl SimdTask for Answer<'_> {
                 walk.find_cell(i, &mut places);
             }
         }
-        let mut first = 0;
-        while first < count {
-            let cell = places.cell[first];
-            if cell == NO_CELL {
-                first += 1;
-                continue;
-            }
-            // Neighbours in the same cell ask its list together.
-            let mut end = first + 1;
-            while end < count && end < first + LANES && places.cell[end] == cell {
-                end += 1;
-            }
-            let all = (1_u32 << (end - first)) - 1;
-            let mut hidden = all & !walk.ask(cell, first, all, &places);
+        let mut runs = [Run::default(); BATCH];
+        let run_count = find_runs(&places, count, &mut runs);
+        let runs = &mut runs[..run_count];
+        // Memory is slow, and what is asked of it at once comes at once: so all heads are read before the first list, and all lists
+        // before the first outline.
+        for run in runs.iter_mut() {
+            walk.read_head(run);
+        }
+        walk.ask(runs, &places);
+        for run in runs.iter() {
+            let mut hidden = run.all & !run.open;
             while hidden != 0 {
-                self.out[first + hidden.trailing_zeros() as usize] = 0.0;
+                let lane = hidden.trailing_zeros();
+                self.out[usize::from(run.first) + lane as usize] = 0.0;
                 hidden &= hidden - 1;
             }
-            first = end;
         }
-        walk.last_hit
     }
 }
+
+/// Neighbours in the same cell, which ask its list together.
+#[derive(Clone, Copy, Default)]
+struct Run {
+    /// The batch's number of the first.
+    first: u8,
+    /// A bit for each.
+    all: u32,
+    /// The bits of those that see the light, as far as is known.
+    open: u32,
+    cell: u32,
+    first_item: u32,
+    item_count: u32,
+}
+
+/// Finds the runs of a batch of `count` receivers. Returns their number.
+#[inline(always)]
+fn find_runs(places: &CellPlaces, count: usize, out: &mut [Run; BATCH]) -> usize {
+    let mut found = 0;
+    let mut first = 0;
+    while first < count {
+        let cell = places.cell[first];
+        let mut end = first + 1;
+        while end < count && end < first + LANES && places.cell[end] == cell {
+            end += 1;
+        }
+        if cell != NO_CELL {
+            out[found].first = first as u8;
+            out[found].all = (1_u32 << (end - first)) - 1;
+            out[found].cell = cell;
+            found += 1;
+        }
+        first = end;
+    }
+    found
+}
+
+/// A caster that may hide the light from some of a run.
+#[derive(Clone, Copy, Default)]
+struct Candidate {
+    run: u32,
+    /// As in the item.
+    caster: u32,
+    outline: u32,
+}
+
+/// The greatest number below -1.
+const BELOW_MISS: f32 = -1.000_000_1;
+
+/// Most candidates that wait at a time.
+const WAITING: usize = 256;
 
 /// The cells of a batch of receivers, and where in them the receivers lie, in 256ths of their sides.
 struct CellPlaces {
@@ -278,8 +317,6 @@ struct Walk<'a> {
     lists: &'a Lists,
     rays: &'a Rays,
     own: &'a [u32],
-    /// The row of the item that hid the light from the last receivers: it mostly hides it from the next, too, and any hit will do.
-    last_hit: u32,
 }
 
 impl Walk<'_> {
@@ -297,73 +334,88 @@ impl Walk<'_> {
         out.down[i] = down - y as f32;
     }
 
-    /// Asks a cell's list for the receivers from `first` on whose bits are set. Returns the bits of those that see the light.
+    /// Reads where a run's list is, and hides the light from those behind its cover.
     #[inline(always)]
-    fn ask(&mut self, cell: u32, first: usize, all: u32, places: &CellPlaces) -> u32 {
-        let [first_item, count, covered_behind, _] = self.lists.cells[cell as usize];
-        let depth = window(&self.rays.depth, first);
-        let mut open = all & !bits_above(&depth, f32::from_bits(covered_behind));
-        if open == 0 || count == 0 {
-            return open;
-        }
-        if self.last_hit != NO_CASTER {
-            let item = self.lists.items[self.last_hit as usize];
-            let still_open = self.ask_item(self.last_hit, &item, first, open);
-            if still_open == 0 {
-                return 0;
-            }
-            if still_open == open {
-                self.last_hit = NO_CASTER;
-            }
-            open = still_open;
-        }
-        let [_, deepest] = range_of(&depth, open);
-        let across = range_of(&window(&places.across, first), open).map(|v| (v * 256.0) as i32 as u32);
-        let down = range_of(&window(&places.down, first), open).map(|v| (v * 256.0) as i32 as u32);
-        let end = (first_item + count) as usize;
-        for (number, item) in (first_item..).zip(&self.lists.items[first_item as usize..end]) {
-            if f32::from_bits(item[2]) > deepest {
-                break;
-            }
-            let [low_x, low_y, high_x, high_y] = item[3].to_le_bytes().map(u32::from);
-            let is_beside = across[1] < low_x || down[1] < low_y || across[0] > high_x || down[0] > high_y;
-            if is_beside {
-                continue;
-            }
-            open = self.ask_item(number, item, first, open);
-            if open == 0 {
-                break;
-            }
-        }
-        open
+    fn read_head(&self, run: &mut Run) {
+        let [first_item, item_count, covered_behind, _] = self.lists.cells[run.cell as usize];
+        let depth = window(&self.rays.depth, run.first.into());
+        run.open = run.all & !bits_above(&depth, f32::from_bits(covered_behind));
+        run.first_item = first_item;
+        run.item_count = item_count;
     }
 
-    /// Returns the bits of those receivers whose rays do not meet a caster, their own triangle apart.
+    /// Asks the lists of runs.
     #[inline(always)]
-    fn ask_item(&mut self, number: u32, item: &[u32; 4], first: usize, open: u32) -> u32 {
-        let caster = item[0] & !DEPTH_UNKNOWN;
-        let outline = Outline::at(&self.lists.outlines, item[1]);
-        let least = self.least(&outline, item[0] != caster, first);
-        // Not less than -1, and not a number, too.
-        let mut near = open & bits_above(&least, -1.000_000_2);
-        if near == 0 {
-            return open;
-        }
-        let sure = bits_above(&least, 1.0);
-        let mut open = open;
-        while near != 0 {
-            let lane = near.trailing_zeros();
-            near &= near - 1;
-            let i = first + lane as usize;
-            if self.own[i] == caster {
+    fn ask(&self, runs: &mut [Run], places: &CellPlaces) {
+        let mut waiting = [Candidate::default(); WAITING];
+        let mut count = 0;
+        for number in 0..runs.len() {
+            let run = runs[number];
+            if run.open == 0 || run.item_count == 0 {
                 continue;
             }
-            if sure & (1 << lane) != 0 || self.meets(i, caster) {
-                open &= !(1 << lane);
-                self.last_hit = number;
+            let first = run.first.into();
+            let [_, deepest] = range_of(&window(&self.rays.depth, first), run.open);
+            let byte = |numbers: &Numbers| {
+                range_of(&window(numbers, first), run.open).map(|v| (v * 256.0) as i32 as u32)
+            };
+            let [across, down] = [byte(&places.across), byte(&places.down)];
+            let end = (run.first_item + run.item_count) as usize;
+            let list = &self.lists.items[run.first_item as usize..end];
+            for row in list {
+                if f32::from_bits(row[2]) > deepest {
+                    break;
+                }
+                let [low_x, low_y, high_x, high_y] = row[3].to_le_bytes().map(u32::from);
+                let is_beside = (across[1] < low_x)
+                    | (down[1] < low_y)
+                    | (across[0] > high_x)
+                    | (down[0] > high_y);
+                waiting[count] = Candidate {
+                    run: number as u32,
+                    caster: row[0],
+                    outline: row[1],
+                };
+                count += usize::from(!is_beside);
+                if count == WAITING {
+                    self.ask_candidates(&waiting, runs);
+                    count = 0;
+                }
             }
         }
-        open
+        self.ask_candidates(&waiting[..count], runs);
+    }
+
+    /// Hides the light from those receivers of runs whose rays meet a candidate, their own triangle apart.
+    #[inline(always)]
+    fn ask_candidates(&self, candidates: &[Candidate], runs: &mut [Run]) {
+        for candidate in candidates {
+            let run = &mut runs[candidate.run as usize];
+            if run.open == 0 {
+                continue;
+            }
+            let first = usize::from(run.first);
+            let caster = candidate.caster & !DEPTH_UNKNOWN;
+            let outline = Outline::at(&self.lists.outlines, candidate.outline);
+            let least = self.least(&outline, candidate.caster != caster, first);
+            // Not less than -1.
+            let mut near = run.open & bits_above(&least, BELOW_MISS);
+            if near == 0 {
+                continue;
+            }
+            let sure = bits_above(&least, 1.0);
+            while near != 0 {
+                let lane = near.trailing_zeros();
+                near &= near - 1;
+                let i = first + lane as usize;
+                if self.own[i] == caster {
+                    continue;
+                }
+                if sure & (1 << lane) != 0 || self.meets(i, caster) {
+                    run.open &= !(1 << lane);
+                }
+            }
+        }
     }
 
     /// Returns the least of an outline's functions for a run of receivers.
