@@ -70,7 +70,6 @@ impl ShadowTechnique for Exact {
             table("tiles", &lists.tiles),
             table("cells", &lists.cells),
             table("items", &lists.items),
-            table("outlines", &lists.outlines),
             table("corners", &lists.corners),
         ];
         Ok(Recipe {

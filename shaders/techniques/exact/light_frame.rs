@@ -64,7 +64,6 @@ pub(super) struct LightFrame {
 /// A point in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FramePoint {
-    pub(super) direction: Vec3,
     pub(super) face: u32,
     /// Across and down the face, within -half to half.
     pub(super) on_face: Vec2,
@@ -156,33 +155,26 @@ impl LightFrame {
         )
     }
 
-    /// Returns where a point of frame space is looked up, in the frame of a lamp or of a sun.
+    /// Returns where a point of frame space is looked up, in the frame of a sun, or in that of a lamp on the face across `axis`.
     #[inline(always)]
-    pub(super) fn look_up_as<const LAMP: bool>(&self, v: Vec3) -> FramePoint {
+    pub(super) fn look_up_as<const LAMP: bool>(&self, v: Vec3, axis: u32) -> FramePoint {
         if !LAMP {
             return FramePoint {
-                direction: Vec3::new(v.x, v.y, 1.0),
                 face: 0,
                 on_face: Vec2::new(v.x, v.y),
                 depth: v.z,
             };
         }
-        let size = v.abs();
-        let is_x = size.x >= size.y && size.x >= size.z;
-        let is_y = !is_x && size.y >= size.z;
         // Selections instead of branches, so that a loop over receivers becomes one of vector instructions.
-        let pick = |x: f32, y: f32, z: f32| if is_x { x } else if is_y { y } else { z };
-        let depth = pick(size.x, size.y, size.z);
-        let direction = v / depth;
+        let pick = |x: f32, y: f32, z: f32| if axis == 0 { x } else if axis == 1 { y } else { z };
+        let along = pick(v.x, v.y, v.z);
+        let direction = v / along.abs();
         let across = pick(direction.y, direction.z, direction.x);
         let down = pick(direction.z, direction.x, direction.y);
-        let axis = if is_x { 0 } else if is_y { 2 } else { 4 };
-        let is_negative = pick(v.x, v.y, v.z) < 0.0;
         FramePoint {
-            direction,
-            face: axis + u32::from(is_negative),
+            face: 2 * axis + u32::from(along < 0.0),
             on_face: Vec2::new(across, down),
-            depth,
+            depth: along.abs(),
         }
     }
 
@@ -249,31 +241,26 @@ fn tiles_along(casters: usize) -> u32 {
 }
 
 impl LightFrame {
-    /// Returns the least depth of a plane, less the margin, from the greatest value of its function (before
-    /// [`depth_terms`](Self::depth_terms)).
+    /// Returns the least depth of a plane, less the margin, from the least and the greatest value of its function.
     #[inline(always)]
-    pub(super) fn nearest_of_plane(&self, greatest: f32) -> f32 {
-        let scaled = greatest * self.depth_margin();
+    pub(super) fn nearest_of_plane(&self, [least, greatest]: [f32; 2]) -> f32 {
         if self.is_lamp {
             // The function is one over the depth.
-            self.before(1.0 / scaled.max(f32::MIN_POSITIVE))
+            self.before(1.0 / greatest.max(f32::MIN_POSITIVE))
         } else {
-            self.before(-scaled)
+            self.before(least)
         }
     }
 
-    /// Returns the greatest depth of a plane, and the margin, from the least value of its function.
+    /// Returns the greatest depth of a plane, and the margin, from the least and the greatest value of its function.
     #[inline(always)]
-    pub(super) fn farthest_of_plane(&self, least: f32) -> f32 {
-        let scaled = least * self.depth_margin();
-        if self.is_lamp {
-            if scaled > 0.0 {
-                self.behind(1.0 / scaled)
-            } else {
-                f32::INFINITY
-            }
+    pub(super) fn farthest_of_plane(&self, [least, greatest]: [f32; 2]) -> f32 {
+        if !self.is_lamp {
+            self.behind(greatest)
+        } else if least > 0.0 {
+            self.behind(1.0 / least)
         } else {
-            self.behind(-scaled)
+            f32::INFINITY
         }
     }
 }

@@ -32,18 +32,20 @@ const KEPT_LIGHTS: usize = 4;
 /// Tiles of a row.
 const TILES_A_ROW: usize = 2;
 
+/// Items of a row.
+const ITEMS_A_ROW: usize = 2;
+
 /// The lists of one light.
 #[derive(Clone, Debug)]
 pub(super) struct Lists {
     pub(super) frame: LightFrame,
     /// Two tiles a row: the first cell, and the cells along a side as a power of two.
     pub(super) tiles: Rows,
-    /// A row a cell: first item, count, what is deeper than this is in shadow (bits of a float).
+    /// A row a cell, and one at the end: first item, what is deeper than this is in shadow, where steps of depth begin, and one over
+    /// their width (bits of floats).
     pub(super) cells: Rows,
-    /// A row an item: caster, outline, least depth (bits of a float), the box around it in the cell.
+    /// Two items a row: caster; and its box in the cell, with its least depth in the highest bits.
     pub(super) items: Rows,
-    /// Three rows an outline.
-    pub(super) outlines: Rows,
     /// Three rows a caster: its corners.
     pub(super) corners: Rows,
 }
@@ -123,7 +125,7 @@ impl Lists {
             .collect();
         drop(touches);
         let t3 = t0.elapsed();
-        let [tiles, cells, items, outlines] = joined(&lists);
+        let [tiles, cells, items] = joined(&lists);
         let t4 = t0.elapsed();
         if std::env::var_os("SPENT").is_some() { eprintln!("SPENT place {:.1} touch {:.1} lists {:.1} join {:.1}; {} cells {} items", t1.as_secs_f64()*1e3, (t2-t1).as_secs_f64()*1e3, (t3-t2).as_secs_f64()*1e3, (t4-t3).as_secs_f64()*1e3, cells.len(), items.len()); }
         Self {
@@ -131,7 +133,6 @@ impl Lists {
             tiles,
             cells,
             items,
-            outlines,
             corners: CornerRows::of(geometry),
         }
     }
@@ -160,8 +161,8 @@ fn line_of_tiles(
     out
 }
 
-/// Returns the tables of all tiles, cells, items and outlines.
-fn joined(lists: &[TileLists]) -> [Rows; 4] {
+/// Returns the tables of all tiles, cells and items.
+fn joined(lists: &[TileLists]) -> [Rows; 3] {
     let mut tiles = Vec::new();
     let mut starts = Vec::new();
     let mut end = PartStart::default();
@@ -171,40 +172,39 @@ fn joined(lists: &[TileLists]) -> [Rows; 4] {
             tiles.push([tile.first_cell + end.cell as u32, tile.side_log2]);
         }
         end.cell += part.cells.len();
-        end.item += part.items.len();
-        end.outline_row += part.outlines.len();
+        // Each part begins a row.
+        end.item_row += part.items.len().div_ceil(ITEMS_A_ROW);
     }
     let tile_rows = tiles.chunks(TILES_A_ROW).map(|pair| {
         let last = pair[pair.len() - 1];
         [pair[0][0], pair[0][1], last[0], last[1]]
     });
     let tiles: Rows = tile_rows.collect();
-    let mut cells = zeros(end.cell.max(1));
-    let mut items = zeros(end.item.max(1));
-    let mut outlines = zeros(end.outline_row.max(3));
+    let mut cells = zeros(end.cell + 1);
+    let mut items = zeros(end.item_row.max(1));
     let mut jobs = Vec::new();
     let mut cells_left = writable(&mut cells);
     let mut items_left = writable(&mut items);
-    let mut outlines_left = writable(&mut outlines);
     for (part, start) in lists.iter().zip(starts) {
+        let item_rows = part.items.len().div_ceil(ITEMS_A_ROW);
         jobs.push(PartCopy {
             part,
             start,
             cells: split_front(&mut cells_left, part.cells.len()),
-            items: split_front(&mut items_left, part.items.len()),
-            outlines: split_front(&mut outlines_left, part.outlines.len()),
+            items: split_front(&mut items_left, item_rows),
         });
     }
+    // Where the last list ends.
+    cells_left[0][0] = (end.item_row * ITEMS_A_ROW) as u32;
     jobs.into_par_iter().for_each(PartCopy::run);
-    [tiles, cells, items, outlines]
+    [tiles, cells, items]
 }
 
 /// Where a part begins in the tables of all.
 #[derive(Clone, Copy, Default)]
 struct PartStart {
     cell: usize,
-    item: usize,
-    outline_row: usize,
+    item_row: usize,
 }
 
 /// A part, and its rows of the tables of all.
@@ -213,22 +213,21 @@ struct PartCopy<'a> {
     start: PartStart,
     cells: &'a mut [[u32; 4]],
     items: &'a mut [[u32; 4]],
-    outlines: &'a mut [[u32; 4]],
 }
 
 impl PartCopy<'_> {
     fn run(self) {
-        let first_item = self.start.item as u32;
-        let first_outline = self.start.outline_row as u32 / 3;
+        let first_item = (self.start.item_row * ITEMS_A_ROW) as u32;
         for (out, cell) in self.cells.iter_mut().zip(&self.part.cells) {
-            let covered_behind = cell.covered_behind.to_bits();
-            *out = [first_item + cell.first, cell.count, covered_behind, 0];
+            let floats = [cell.covered_behind, cell.depth_base, cell.steps_a_depth];
+            let [covered_behind, depth_base, steps_a_depth] = floats.map(f32::to_bits);
+            *out = [first_item + cell.first, covered_behind, depth_base, steps_a_depth];
         }
-        for (out, item) in self.items.iter_mut().zip(&self.part.items) {
-            let outline = first_outline + item.outline;
-            *out = [item.caster, outline, item.nearest.to_bits(), item.bounds];
+        for (out, pair) in self.items.iter_mut().zip(self.part.items.chunks(ITEMS_A_ROW)) {
+            // A part with an odd number of items has its last one twice.
+            let last = pair[pair.len() - 1];
+            *out = [pair[0][0], pair[0][1], last[0], last[1]];
         }
-        self.outlines.copy_from_slice(&self.part.outlines);
     }
 }
 

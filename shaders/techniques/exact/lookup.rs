@@ -4,13 +4,14 @@ use super::{
     ExactUniforms,
     light_frame::LightFrame,
     lists::Lists,
-    outline::{Outline, greater, lesser},
-    tile::DEPTH_UNKNOWN,
+    outline::{greater, lesser},
+    tile::{BOX_BITS, BOX_STEPS, DEPTH_STEPS},
 };
 use crate::lanes::batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch};
+use std::ops::Range;
 use umbrage_core::{
-    Simd, SimdTask, Span,
-    bvh::segment_hits,
+    NO_TRIANGLE, Simd, SimdTask, Span,
+    bvh::{SEGMENT_LANES, SegmentArrays, longest_axis},
     glam::{Vec2, Vec3, Vec4},
     light_sample::{SHORT, origin_offset, segment},
     math::dot3,
@@ -51,21 +52,19 @@ pub(super) fn look_up_span(
     }
 }
 
-/// How many receivers ask a list at once.
-const LANES: usize = 8;
+/// How many receivers ask a list at once: neighbours in one cell are seldom more.
+const LANES: usize = SEGMENT_LANES;
 
-/// A number of each receiver of a batch, and beyond its end for a last run that is not full.
-type Numbers = [f32; BATCH + LANES];
+/// The length of arrays with a number of each receiver of a batch: a last run that is not full reaches beyond the end.
+const PADDED: usize = BATCH + LANES;
+
+/// Such an array.
+type Numbers = [f32; PADDED];
 
 /// The rays of a batch of receivers, and where they fall on the grid.
 struct Rays {
-    origin: [Numbers; 3],
-    vector: [Numbers; 3],
-    direction: [Numbers; 3],
+    segments: SegmentArrays<PADDED>,
     depth: Numbers,
-    /// What the plane's function is multiplied by, and what is added.
-    factor: Numbers,
-    summand: Numbers,
     /// The number of the tile; [`NO_TILE`] outside of the grid.
     tile: Lanes<i32>,
     /// Across and down the tile, 0 to 1.
@@ -84,22 +83,12 @@ const NO_TILE: i32 = -2;
 
 impl Rays {
     fn new() -> Self {
-        let zeros = [0.0; BATCH + LANES];
         Self {
-            origin: [zeros; 3],
-            vector: [zeros; 3],
-            direction: [zeros; 3],
-            depth: zeros,
-            factor: zeros,
-            summand: zeros,
+            segments: SegmentArrays::default(),
+            depth: [0.0; PADDED],
             tile: [NO_TILE; BATCH],
-            within: [zeros; 2],
+            within: [[0.0; PADDED]; 2],
         }
-    }
-
-    #[inline(always)]
-    fn at(numbers: &[Numbers; 3], i: usize) -> Vec3 {
-        Vec3::new(numbers[0][i], numbers[1][i], numbers[2][i])
     }
 }
 
@@ -124,7 +113,6 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
         let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
         let lamp = u.light.center.truncate();
         let [wide, high] = [frame.tiles.x as f32, frame.tiles.y as f32];
-        let per_margin = u.origin.w;
         for i in 0..BATCH {
             let p = receivers.position(i);
             let n = receivers.normal(i);
@@ -133,7 +121,8 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
             let o = p + n * origin_offset(p, reach);
             // As `segment` has it of a point.
             let d = if LAMP { (lamp - o) * SHORT } else { sun };
-            let point = frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o));
+            // Receivers of a cell share the longest axis of their rays.
+            let point = frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o), longest_axis(d));
             let at = (point.on_face + frame.half) * frame.tiles_a_unit;
             // A lamp's faces end where others begin. Written so that what is not a number is outside.
             let is_inside = LAMP || at.x >= 0.0 && at.y >= 0.0 && at.x < wide && at.y < high;
@@ -143,18 +132,8 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
             let line = point.face as f32 * high + tile_y;
             // 2^23 more has the whole number in its lowest bits: a conversion that knows no bounds.
             let tile = ((line * wide + tile_x + WHOLE).to_bits() & (WHOLE_BITS - 1)) as i32;
-            for (axis, numbers) in out.origin.iter_mut().enumerate() {
-                numbers[i] = o[axis];
-            }
-            for (axis, numbers) in out.vector.iter_mut().enumerate() {
-                numbers[i] = d[axis];
-            }
-            for (axis, numbers) in out.direction.iter_mut().enumerate() {
-                numbers[i] = point.direction[axis];
-            }
+            out.segments.set(i, o, d);
             out.depth[i] = point.depth;
-            out.factor[i] = if LAMP { point.depth } else { 1.0 };
-            out.summand[i] = if LAMP { -per_margin } else { point.depth * per_margin };
             out.within[0][i] = x - tile_x;
             out.within[1][i] = y - tile_y;
             let tile = if is_inside { tile } else { NO_TILE };
@@ -187,8 +166,8 @@ impl SimdTask for Answer<'_> {
         let count = self.out.len();
         let mut places = CellPlaces {
             cell: [NO_CELL; BATCH],
-            across: [0.0; BATCH + LANES],
-            down: [0.0; BATCH + LANES],
+            across: [0.0; PADDED],
+            down: [0.0; PADDED],
         };
         for (i, out) in self.out.iter_mut().enumerate() {
             *out = if rays.tile[i] == FACES_AWAY { 0.0 } else { 1.0 };
@@ -219,15 +198,18 @@ impl SimdTask for Answer<'_> {
 /// Neighbours in the same cell, which ask its list together.
 #[derive(Clone, Copy, Default)]
 struct Run {
-    /// The batch's number of the first.
+    /// The batch's number of the first, and how many they are.
     first: u8,
+    count: u8,
     /// A bit for each.
     all: u32,
     /// The bits of those that see the light, as far as is known.
     open: u32,
     cell: u32,
     first_item: u32,
-    item_count: u32,
+    end_item: u32,
+    depth_base: f32,
+    steps_a_depth: f32,
 }
 
 /// Finds the runs of a batch of `count` receivers. Returns their number.
@@ -243,6 +225,7 @@ fn find_runs(places: &CellPlaces, count: usize, out: &mut [Run; BATCH]) -> usize
         }
         if cell != NO_CELL {
             out[found].first = first as u8;
+            out[found].count = (end - first) as u8;
             out[found].all = (1_u32 << (end - first)) - 1;
             out[found].cell = cell;
             found += 1;
@@ -256,18 +239,13 @@ fn find_runs(places: &CellPlaces, count: usize, out: &mut [Run; BATCH]) -> usize
 #[derive(Clone, Copy, Default)]
 struct Candidate {
     run: u32,
-    /// As in the item.
     caster: u32,
-    outline: u32,
 }
-
-/// The greatest number below -1.
-const BELOW_MISS: f32 = -1.000_000_1;
 
 /// Most candidates that wait at a time.
 const WAITING: usize = 256;
 
-/// The cells of a batch of receivers, and where in them the receivers lie, in 256ths of their sides.
+/// The cells of a batch of receivers, and where in them the receivers lie, as a part of their sides.
 struct CellPlaces {
     cell: Lanes<u32>,
     across: Numbers,
@@ -277,39 +255,14 @@ struct CellPlaces {
 /// No cell: the receiver faces away, or lies outside of the grid.
 const NO_CELL: u32 = u32::MAX;
 
-/// The numbers of a run of receivers.
-type Window = [f32; LANES];
-
+/// Returns the least and the greatest of the numbers of some receivers.
 #[inline(always)]
-fn window(numbers: &Numbers, first: usize) -> Window {
-    let mut out = [0.0; LANES];
-    out.copy_from_slice(&numbers[first..first + LANES]);
-    out
-}
-
-/// Returns a bit for each number that is greater than the limit.
-#[inline(always)]
-fn bits_above(numbers: &Window, limit: f32) -> u32 {
-    let limit = Vec4::splat(limit);
-    let low = Vec4::from_slice(&numbers[..4]).cmpgt(limit).bitmask();
-    let high = Vec4::from_slice(&numbers[4..]).cmpgt(limit).bitmask();
-    low | high << 4
-}
-
-/// Returns the least and the greatest of those numbers whose bits are set.
-#[inline(always)]
-fn range_of(numbers: &Window, bits: u32) -> [f32; 2] {
-    let mut low = [f32::INFINITY; LANES];
-    let mut high = [f32::NEG_INFINITY; LANES];
-    for lane in 0..LANES {
-        let is_set = bits & (1 << lane) != 0;
-        low[lane] = if is_set { numbers[lane] } else { f32::INFINITY };
-        high[lane] = if is_set { numbers[lane] } else { f32::NEG_INFINITY };
+fn range_of(numbers: &[f32]) -> [f32; 2] {
+    let mut out = [numbers[0]; 2];
+    for &number in &numbers[1..] {
+        out = [lesser(out[0], number), greater(out[1], number)];
     }
-    let half = |all: &Window| [Vec4::from_slice(&all[..4]), Vec4::from_slice(&all[4..])];
-    let [a, b] = half(&low);
-    let [c, d] = half(&high);
-    [a.min(b).min_element(), c.max(d).max_element()]
+    out
 }
 
 /// Walks lists.
@@ -337,11 +290,15 @@ impl Walk<'_> {
     /// Reads where a run's list is, and hides the light from those behind its cover.
     #[inline(always)]
     fn read_head(&self, run: &mut Run) {
-        let [first_item, item_count, covered_behind, _] = self.lists.cells[run.cell as usize];
-        let depth = window(&self.rays.depth, run.first.into());
-        run.open = run.all & !bits_above(&depth, f32::from_bits(covered_behind));
+        let cell = run.cell as usize;
+        let [first_item, covered_behind, depth_base, steps_a_depth] = self.lists.cells[cell];
+        let covered_behind = Vec4::splat(f32::from_bits(covered_behind));
+        let depth = Vec4::from_slice(&self.rays.depth[run.first.into()..][..LANES]);
+        run.open = run.all & !depth.cmpgt(covered_behind).bitmask();
         run.first_item = first_item;
-        run.item_count = item_count;
+        run.end_item = self.lists.cells[cell + 1][0];
+        run.depth_base = f32::from_bits(depth_base);
+        run.steps_a_depth = f32::from_bits(steps_a_depth);
     }
 
     /// Asks the lists of runs.
@@ -351,32 +308,38 @@ impl Walk<'_> {
         let mut count = 0;
         for number in 0..runs.len() {
             let run = runs[number];
-            if run.open == 0 || run.item_count == 0 {
+            if run.open == 0 || run.first_item == run.end_item {
                 continue;
             }
-            let first = run.first.into();
-            let [_, deepest] = range_of(&window(&self.rays.depth, first), run.open);
-            let byte = |numbers: &Numbers| {
-                range_of(&window(numbers, first), run.open).map(|v| (v * 256.0) as i32 as u32)
+            let first = usize::from(run.first);
+            let lanes = first..first + usize::from(run.count);
+            let [_, deepest] = range_of(&self.rays.depth[lanes.clone()]);
+            let last_step = lesser((deepest - run.depth_base) * run.steps_a_depth, DEPTH_STEPS);
+            // In front of all casters.
+            if deepest < run.depth_base {
+                continue;
+            }
+            let last_step = last_step as i32 as u32;
+            let step = |numbers: &Numbers| {
+                range_of(&numbers[lanes.clone()]).map(|v| (v * BOX_STEPS) as i32 as u32)
             };
-            let [across, down] = [byte(&places.across), byte(&places.down)];
-            let end = (run.first_item + run.item_count) as usize;
-            let list = &self.lists.items[run.first_item as usize..end];
-            for row in list {
-                if f32::from_bits(row[2]) > deepest {
+            let [across, down] = [step(&places.across), step(&places.down)];
+            let own = self.own_of_all(&lanes);
+            for item in run.first_item..run.end_item {
+                let [caster, word] = pair_at(&self.lists.items, item as usize);
+                if word >> (4 * BOX_BITS) > last_step {
                     break;
                 }
-                let [low_x, low_y, high_x, high_y] = row[3].to_le_bytes().map(u32::from);
-                let is_beside = (across[1] < low_x)
-                    | (down[1] < low_y)
-                    | (across[0] > high_x)
-                    | (down[0] > high_y);
+                let part = |i: u32| word >> (BOX_BITS * i) & ((1 << BOX_BITS) - 1);
+                let is_beside = (across[1] < part(0))
+                    | (down[1] < part(1))
+                    | (across[0] > part(2))
+                    | (down[0] > part(3));
                 waiting[count] = Candidate {
                     run: number as u32,
-                    caster: row[0],
-                    outline: row[1],
+                    caster,
                 };
-                count += usize::from(!is_beside);
+                count += usize::from(!is_beside & (caster != own));
                 if count == WAITING {
                     self.ask_candidates(&waiting, runs);
                     count = 0;
@@ -386,77 +349,37 @@ impl Walk<'_> {
         self.ask_candidates(&waiting[..count], runs);
     }
 
+    /// Returns the triangle on which all of some receivers lie; none of the casters if they lie on several.
+    #[inline(always)]
+    fn own_of_all(&self, lanes: &Range<usize>) -> u32 {
+        let own = &self.own[lanes.clone()];
+        let is_one = own.iter().all(|&id| id == own[0]);
+        if is_one { own[0] } else { NO_TRIANGLE }
+    }
+
     /// Hides the light from those receivers of runs whose rays meet a candidate, their own triangle apart.
     #[inline(always)]
     fn ask_candidates(&self, candidates: &[Candidate], runs: &mut [Run]) {
-        for candidate in candidates {
-            let run = &mut runs[candidate.run as usize];
+        for &Candidate { run, caster } in candidates {
+            let run = &mut runs[run as usize];
             if run.open == 0 {
                 continue;
             }
             let first = usize::from(run.first);
-            let caster = candidate.caster & !DEPTH_UNKNOWN;
-            let outline = Outline::at(&self.lists.outlines, candidate.outline);
-            let least = self.least(&outline, candidate.caster != caster, first);
-            // Not less than -1.
-            let mut near = run.open & bits_above(&least, BELOW_MISS);
-            if near == 0 {
-                continue;
-            }
-            let sure = bits_above(&least, 1.0);
-            while near != 0 {
-                let lane = near.trailing_zeros();
-                near &= near - 1;
-                let i = first + lane as usize;
-                if self.own[i] == caster {
-                    continue;
-                }
-                if sure & (1 << lane) != 0 || self.meets(i, caster) {
+            let rows = &self.lists.corners[3 * caster as usize..][..3];
+            let corners = [0, 1, 2].map(|i: usize| {
+                let [x, y, z, _] = rows[i].map(f32::from_bits);
+                Vec3::new(x, y, z)
+            });
+            let mut hits = run.open & self.rays.segments.four(first).hits(corners);
+            while hits != 0 {
+                let lane = hits.trailing_zeros();
+                hits &= hits - 1;
+                if self.own[first + lane as usize] != caster {
                     run.open &= !(1 << lane);
                 }
             }
         }
-    }
-
-    /// Returns the least of an outline's functions for a run of receivers.
-    #[inline(always)]
-    fn least(&self, outline: &Outline, is_depth_unknown: bool, first: usize) -> Window {
-        let rays = self.rays;
-        let [x, y, z] = [0, 1, 2].map(|axis| window(&rays.direction[axis], first));
-        let mut out = [0.0; LANES];
-        for lane in 0..LANES {
-            let value = |k: usize| outline.x[k] * x[lane] + outline.y[k] * y[lane] + outline.z[k] * z[lane];
-            out[lane] = lesser(value(0), lesser(value(1), value(2)));
-        }
-        if is_depth_unknown {
-            let depth = window(&rays.depth, first);
-            for lane in 0..LANES {
-                let value = if depth[lane] > outline.z.w { 2.0 } else { 0.0 };
-                out[lane] = lesser(out[lane], value);
-            }
-        } else {
-            let factor = window(&rays.factor, first);
-            let summand = window(&rays.summand, first);
-            for lane in 0..LANES {
-                let plane = outline.x.w * x[lane] + outline.y.w * y[lane] + outline.z.w * z[lane];
-                out[lane] = lesser(out[lane], plane * factor[lane] + summand[lane]);
-            }
-        }
-        out
-    }
-
-    /// The triangle test of rays.
-    #[inline(never)]
-    fn meets(&self, i: usize, caster: u32) -> bool {
-        let first = 3 * caster as usize;
-        let rows = &self.lists.corners[first..first + 3];
-        let corner = |i: usize| {
-            let row = rows[i].map(f32::from_bits);
-            Vec3::new(row[0], row[1], row[2])
-        };
-        let o = Rays::at(&self.rays.origin, i);
-        let d = Rays::at(&self.rays.vector, i);
-        segment_hits(o, d, corner(0), corner(1), corner(2))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     light_frame::LightFrame,
-    outline::{Traits, outlines},
+    outline::outlines,
     touches::{STEPS, Touch},
 };
 use umbrage_core::{
@@ -16,28 +16,34 @@ const FINEST: u32 = 7;
 /// One triangle of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Item {
-    /// Its place in the list of triangles; the highest bit says that its outline does not know its depth.
+    /// Its place in the list of triangles.
     pub(super) caster: u32,
-    /// Its outline.
-    pub(super) outline: u32,
     /// Least depth that it has in the cell, less the margin.
     pub(super) nearest: f32,
-    /// The box around it in the cell, in 256ths of its side: least across, least down, greatest across, greatest down, from the lowest byte on.
+    /// The box around it in the cell, in [`BOX_STEPS`] of its side: least across, least down, greatest across, greatest down, from the
+    /// lowest bits on.
     pub(super) bounds: u32,
 }
 
-/// The bit of [`Item::caster`] that says that only the triangle test of rays tells the depth, or, of rays from behind all of the triangle, that
-/// the plane's summand does: it is the greatest depth then.
-pub(super) const DEPTH_UNKNOWN: u32 = 1 << 31;
+/// Bits of a number of [`Item::bounds`].
+pub(super) const BOX_BITS: u32 = 6;
+
+/// Steps of [`Item::bounds`] along a cell's side.
+pub(super) const BOX_STEPS: f32 = (1 << BOX_BITS) as f32;
+
+/// Steps of an item's depth, as it is kept: from the least to the greatest of its list.
+pub(super) const DEPTH_STEPS: f32 = 255.0;
 
 /// A cell's list.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
-    /// Its first item.
+    /// Its first item; its last one is before the next cell's first.
     pub(super) first: u32,
-    pub(super) count: u32,
     /// What is deeper is in shadow: the greatest depth, with the margin, of the nearest triangle that covers the whole cell.
     pub(super) covered_behind: f32,
+    /// Where the steps of depth begin, and one over their width.
+    pub(super) depth_base: f32,
+    pub(super) steps_a_depth: f32,
 }
 
 /// Where a tile's cells are.
@@ -53,9 +59,8 @@ pub(super) struct Tile {
 pub(super) struct TileLists {
     pub(super) tiles: Vec<Tile>,
     pub(super) cells: Vec<Cell>,
-    pub(super) items: Vec<Item>,
-    /// Three rows each.
-    pub(super) outlines: Vec<[u32; 4]>,
+    /// Caster; and its box, with its depth in the highest bits.
+    pub(super) items: Vec<[u32; 2]>,
 }
 
 /// What making lists and asking them costs, in nanoseconds or anything else: `bench` measures, and only proportions matter.
@@ -75,7 +80,6 @@ pub(super) struct Weights {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     touches: Vec<Touch>,
-    traits: Vec<Traits>,
     /// Items and their cells, in the order in which they are found.
     found: Vec<(u32, Item)>,
     counts: Vec<u32>,
@@ -109,17 +113,6 @@ impl Scratch {
             side_log2,
         };
         out.tiles.push(tile);
-        let first_outline = out.outlines.len() as u32 / 3;
-        self.traits.clear();
-        let casters = self.touches.iter().map(|touch| touch.caster);
-        outlines(frame, geometry, casters, |traits| self.traits.push(traits));
-        for (touch, traits) in self.touches.iter_mut().zip(&mut self.traits) {
-            if !traits.knows_depth {
-                touch.caster |= DEPTH_UNKNOWN;
-                traits.outline.z.w = touch.farthest;
-            }
-            out.outlines.extend(traits.outline.rows());
-        }
         let cells = 1_usize << (2 * side_log2);
         self.counts.clear();
         self.counts.resize(cells, 0);
@@ -135,38 +128,37 @@ impl Scratch {
         let step = tile_side / (1 << side_log2) as f32;
         for i in 0..self.touches.len() {
             let touch = self.touches[i];
-            let number = first_outline + i as u32;
             let range = CellRange::of(&touch, side_log2);
             if range.is_small() && !touch.is_cut {
                 // Finding out which of the cells it leaves out costs more than asking it in vain.
                 for [cx, cy] in range.cells() {
-                    self.push(&touch, number, side_log2, [cx, cy], touch.nearest);
+                    self.push(&touch, side_log2, [cx, cy], touch.nearest);
                 }
                 continue;
             }
-            let outline = self.traits[i].outline;
-            let [across, down, summand] = outline.on_face(frame.is_lamp, face);
+            let traits = outlines(frame, geometry, [touch.caster])[0];
+            let [across, down, summand] = traits.outline.on_face(frame.is_lamp, face);
             let at_tile = summand + across * low.x + down * low.y;
             let [across, down] = [across * step, down * step];
             let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
             let to_least = across.min(Vec4::ZERO) + down.min(Vec4::ZERO);
-            let knows_depth = self.traits[i].knows_depth;
             for [cx, cy] in range.cells() {
                 let at_cell = at_tile + down * cy as f32 + across * cx as f32;
                 let greatest = at_cell + to_greatest;
                 if greatest.truncate().cmplt(Vec3::NEG_ONE).any() {
                     continue;
                 }
-                if !knows_depth {
-                    self.push(&touch, number, side_log2, [cx, cy], touch.nearest);
+                if !traits.knows_depth {
+                    self.push(&touch, side_log2, [cx, cy], touch.nearest);
                     continue;
                 }
                 let least = at_cell + to_least;
-                let nearest = frame.nearest_of_plane(greatest.w);
-                self.push(&touch, number, side_log2, [cx, cy], nearest.max(touch.nearest));
+                let plane = [least.w, greatest.w];
+                let nearest = frame.nearest_of_plane(plane);
+                self.push(&touch, side_log2, [cx, cy], nearest.max(touch.nearest));
                 if least.truncate().cmpgt(Vec3::ONE).all() {
                     let covered = &mut self.covered[((cy << side_log2) + cx) as usize];
-                    *covered = covered.min(frame.farthest_of_plane(least.w));
+                    *covered = covered.min(frame.farthest_of_plane(plane));
                 }
             }
         }
@@ -174,10 +166,9 @@ impl Scratch {
     }
 
     #[inline(always)]
-    fn push(&mut self, touch: &Touch, outline: u32, side_log2: u32, cell: [u32; 2], nearest: f32) {
+    fn push(&mut self, touch: &Touch, side_log2: u32, cell: [u32; 2], nearest: f32) {
         let item = Item {
             caster: touch.caster,
-            outline,
             nearest,
             bounds: bounds_in_cell(touch, side_log2, cell),
         };
@@ -215,11 +206,23 @@ impl Scratch {
             sort_by_depth(list);
             let first = out.items.len() as u32;
             let kept = list.iter().take_while(|item| item.nearest <= covered_behind);
-            out.items.extend(kept);
+            let count = kept.count();
+            let depth_base = list.first().map_or(0.0, |item| item.nearest);
+            let deepest = list[..count].last().map_or(0.0, |item| item.nearest);
+            let steps_a_depth = DEPTH_STEPS / (deepest - depth_base).max(f32::MIN_POSITIVE);
+            let steps_a_depth = if steps_a_depth.is_finite() { steps_a_depth } else { 0.0 };
+            for item in &list[..count] {
+                // Rounded down, and no deeper than the receiver's own step, which is found by the same arithmetic: as it grows with depth, no
+                // caster is passed over.
+                let depth = ((item.nearest - depth_base) * steps_a_depth) as u32;
+                let word = item.bounds | depth.min(255) << (4 * BOX_BITS);
+                out.items.push([item.caster, word]);
+            }
             out.cells.push(Cell {
                 first,
-                count: out.items.len() as u32 - first,
                 covered_behind,
+                depth_base,
+                steps_a_depth,
             });
         }
     }
@@ -316,10 +319,10 @@ fn bounds_in_cell(touch: &Touch, side_log2: u32, cell: [u32; 2]) -> u32 {
         let start = cell[axis] << cell_log2;
         let low = u32::from(touch.low[axis]).saturating_sub(start);
         let high = u32::from(touch.high[axis]).saturating_sub(start).min(last);
-        // The first 256th of the least step, and the last one of the greatest.
-        let first_byte = (low << 8) >> cell_log2;
-        let last_byte = (((high + 1) << 8) - 1) >> cell_log2;
-        packed |= first_byte << (8 * axis) | last_byte << (8 * axis + 16);
+        // The first part of the least step, and the last part of the greatest.
+        let first = (low << BOX_BITS) >> cell_log2;
+        let end = (((high + 1) << BOX_BITS) - 1) >> cell_log2;
+        packed |= first << (BOX_BITS * axis as u32) | end << (BOX_BITS * (axis as u32 + 2));
     }
     packed
 }

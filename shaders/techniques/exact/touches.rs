@@ -19,8 +19,6 @@ pub(super) struct Touch {
     pub(super) caster: u32,
     /// Least depth on this face, less the margin.
     pub(super) nearest: f32,
-    /// Greatest depth, and the margin.
-    pub(super) farthest: f32,
     /// The box around it, cut to the tile, in steps.
     pub(super) low: [u16; 2],
     /// Inclusive.
@@ -80,7 +78,7 @@ impl Found<'_> {
             low: low.truncate(),
             high: high.truncate(),
             nearest: low.z,
-            farthest: high.z,
+            is_anywhere: false,
         };
         self.add_on_face(caster, 0, &bounds, self.frame.margin(0.0));
     }
@@ -117,18 +115,15 @@ impl Found<'_> {
         let mut touch = Touch {
             caster,
             nearest: frame.before(bounds.nearest),
-            farthest: frame.behind(bounds.farthest),
             low: [0; 2],
             high: [0; 2],
             is_cut: first != last,
         };
-        let is_large = (last - first).max_element() > 1 && bounds.farthest < f32::INFINITY;
+        let is_large = (last - first).max_element() > 1 && !bounds.is_anywhere;
         let mut on_face = [Vec4::ZERO; 3];
         if is_large {
-            let one = std::iter::once(caster);
-            outlines(frame, self.geometry, one, |traits| {
-                on_face = traits.outline.on_face(frame.is_lamp, face);
-            });
+            let [traits] = outlines(frame, self.geometry, [caster]);
+            on_face = traits.outline.on_face(frame.is_lamp, face);
         }
         for y in first.y..=last.y {
             for x in first.x..=last.x {
@@ -176,13 +171,14 @@ fn touches_tile(frame: &LightFrame, on_face: &[Vec4; 3], tile: UVec2) -> bool {
     greatest.truncate().cmpge(Vec3::NEG_ONE).all()
 }
 
-/// The box around what shows of a triangle on a face, in units of a direction, and its depths.
+/// The box around what shows of a triangle on a face, in units of a direction, and its least depth.
 #[derive(Clone, Copy, Debug)]
 struct FaceBounds {
     low: Vec2,
     high: Vec2,
     nearest: f32,
-    farthest: f32,
+    /// Of a triangle so near to a lamp that its edges mean nothing.
+    is_anywhere: bool,
 }
 
 impl FaceBounds {
@@ -191,7 +187,7 @@ impl FaceBounds {
         low: Vec2::NEG_ONE,
         high: Vec2::ONE,
         nearest: 0.0,
-        farthest: f32::INFINITY,
+        is_anywhere: true,
     };
 
     /// Returns what shows of a triangle on a face of the cube around a lamp, and a little beyond its rim; none where nothing does.
@@ -234,7 +230,7 @@ impl FaceBounds {
             low: Vec2::INFINITY,
             high: Vec2::NEG_INFINITY,
             nearest: f32::INFINITY,
-            farthest: f32::NEG_INFINITY,
+            is_anywhere: false,
         };
         for v in points {
             let depth = v.z.max(1e-30);
@@ -242,7 +238,6 @@ impl FaceBounds {
             out.low = out.low.min(at);
             out.high = out.high.max(at);
             out.nearest = out.nearest.min(v.z);
-            out.farthest = out.farthest.max(v.z);
         }
         (!points.is_empty()).then_some(out)
     }

@@ -10,6 +10,7 @@ pub mod displacement;
 mod placed;
 pub(crate) mod ray_box;
 pub(crate) mod ray_triangle;
+pub(crate) mod segment_lanes;
 pub(crate) mod subdivide;
 pub(crate) mod weld;
 
