@@ -111,8 +111,8 @@ impl Lists {
             .collect();
         let t2 = t0.elapsed();
         let weights = Weights {
-            item: ITEM_NANOSECONDS,
-            cell: CELL_NANOSECONDS,
+            item: tuned("ITEM_NS", ITEM_NANOSECONDS),
+            cell: tuned("CELL_NS", CELL_NANOSECONDS),
             test: tuned("TEST_NS", TEST_NANOSECONDS),
             receivers: RECEIVERS / (SEEN_TILES * frame.tile_count() as f32),
         };

@@ -129,7 +129,7 @@ impl Scratch {
         for i in 0..self.touches.len() {
             let touch = self.touches[i];
             let range = CellRange::of(&touch, side_log2);
-            if range.is_small() && !touch.is_cut {
+            if range.is_small() && !touch.is_large {
                 // Finding out which of the cells it leaves out costs more than asking it in vain.
                 for [cx, cy] in range.cells() {
                     self.push(&touch, side_log2, [cx, cy], touch.nearest);

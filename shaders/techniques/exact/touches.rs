@@ -23,8 +23,8 @@ pub(super) struct Touch {
     pub(super) low: [u16; 2],
     /// Inclusive.
     pub(super) high: [u16; 2],
-    /// Whether it touches other tiles, too.
-    pub(super) is_cut: bool,
+    /// Whether it is larger than a tile.
+    pub(super) is_large: bool,
 }
 
 /// The touches of some triangles, by tile.
@@ -50,11 +50,13 @@ impl TouchesByTile {
             touches: Vec::with_capacity(casters.len()),
         };
         for id in casters {
-            let corners = geometry.corners(id).map(|p| frame.place(p));
+            let [a, b, c] = geometry.corners(id);
             if frame.is_lamp {
-                found.add_around_lamp(id, corners);
+                let place = |p| frame.place_as::<true>(p);
+                found.add_around_lamp(id, [place(a), place(b), place(c)]);
             } else {
-                found.add_under_sun(id, corners);
+                let place = |p| frame.place_as::<false>(p);
+                found.add_under_sun(id, [place(a), place(b), place(c)]);
             }
         }
         found.by_tile()
@@ -72,11 +74,13 @@ struct Found<'a> {
 impl Found<'_> {
     #[inline]
     fn add_under_sun(&mut self, caster: u32, [a, b, c]: [Vec3; 3]) {
-        let low = Vec3::from_array([0, 1, 2].map(|axis| lesser(a[axis], lesser(b[axis], c[axis]))));
-        let high = Vec3::from_array([0, 1, 2].map(|axis| greater(a[axis], greater(b[axis], c[axis]))));
+        let least = |axis: usize| lesser(a[axis], lesser(b[axis], c[axis]));
+        let greatest = |axis: usize| greater(a[axis], greater(b[axis], c[axis]));
+        let low = Vec3::new(least(0), least(1), least(2));
+        let high = Vec2::new(greatest(0), greatest(1));
         let bounds = FaceBounds {
             low: low.truncate(),
-            high: high.truncate(),
+            high,
             nearest: low.z,
             is_anywhere: false,
         };
@@ -101,7 +105,8 @@ impl Found<'_> {
         let frame = self.frame;
         let steps_a_unit = frame.tiles_a_unit * (1 << STEPS) as f32;
         let end = (frame.tiles << STEPS).as_ivec2();
-        let to_step = |at: Vec2| ((at + frame.half) * steps_a_unit).floor().as_ivec2();
+        // Rounded down from -1 on, and to a negative number below.
+        let to_step = |at: Vec2| ((at + frame.half) * steps_a_unit + 1.0).as_ivec2() - 1;
         let low = to_step(bounds.low - margin);
         let high = to_step(bounds.high + margin);
         // What lies beside a lamp's face shows on another one.
@@ -117,18 +122,18 @@ impl Found<'_> {
             nearest: frame.before(bounds.nearest),
             low: [0; 2],
             high: [0; 2],
-            is_cut: first != last,
+            is_large: (high - low).max_element() > 1 << STEPS,
         };
-        let is_large = (last - first).max_element() > 1 && !bounds.is_anywhere;
+        let has_edges = touch.is_large && !bounds.is_anywhere;
         let mut on_face = [Vec4::ZERO; 3];
-        if is_large {
+        if has_edges {
             let [traits] = outlines(frame, self.geometry, [caster]);
             on_face = traits.outline.on_face(frame.is_lamp, face);
         }
         for y in first.y..=last.y {
             for x in first.x..=last.x {
                 let tile = UVec2::new(x, y);
-                if is_large && !touches_tile(frame, &on_face, tile) {
+                if has_edges && !touches_tile(frame, &on_face, tile) {
                     continue;
                 }
                 let tile_low = tile << STEPS;
