@@ -1,5 +1,4 @@
-// Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items (table_2), outlines (table_3), corners
-// of the casters (table_4).
+// Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items (table_2), the casters' corners (table_3).
 
 struct ExactUniforms {
     light: LightSampler,
@@ -13,11 +12,16 @@ struct ExactUniforms {
     far: f32,
 }
 
-// As exact/touches.rs has it.
-const DEPTH_UNKNOWN = 0x80000000u;
+// As exact/tile.rs has them.
+const BOX_BITS = 6u;
+const BOX_MASK = 63u;
+const BOX_STEPS = 64.0;
+const DEPTH_STEPS = 255.0;
+
+// The greatest number below 1.
+const BELOW_ONE = 0.99999994;
 
 struct FramePoint {
-    direction: vec3f,
     face: u32,
     on_face: vec2f,
     depth: f32,
@@ -26,72 +30,64 @@ struct FramePoint {
 fn frame_point(o: vec3f) -> FramePoint {
     let v = o - kernel.origin.xyz;
     if kernel.tiles.z == 0u {
-        let x = dot3(kernel.across.xyz, v);
-        let y = dot3(kernel.down.xyz, v);
-        let depth = dot3(kernel.away.xyz, v) - kernel.away.w;
-        return FramePoint(vec3f(x, y, 1.0), 0u, vec2f(x, y), depth);
+        let at = vec2f(dot3(kernel.across.xyz, v), dot3(kernel.down.xyz, v));
+        return FramePoint(0u, at, dot3(kernel.away.xyz, v) - kernel.away.w);
     }
     let size = abs(v);
-    if size.x >= size.y && size.x >= size.z {
-        let q = v / size.x;
-        return FramePoint(q, select(0u, 1u, v.x < 0.0), q.yz, size.x);
+    if size.z >= size.x && size.z >= size.y {
+        return FramePoint(select(4u, 5u, v.z < 0.0), v.xy / size.z, size.z);
     }
-    if size.y >= size.z {
-        let q = v / size.y;
-        return FramePoint(q, select(2u, 3u, v.y < 0.0), q.zx, size.y);
+    if size.x >= size.y {
+        return FramePoint(select(0u, 1u, v.x < 0.0), v.yz / size.x, size.x);
     }
-    let q = v / size.z;
-    return FramePoint(q, select(4u, 5u, v.z < 0.0), q.xy, size.z);
+    return FramePoint(select(2u, 3u, v.y < 0.0), v.zx / size.y, size.y);
 }
 
-fn meets(o: vec3f, d: vec3f, caster: u32) -> bool {
-    let a = bitcast<vec3f>(table_4[3u * caster].xyz);
-    let b = bitcast<vec3f>(table_4[3u * caster + 1u].xyz);
-    let c = bitcast<vec3f>(table_4[3u * caster + 2u].xyz);
-    return segment_hits(o, d, a, b, c);
+fn corner_of(row: u32) -> vec3f {
+    return bitcast<vec3f>(table_3[row].xyz);
 }
 
 fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     let point = frame_point(o);
-    let is_lamp = kernel.tiles.z != 0u;
     let size = vec2f(kernel.tiles.xy);
-    var at = (point.on_face + kernel.grid.xy) * kernel.grid.z;
-    if is_lamp {
-        at = clamp(at, vec2f(0.0), size - 0.001);
-    } else if !(at.x >= 0.0 && at.y >= 0.0 && at.x < size.x && at.y < size.y) {
+    let on_grid = (point.on_face + kernel.grid.xy) * kernel.grid.z;
+    let is_inside = on_grid.x >= 0.0 && on_grid.y >= 0.0 && on_grid.x < size.x && on_grid.y < size.y;
+    // A lamp's faces end where others begin.
+    if kernel.tiles.z == 0u && !is_inside {
         return false;
     }
+    let at = clamp(on_grid, vec2f(0.0), size * BELOW_ONE);
     let tile = vec2u(at);
     let number = (point.face * kernel.tiles.y + tile.y) * kernel.tiles.x + tile.x;
-    let pair = table_0[number / 2u];
-    let chosen = select(pair.xy, pair.zw, number % 2u == 1u);
-    let cell = vec2u((at - floor(at)) * f32(1u << chosen.y));
-    let head = table_1[chosen.x + (cell.y << chosen.y) + cell.x];
-    if point.depth > bitcast<f32>(head.z) {
+    let tiles = table_0[number / 2u];
+    let first_and_side = select(tiles.xy, tiles.zw, number % 2u == 1u);
+    let in_tile = (at - floor(at)) * f32(1u << first_and_side.y);
+    let cell_at = vec2u(in_tile);
+    let cell_number = first_and_side.x + (cell_at.y << first_and_side.y) + cell_at.x;
+    let cell = table_1[cell_number];
+    if point.depth > bitcast<f32>(cell.y) {
         return true;
     }
-    let factor = select(1.0, point.depth, is_lamp);
-    let summand = select(point.depth * kernel.origin.w, -kernel.origin.w, is_lamp);
-    for (var i = head.x; i < head.x + head.y; i++) {
+    let steps = (point.depth - bitcast<f32>(cell.z)) * bitcast<f32>(cell.w);
+    if point.depth < bitcast<f32>(cell.z) {
+        return false;
+    }
+    let last_step = u32(min(steps, DEPTH_STEPS));
+    let in_cell = vec2u((in_tile - floor(in_tile)) * BOX_STEPS);
+    let end = table_1[cell_number + 1u].x;
+    for (var i = cell.x; i < end; i++) {
         let items = table_2[i / 2u];
         let item = select(items.xy, items.zw, i % 2u == 1u);
-        if bitcast<f32>(item.y) > point.depth {
+        if (item.y >> (4u * BOX_BITS)) > last_step {
             return false;
         }
-        let caster = item.x & ~DEPTH_UNKNOWN;
-        if caster == own {
+        let low = vec2u(item.y, item.y >> BOX_BITS) & vec2u(BOX_MASK);
+        let high = vec2u(item.y >> (2u * BOX_BITS), item.y >> (3u * BOX_BITS)) & vec2u(BOX_MASK);
+        if item.x == own || any(in_cell < low) || any(in_cell > high) {
             continue;
         }
-        let x = bitcast<vec4f>(table_3[3u * caster]);
-        let y = bitcast<vec4f>(table_3[3u * caster + 1u]);
-        let z = bitcast<vec4f>(table_3[3u * caster + 2u]);
-        let value = x * point.direction.x + y * point.direction.y + z * point.direction.z;
-        let depth = select(value.w * factor + summand, 0.0, item.x != caster);
-        let least = min(min(min(value.x, value.y), value.z), depth);
-        if least < -1.0 {
-            continue;
-        }
-        if least > 1.0 || meets(o, d, caster) {
+        let row = 3u * item.x;
+        if segment_hits(o, d, corner_of(row), corner_of(row + 1u), corner_of(row + 2u)) {
             return true;
         }
     }

@@ -19,7 +19,12 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     } else if arguments.lists {
         check_scenes(&arguments.scenes)?;
         let mut gpu = adapter();
-        lists(arguments.runs as usize, &arguments.scenes, gpu.as_mut(), tell)?;
+        lists(
+            arguments.runs as usize,
+            &arguments.scenes,
+            gpu.as_mut(),
+            tell,
+        )?;
     } else {
         run_suite(arguments, tell)?;
     }

@@ -4,9 +4,13 @@
 //! them, over half the width of all casters, so that u and v are within -1 to 1. For a lamp it is the world's axes around
 //! the light, in metres.
 //!
-//! A point's **direction** `q` is what an outline is asked at: (u, v, 1) for a sun, and for a lamp the point over its greatest
-//! coordinate, which is a point of the cube around the light. Its **depth** is w less that of the nearest caster, or for a lamp that greatest
-//! coordinate's size: both grow away from the light.
+//! A point's **direction** is (u, v, 1) for a sun, and for a lamp the point over its greatest coordinate, which is a point of the cube
+//! around the light. Its **depth** is w less that of the nearest caster, or for a lamp that greatest coordinate's size: both grow away from
+//! the light.
+//!
+//! **Margins.** A list may hold too many casters, but must hold all that a ray through its cell may be found to meet. What the triangle
+//! test finds is off by some roundings of the distances in it (`ray_triangle.rs` of `umbrage-core`), and so is where coordinates are rounded
+//! to: boxes and depths are widened by more than that.
 
 use umbrage_core::{
     Aabb, Geometry, Light,
@@ -22,7 +26,7 @@ const LEAST_MARGIN: f32 = 1.0 / 262_144.0;
 /// what `ray_triangle.rs` shows.
 const ROUNDING: f32 = 1.0 / 524_288.0;
 
-/// A sun's margin in depth over the margin across: so outlines as steep as this, over two, still know their depth.
+/// A sun's margin in depth over the margin across: outlines up to half as steep know their depth.
 const DEPTH_OVER_WIDTH: f32 = 16.0;
 
 /// A lamp's margin in depth, as a fraction of depth.
@@ -81,7 +85,12 @@ impl LightFrame {
         let everything = geometry.bounds();
         match light.position() {
             Some(lamp) => Self::around_lamp(lamp, &everything, tiles),
-            None => Self::along_sun(light.direction_from(Vec3::ZERO), &casters, &everything, tiles),
+            None => Self::along_sun(
+                light.direction_from(Vec3::ZERO),
+                &casters,
+                &everything,
+                tiles,
+            ),
         }
     }
 
@@ -108,15 +117,26 @@ impl LightFrame {
         let (across, down) = away.any_orthonormal_pair();
         let origin = casters.center();
         let corners: Vec<DVec3> = casters.corners().map(|c| (c - origin).as_dvec3()).collect();
-        let extent = |axis: DVec3| corners.iter().map(|c| axis.dot(*c).abs()).fold(0.0, f64::max);
+        let extent = |axis: DVec3| {
+            corners
+                .iter()
+                .map(|c| axis.dot(*c).abs())
+                .fold(0.0, f64::max)
+        };
         let [wide, high, deep] = [extent(across), extent(down), extent(away)];
         // A line or a point has no width: then any does, and the depth has one.
-        let unit = wide.max(high).max(deep * 1e-3).max(f64::from(f32::MIN_POSITIVE));
+        let unit = wide
+            .max(high)
+            .max(deep * 1e-3)
+            .max(f64::from(f32::MIN_POSITIVE));
         // Room for rounding at the rim.
         let room = 1.0 + 1.0 / 1024.0;
         let half = Vec2::new((wide / unit) as f32, (high / unit) as f32) * room + LEAST_MARGIN;
         let tiles_a_unit = 0.5 * tiles as f32;
-        let count = (half * 2.0 * tiles_a_unit).ceil().as_uvec2().max(UVec2::ONE);
+        let count = (half * 2.0 * tiles_a_unit)
+            .ceil()
+            .as_uvec2()
+            .max(UVec2::ONE);
         let reach = (f64::from(everything.diagonal()) / unit) as f32;
         Self {
             is_lamp: false,
@@ -166,7 +186,15 @@ impl LightFrame {
             };
         }
         // Selections instead of branches, so that a loop over receivers becomes one of vector instructions.
-        let pick = |x: f32, y: f32, z: f32| if axis == 0 { x } else if axis == 1 { y } else { z };
+        let pick = |x: f32, y: f32, z: f32| {
+            if axis == 0 {
+                x
+            } else if axis == 1 {
+                y
+            } else {
+                z
+            }
+        };
         let along = pick(v.x, v.y, v.z);
         let direction = v / along.abs();
         let across = pick(direction.y, direction.z, direction.x);
@@ -216,7 +244,7 @@ impl LightFrame {
     /// Returns a depth that is surely less, by the margin.
     pub(super) fn before(&self, depth: f32) -> f32 {
         if self.is_lamp {
-            depth * (1.0 - self.depth_margin())
+            depth * (1.0 - self.depth_margin()) - self.rounding
         } else {
             depth - self.depth_margin()
         }
@@ -225,22 +253,12 @@ impl LightFrame {
     /// Returns a depth that is surely greater, by the margin.
     pub(super) fn behind(&self, depth: f32) -> f32 {
         if self.is_lamp {
-            depth * (1.0 + self.depth_margin())
+            depth * (1.0 + self.depth_margin()) + self.rounding
         } else {
             depth + self.depth_margin()
         }
     }
-}
 
-/// Returns how many tiles a face has along its longer side.
-fn tiles_along(casters: usize) -> u32 {
-    let per: f32 = std::env::var("PER_TILE").ok().and_then(|v| v.parse().ok()).unwrap_or(TRIANGLES_A_TILE);
-    let even = (casters as f32 / per).sqrt();
-    let side = even.clamp(TILES[0], TILES[1]);
-    (side.ceil() as u32).next_power_of_two()
-}
-
-impl LightFrame {
     /// Returns the least depth of a plane, less the margin, from the least and the greatest value of its function.
     #[inline(always)]
     pub(super) fn nearest_of_plane(&self, [least, greatest]: [f32; 2]) -> f32 {
@@ -263,4 +281,11 @@ impl LightFrame {
             f32::INFINITY
         }
     }
+}
+
+/// Returns how many tiles a face has along its longer side.
+fn tiles_along(casters: usize) -> u32 {
+    let even = (casters as f32 / TRIANGLES_A_TILE).sqrt();
+    let side = even.clamp(TILES[0], TILES[1]);
+    (side.ceil() as u32).next_power_of_two()
 }

@@ -71,6 +71,9 @@ struct Rays {
     within: [Numbers; 2],
 }
 
+/// The greatest number below 1: times a small whole number, it is still less than that.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
 /// Numbers from here to twice this are whole.
 const WHOLE: f32 = 8_388_608.0;
 const WHOLE_BITS: u32 = 1 << 23;
@@ -126,8 +129,8 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
             let at = (point.on_face + frame.half) * frame.tiles_a_unit;
             // A lamp's faces end where others begin. Written so that what is not a number is outside.
             let is_inside = LAMP || at.x >= 0.0 && at.y >= 0.0 && at.x < wide && at.y < high;
-            let x = lesser(greater(at.x, 0.0), wide - 0.001);
-            let y = lesser(greater(at.y, 0.0), high - 0.001);
+            let x = lesser(greater(at.x, 0.0), wide * BELOW_ONE);
+            let y = lesser(greater(at.y, 0.0), high * BELOW_ONE);
             let [tile_x, tile_y] = [x.floor(), y.floor()];
             let line = point.face as f32 * high + tile_y;
             // 2^23 more has the whole number in its lowest bits: a conversion that knows no bounds.

@@ -38,7 +38,11 @@ impl Outline {
             return axes;
         }
         let axis = face as usize / 2;
-        let along = if face % 2 == 1 { -axes[axis] } else { axes[axis] };
+        let along = if face % 2 == 1 {
+            -axes[axis]
+        } else {
+            axes[axis]
+        };
         [axes[(axis + 1) % 3], axes[(axis + 2) % 3], along]
     }
 }
@@ -63,7 +67,13 @@ fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
     let [a, b, c] = directions;
     let edges = [b.cross(c), c.cross(a), a.cross(b)];
     // How long the edges are, across the rays.
-    let lengths = edges.map(|e| if frame.is_lamp { e.length() } else { e.truncate().length() });
+    let lengths = edges.map(|e| {
+        if frame.is_lamp {
+            e.length()
+        } else {
+            e.truncate().length()
+        }
+    });
     let longest = lengths.iter().copied().fold(1e-300, f64::max);
     let whole = a.dot(edges[0]);
     let sign = if whole < 0.0 { -1.0 } else { 1.0 };

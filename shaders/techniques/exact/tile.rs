@@ -201,16 +201,24 @@ impl Scratch {
         }
         for (i, &covered_behind) in covered.iter().enumerate() {
             let begin = counts[i] as usize;
-            let end = counts.get(i + 1).map_or(sorted.len(), |&next| next as usize);
+            let end = counts
+                .get(i + 1)
+                .map_or(sorted.len(), |&next| next as usize);
             let list = &mut sorted[begin..end];
             sort_by_depth(list);
             let first = out.items.len() as u32;
-            let kept = list.iter().take_while(|item| item.nearest <= covered_behind);
+            let kept = list
+                .iter()
+                .take_while(|item| item.nearest <= covered_behind);
             let count = kept.count();
             let depth_base = list.first().map_or(0.0, |item| item.nearest);
             let deepest = list[..count].last().map_or(0.0, |item| item.nearest);
             let steps_a_depth = DEPTH_STEPS / (deepest - depth_base).max(f32::MIN_POSITIVE);
-            let steps_a_depth = if steps_a_depth.is_finite() { steps_a_depth } else { 0.0 };
+            let steps_a_depth = if steps_a_depth.is_finite() {
+                steps_a_depth
+            } else {
+                0.0
+            };
             for item in &list[..count] {
                 // Rounded down, and no deeper than the receiver's own step, which is found by the same arithmetic: as it grows with depth, no
                 // caster is passed over.

@@ -42,7 +42,11 @@ impl TouchesByTile {
     }
 
     /// Finds which tiles some casters touch.
-    pub(super) fn find(frame: &LightFrame, geometry: &Geometry, casters: std::ops::Range<u32>) -> Self {
+    pub(super) fn find(
+        frame: &LightFrame,
+        geometry: &Geometry,
+        casters: std::ops::Range<u32>,
+    ) -> Self {
         let mut found = Found {
             frame,
             geometry,
@@ -106,7 +110,10 @@ impl Found<'_> {
         let steps_a_unit = frame.tiles_a_unit * (1 << STEPS) as f32;
         let end = (frame.tiles << STEPS).as_ivec2();
         // Rounded down from -1 on, and to a negative number below.
-        let to_step = |at: Vec2| ((at + frame.half) * steps_a_unit + 1.0).as_ivec2() - 1;
+        let to_step = |at: Vec2| {
+            let steps = (at + frame.half) * steps_a_unit;
+            (steps.max(Vec2::splat(-1e6)) + 1.0).as_ivec2() - 1
+        };
         let low = to_step(bounds.low - margin);
         let high = to_step(bounds.high + margin);
         // What lies beside a lamp's face shows on another one.
@@ -139,7 +146,9 @@ impl Found<'_> {
                 let tile_low = tile << STEPS;
                 let tile_high = tile_low + ((1 << STEPS) - 1);
                 touch.low = (low.max(tile_low) - tile_low).to_array().map(|v| v as u16);
-                touch.high = (high.min(tile_high) - tile_low).to_array().map(|v| v as u16);
+                touch.high = (high.min(tile_high) - tile_low)
+                    .to_array()
+                    .map(|v| v as u16);
                 self.tiles.push(first_tile + y * frame.tiles.x + x);
                 self.touches.push(touch);
             }

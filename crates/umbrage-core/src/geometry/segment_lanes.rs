@@ -239,7 +239,9 @@ mod tests {
             let segments = [0; 4].map(|_| {
                 let o = point(&mut random) + far;
                 // Towards a corner, an edge, the inside, or anywhere.
-                let inner = corners[0].lerp(corners[1], 0.5).lerp(corners[2], random.signed().abs());
+                let inner = corners[0]
+                    .lerp(corners[1], 0.5)
+                    .lerp(corners[2], random.signed().abs());
                 let d = match hash(random.0) % 4 {
                     0 => (corners[0] - o) * 2.0,
                     1 => (corners[0].lerp(corners[1], 0.5) - o) * 1.5,
@@ -257,11 +259,18 @@ mod tests {
                     continue;
                 }
                 let expected = segment_hits(o, d, corners[0], corners[1], corners[2]);
-                assert_eq!(bits >> lane & 1 == 1, expected, "{corners:?} from {o} along {d}");
+                assert_eq!(
+                    bits >> lane & 1 == 1,
+                    expected,
+                    "{corners:?} from {o} along {d}"
+                );
                 hits += u32::from(expected);
                 tested += 1;
             }
         }
-        assert!(hits > tested / 10 && hits < tested, "the test tells little: {hits} of {tested}");
+        assert!(
+            hits > tested / 10 && hits < tested,
+            "the test tells little: {hits} of {tested}"
+        );
     }
 }

@@ -99,11 +99,7 @@ impl Stage<'_> {
         let cpu = RefCell::new(cpu);
         let time = |recipe: &Recipe| receive_time(&mut **cpu.borrow_mut(), view, recipe);
         let anew = || self.lists_anew(&mut cpu.borrow_mut());
-        let lookup = paired(
-            self.repetitions,
-            || time(&exact),
-            || time(&rays),
-        )?;
+        let lookup = paired(self.repetitions, || time(&exact), || time(&rays))?;
         let against_map = paired(self.repetitions, anew, || {
             Ok(cpu.borrow_mut().render(view, &hard)?.timings.total())
         })?;
@@ -122,7 +118,12 @@ impl Stage<'_> {
         )?;
         Ok(vec![
             self.pair("lookup", ["lists", "rays"], lookup, Some(RAYS_BAR)),
-            self.pair("made anew", ["lists and lookup", "hard 2048, without its plan"], against_map, Some(1.0)),
+            self.pair(
+                "made anew",
+                ["lists and lookup", "hard 2048, without its plan"],
+                against_map,
+                Some(1.0),
+            ),
             self.pair(
                 "made anew",
                 ["lists and lookup", "hierarchy and rays"],
@@ -144,7 +145,12 @@ impl Stage<'_> {
         let against_map = paired(self.repetitions, || time(&exact), || time(&hard))?;
         let is_small = self.geometry.casters().len() <= SMALL;
         Ok(vec![
-            self.pair("lookup on wgpu", ["lists", "rays"], against_rays, Some(GPU_RAYS_BAR)),
+            self.pair(
+                "lookup on wgpu",
+                ["lists", "rays"],
+                against_rays,
+                Some(GPU_RAYS_BAR),
+            ),
             self.pair(
                 "lookup on wgpu",
                 ["lists", "hard 2048"],
@@ -167,7 +173,11 @@ impl Stage<'_> {
         if differ == 0 {
             return Ok(());
         }
-        let why = format!("{}: {differ} answers of lists on {} differ from rays", self.name, backend.name());
+        let why = format!(
+            "{}: {differ} answers of lists on {} differ from rays",
+            self.name,
+            backend.name()
+        );
         Err(BackendError::Validation(why))
     }
 
@@ -189,7 +199,11 @@ impl Stage<'_> {
 
     fn pair(&self, what: &str, who: [&str; 2], paired: Paired, bar: Option<f64>) -> Pair {
         Pair {
-            work: format!("{what}, {} ({} casters)", self.name, self.geometry.casters().len()),
+            work: format!(
+                "{what}, {} ({} casters)",
+                self.name,
+                self.geometry.casters().len()
+            ),
             who: who.map(str::to_owned),
             ours: paired.ours,
             theirs: paired.theirs,
