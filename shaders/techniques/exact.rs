@@ -24,7 +24,7 @@ use crate::{
     shadow_map::ShadowMap,
 };
 use lists::{Lists, Rows};
-use lookup::look_up_span;
+use lookup::{cells_of_span, look_up_span};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
@@ -108,6 +108,45 @@ impl ListedTechnique for Exact {
 
     fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         Some(ClosedFormDemand::new(Self {}, 0.0))
+    }
+}
+
+/// The cell that is asked for a receiver: to look at what lookups cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AskedCell {
+    /// Its number among all cells of the light.
+    pub number: u32,
+    /// Casters in its list.
+    pub length: u32,
+    /// Whether one caster hides the light from all receivers of the cell that are as deep as this one, so that its list isn't asked.
+    pub is_covered: bool,
+}
+
+impl Exact {
+    /// Returns the cells that are asked for a view's receivers, pixel by pixel: none where a receiver faces away from the light, where
+    /// no caster can be in its way, or where nothing receives.
+    ///
+    /// # Errors
+    /// Errors if the view has no receivers or no triangles, or something in it can't be used.
+    pub fn asked_cells(&self, view: &View<'_>) -> Result<Vec<Option<AskedCell>>, RecipeError> {
+        view.validate()?;
+        let (Some(geometry), Some(receivers)) = (view.geometry, view.receivers) else {
+            return Err(RecipeError::unsupported(
+                "cells are asked for known receivers, by triangles",
+            ));
+        };
+        let kernel = ExactKernel::new(view, geometry, Lists::of(view.light, geometry));
+        let mut out = vec![None; receivers.len()];
+        let width = receivers.size.x as usize;
+        for (row, out) in out.chunks_mut(width.max(1)).enumerate() {
+            let first = row * width;
+            let span = receivers.span(first, width);
+            cells_of_span(&kernel.uniforms, &kernel.lists, &span, out);
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = out.filter(|_| receivers.receives[first + i]);
+            }
+        }
+        Ok(out)
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) type Rows = Arc<[[u32; 4]]>;
 /// together.
 const ITEM_NANOSECONDS: f32 = 12.0;
 const CELL_NANOSECONDS: f32 = 8.0;
-const TEST_NANOSECONDS: f32 = 1.0;
+const TEST_NANOSECONDS: f32 = 2.0;
 /// Receivers of a picture, about.
 const RECEIVERS: f32 = 1e6;
 

@@ -1,7 +1,7 @@
 //! The CPU half of the kernel: rays are placed on the grid in vector lanes, lists are walked one receiver at a time.
 
 use super::{
-    ExactUniforms,
+    AskedCell, ExactUniforms,
     light_frame::LightFrame,
     lists::Lists,
     outline::{greater, lesser},
@@ -29,26 +29,72 @@ pub(super) fn look_up_span(
     for first in (0..out.len()).step_by(BATCH) {
         let count = BATCH.min(out.len() - first);
         let receivers = ReceiverBatch::from(span, first, &mut padded);
-        let frame = &lists.frame;
-        let rays = if frame.is_lamp {
-            simd.run_task(Place::<true> {
-                uniforms,
-                frame,
-                receivers: &receivers,
-            })
-        } else {
-            simd.run_task(Place::<false> {
-                uniforms,
-                frame,
-                receivers: &receivers,
-            })
-        };
+        let rays = place(simd, uniforms, &lists.frame, &receivers);
         simd.run_task(Answer {
             lists,
             rays: &rays,
             own: &span.triangle[first..first + count],
             out: &mut out[first..first + count],
         });
+    }
+}
+
+/// Fills `out`, as long as the span, with the cells that are asked for its receivers: none where a receiver faces away from the light,
+/// or where nothing can be in its way.
+pub(super) fn cells_of_span(
+    uniforms: &ExactUniforms,
+    lists: &Lists,
+    span: &Span<'_>,
+    out: &mut [Option<AskedCell>],
+) {
+    let mut padded = PaddedReceivers::new();
+    for first in (0..out.len()).step_by(BATCH) {
+        let receivers = ReceiverBatch::from(span, first, &mut padded);
+        let rays = place(Simd::Native, uniforms, &lists.frame, &receivers);
+        let walk = Walk {
+            lists,
+            rays: &rays,
+            own: &[],
+        };
+        let mut places = CellPlaces::new();
+        let rest = &mut out[first..];
+        for (i, out) in rest.iter_mut().take(BATCH).enumerate() {
+            if rays.tile[i] < 0 {
+                *out = None;
+                continue;
+            }
+            walk.find_cell(i, &mut places);
+            let number = places.cell[i];
+            let cell = lists.cells[number as usize];
+            let end = lists.cells[number as usize + 1][0];
+            *out = Some(AskedCell {
+                number,
+                length: end - cell[0],
+                is_covered: rays.depth[i] > f32::from_bits(cell[1]),
+            });
+        }
+    }
+}
+
+/// Places a batch of receivers.
+fn place(
+    simd: Simd,
+    uniforms: &ExactUniforms,
+    frame: &LightFrame,
+    receivers: &ReceiverBatch<'_>,
+) -> Rays {
+    if frame.is_lamp {
+        simd.run_task(Place::<true> {
+            uniforms,
+            frame,
+            receivers,
+        })
+    } else {
+        simd.run_task(Place::<false> {
+            uniforms,
+            frame,
+            receivers,
+        })
     }
 }
 
@@ -167,11 +213,7 @@ impl SimdTask for Answer<'_> {
             own: self.own,
         };
         let count = self.out.len();
-        let mut places = CellPlaces {
-            cell: [NO_CELL; BATCH],
-            across: [0.0; PADDED],
-            down: [0.0; PADDED],
-        };
+        let mut places = CellPlaces::new();
         for (i, out) in self.out.iter_mut().enumerate() {
             *out = if rays.tile[i] == FACES_AWAY { 0.0 } else { 1.0 };
             if rays.tile[i] >= 0 {
@@ -253,6 +295,16 @@ struct CellPlaces {
     cell: Lanes<u32>,
     across: Numbers,
     down: Numbers,
+}
+
+impl CellPlaces {
+    fn new() -> Self {
+        Self {
+            cell: [NO_CELL; BATCH],
+            across: [0.0; PADDED],
+            down: [0.0; PADDED],
+        }
+    }
 }
 
 /// No cell: the receiver faces away, or lies outside of the grid.
