@@ -261,7 +261,7 @@ impl LightFrame {
 
     /// Returns the least depth of a plane, less the margin, from the least and the greatest value of its function.
     #[inline(always)]
-    pub(super) fn nearest_of_plane(&self, [least, greatest]: [f32; 2]) -> f32 {
+    pub(super) fn nearest_of_plane(&self, least: f32, greatest: f32) -> f32 {
         if self.is_lamp {
             // The function is one over the depth.
             self.before(1.0 / greatest.max(f32::MIN_POSITIVE))
@@ -272,7 +272,7 @@ impl LightFrame {
 
     /// Returns the greatest depth of a plane, and the margin, from the least and the greatest value of its function.
     #[inline(always)]
-    pub(super) fn farthest_of_plane(&self, [least, greatest]: [f32; 2]) -> f32 {
+    pub(super) fn farthest_of_plane(&self, least: f32, greatest: f32) -> f32 {
         if !self.is_lamp {
             self.behind(greatest)
         } else if least > 0.0 {

@@ -2,7 +2,7 @@
 
 use super::{
     light_frame::LightFrame,
-    tile::{Scratch, TileLists, Weights},
+    tile::{Scratch, TileLists, TilePlace, Weights},
     touches::TouchesByTile,
 };
 use rayon::prelude::*;
@@ -158,7 +158,8 @@ fn line_of_tiles(
         for part in touches {
             scratch.add(part.of_tile(tile));
         }
-        scratch.finish(frame, geometry, [face, x, y], weights, &mut out);
+        let place = TilePlace { face, x, y };
+        scratch.finish(frame, geometry, place, weights, &mut out);
     }
     out
 }

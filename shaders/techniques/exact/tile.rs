@@ -54,6 +54,14 @@ pub(super) struct Tile {
     pub(super) side_log2: u32,
 }
 
+/// Which tile.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TilePlace {
+    pub(super) face: u32,
+    pub(super) x: u32,
+    pub(super) y: u32,
+}
+
 /// The lists of some tiles.
 #[derive(Debug, Default)]
 pub(super) struct TileLists {
@@ -103,7 +111,7 @@ impl Scratch {
         &mut self,
         frame: &LightFrame,
         geometry: &Geometry,
-        [face, x, y]: [u32; 3],
+        place: TilePlace,
         weights: &Weights,
         out: &mut TileLists,
     ) {
@@ -121,8 +129,8 @@ impl Scratch {
         self.found.clear();
         let tile_side = 1.0 / frame.tiles_a_unit;
         let low = Vec3::new(
-            x as f32 * tile_side - frame.half.x,
-            y as f32 * tile_side - frame.half.y,
+            place.x as f32 * tile_side - frame.half.x,
+            place.y as f32 * tile_side - frame.half.y,
             1.0,
         );
         let step = tile_side / (1 << side_log2) as f32;
@@ -137,7 +145,7 @@ impl Scratch {
                 continue;
             }
             let traits = outlines(frame, geometry, [touch.caster])[0];
-            let [across, down, summand] = traits.outline.on_face(frame.is_lamp, face);
+            let [across, down, summand] = traits.outline.on_face(frame.is_lamp, place.face);
             let at_tile = summand + across * low.x + down * low.y;
             let [across, down] = [across * step, down * step];
             let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
@@ -153,12 +161,11 @@ impl Scratch {
                     continue;
                 }
                 let least = at_cell + to_least;
-                let plane = [least.w, greatest.w];
-                let nearest = frame.nearest_of_plane(plane);
+                let nearest = frame.nearest_of_plane(least.w, greatest.w);
                 self.push(&touch, side_log2, [cx, cy], nearest.max(touch.nearest));
                 if least.truncate().cmpgt(Vec3::ONE).all() {
                     let covered = &mut self.covered[((cy << side_log2) + cx) as usize];
-                    *covered = covered.min(frame.farthest_of_plane(plane));
+                    *covered = covered.min(frame.farthest_of_plane(least.w, greatest.w));
                 }
             }
         }
@@ -323,8 +330,8 @@ fn bounds_in_cell(touch: &Touch, side_log2: u32, cell: [u32; 2]) -> u32 {
     let cell_log2 = STEPS - side_log2;
     let last = (1_u32 << cell_log2) - 1;
     let mut packed = 0;
-    for axis in 0..2 {
-        let start = cell[axis] << cell_log2;
+    for (axis, &number) in cell.iter().enumerate() {
+        let start = number << cell_log2;
         let low = u32::from(touch.low[axis]).saturating_sub(start);
         let high = u32::from(touch.high[axis]).saturating_sub(start).min(last);
         // The first part of the least step, and the last part of the greatest.

@@ -77,7 +77,8 @@ struct Found<'a> {
 
 impl Found<'_> {
     #[inline]
-    fn add_under_sun(&mut self, caster: u32, [a, b, c]: [Vec3; 3]) {
+    fn add_under_sun(&mut self, caster: u32, corners: [Vec3; 3]) {
+        let [a, b, c] = corners;
         let least = |axis: usize| lesser(a[axis], lesser(b[axis], c[axis]));
         let greatest = |axis: usize| greater(a[axis], greater(b[axis], c[axis]));
         let low = Vec3::new(least(0), least(1), least(2));

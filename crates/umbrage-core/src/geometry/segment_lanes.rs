@@ -149,7 +149,7 @@ impl FourSegments {
         if inside == 0 {
             return 0;
         }
-        inside & self.meets_plane_and_box(corners, turned.map(|t| t[0]), [x, y], areas)
+        inside & self.meets_plane_and_box(corners, turned.map(|t| t[0]), x, y, areas)
     }
 
     /// The rest of the test, for few.
@@ -158,7 +158,8 @@ impl FourSegments {
         &self,
         corners: [Vec3; 3],
         along_axis: [Vec4; 3],
-        [x, y]: [[Vec4; 3]; 2],
+        x: [Vec4; 3],
+        y: [Vec4; 3],
         areas: [Vec4; 3],
     ) -> u32 {
         let z = along_axis.map(|v| v * self.along);
@@ -182,7 +183,8 @@ impl FourSegments {
 
     /// Returns a bit for each segment that enters a box, least and greatest corner given.
     #[inline(always)]
-    fn enters(&self, [low, high]: [Vec3A; 2]) -> u32 {
+    fn enters(&self, corners: [Vec3A; 2]) -> u32 {
+        let [low, high] = corners;
         let mut entry = Vec4::ZERO;
         let mut exit = Vec4::ONE;
         for axis in 0..3 {
