@@ -2,7 +2,7 @@
 //!
 //! The light buffer of Haines and Greenberg 1986, "The Light Buffer: A Shadow-Testing Accelerator"; Wyman, Hoetzlein and Lefohn
 //! 2015, "Frustum-Traced Raster Shadows" keep lists of receivers instead. A grid of two levels, as in Kalojanov, Billeter and
-//! Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs": tiles over the faces of a [`LightFrame`], each cut into as many cells as
+//! Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs": tiles over the faces of a frame around the light, each cut into as many cells as
 //! its casters are worth. A cell's list holds the casters that touch it, from near to far, up to the first one behind
 //! a caster that covers all of the cell.
 //!
