@@ -24,6 +24,7 @@ pub use shading::blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms,
 pub use shadow_map::{
     BetweenKernel, BeyondFar, Bias, Border, CompareMethod, MapFormat, ShadowMap, Surface,
 };
+pub use techniques::exact::{AskedCell, ExactKernel, ExactUniforms};
 pub use techniques::hard::HardKernel;
 pub use techniques::pcf::{MAX_RADIUS, PcfKernel, PcfUniforms};
 pub use techniques::pcf_disc::{MAX_DISC_RADIUS, PcfDiscKernel, PcfDiscUniforms};

@@ -30,6 +30,7 @@ registry! {
     pcss::Pcss,
     planar::Planar,
     volumes::ShadowVolumes,
+    exact::Exact,
     traced::Traced,
 }
 

@@ -194,7 +194,7 @@ impl Batch {
 
 /// Some of a span's receivers, with an array for each coordinate.
 #[derive(Clone, Copy)]
-struct ReceiverBatch<'a> {
+pub(crate) struct ReceiverBatch<'a> {
     x: &'a Lanes<f32>,
     y: &'a Lanes<f32>,
     z: &'a Lanes<f32>,
@@ -205,7 +205,7 @@ struct ReceiverBatch<'a> {
 
 impl<'a> ReceiverBatch<'a> {
     /// Returns the receivers from `first` on, at most [`BATCH`] of them, in `room` if the span ends before.
-    fn from(span: &'a Span<'a>, first: usize, room: &'a mut PaddedReceivers) -> Self {
+    pub(crate) fn from(span: &'a Span<'a>, first: usize, room: &'a mut PaddedReceivers) -> Self {
         if let Some(receivers) = Self::within(span, first) {
             return receivers;
         }
@@ -235,21 +235,21 @@ impl<'a> ReceiverBatch<'a> {
     }
 
     #[inline(always)]
-    fn position(&self, i: usize) -> Vec3 {
+    pub(crate) fn position(&self, i: usize) -> Vec3 {
         Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 
     #[inline(always)]
-    fn normal(&self, i: usize) -> Vec3 {
+    pub(crate) fn normal(&self, i: usize) -> Vec3 {
         Vec3::new(self.nx[i], self.ny[i], self.nz[i])
     }
 }
 
 /// Room for the receivers of a batch that is not full.
-struct PaddedReceivers([Lanes<f32>; 6]);
+pub(crate) struct PaddedReceivers([Lanes<f32>; 6]);
 
 impl PaddedReceivers {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self([[0.0; BATCH]; 6])
     }
 }

@@ -1,5 +1,6 @@
 //! The techniques, one a file in Rust beside one of the same name in WGSL.
 
+pub mod exact;
 pub mod hard;
 pub(crate) mod infinite_far;
 pub mod midpoint;

@@ -14,6 +14,7 @@ mod far_away;
 mod follows_camera;
 mod layers;
 mod light_set;
+mod lists;
 mod maps;
 mod not_finite;
 mod order;

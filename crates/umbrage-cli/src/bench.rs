@@ -3,7 +3,7 @@
 use crate::args::BenchArguments;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::bench::{BenchOptions, Pair, plans, run};
+use umbrage_lab::bench::{BenchOptions, Pair, lists, plans, run};
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Prints each ratio as it comes, then the table of all.
@@ -16,6 +16,15 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     if arguments.plans {
         check_scenes(&arguments.scenes)?;
         plans(arguments.runs as usize, &arguments.scenes, tell)?;
+    } else if arguments.lists {
+        check_scenes(&arguments.scenes)?;
+        let mut gpu = adapter();
+        lists(
+            arguments.runs as usize,
+            &arguments.scenes,
+            gpu.as_mut(),
+            tell,
+        )?;
     } else {
         run_suite(arguments, tell)?;
     }
@@ -39,14 +48,19 @@ fn check_scenes(names: &[String]) -> Result<()> {
     }
 }
 
-fn run_suite(arguments: &BenchArguments, tell: impl FnMut(Pair)) -> Result<()> {
-    let mut gpu = match Gpu::new(&AdapterChoice::from_env()) {
+/// Returns the graphics adapter, or says why there is none.
+fn adapter() -> Option<Gpu> {
+    match Gpu::new(&AdapterChoice::from_env()) {
         Ok(gpu) => Some(gpu),
         Err(why) => {
-            println!("without a graphics adapter only rays are timed: {why}");
+            println!("nothing is timed on a graphics adapter: {why}");
             None
         }
-    };
+    }
+}
+
+fn run_suite(arguments: &BenchArguments, tell: impl FnMut(Pair)) -> Result<()> {
+    let mut gpu = adapter();
     let options = BenchOptions {
         runs: arguments.runs as usize,
         ..BenchOptions::default()

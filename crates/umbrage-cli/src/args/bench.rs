@@ -8,6 +8,7 @@ use clap::Args;
   cargo xtask bench --runs 100    the same, steadier
   cargo xtask bench --plans       planning against drawing, in all scenes with content
   cargo xtask bench --plans nave  the same in one of them
+  cargo xtask bench --lists nave  lists of casters against hard maps and rays, in one scene
   cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs
   cargo xtask bench --costs --write prices.toml    the same, kept for `compare --prices` and `plan --prices`")]
 pub(crate) struct BenchArguments {
@@ -18,10 +19,13 @@ pub(crate) struct BenchArguments {
     #[arg(long, value_name = "FILE", requires = "costs")]
     pub(crate) write: Option<std::path::PathBuf>,
     /// Time planning against drawing instead, on the CPU
-    #[arg(long, conflicts_with = "costs")]
+    #[arg(long, conflicts_with = "costs", group = "of_scenes")]
     pub(crate) plans: bool,
-    /// With `--plans`: the built-in scenes; all with content if none is named
-    #[arg(value_name = "SCENE", requires = "plans")]
+    /// Time the lists of `exact` against hard maps and rays instead
+    #[arg(long, conflicts_with = "costs", group = "of_scenes")]
+    pub(crate) lists: bool,
+    /// With `--plans` or `--lists`: the built-in scenes; all large ones if none is named
+    #[arg(value_name = "SCENE", requires = "of_scenes")]
     pub(crate) scenes: Vec<String>,
     /// Runs of each side; their medians are compared
     #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]

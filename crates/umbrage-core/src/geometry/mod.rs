@@ -10,6 +10,7 @@ pub mod displacement;
 mod placed;
 pub(crate) mod ray_box;
 pub(crate) mod ray_triangle;
+pub(crate) mod segment_lanes;
 pub(crate) mod subdivide;
 pub(crate) mod weld;
 
@@ -181,8 +182,15 @@ impl Geometry {
     ///
     /// # Panics
     /// Panics if there is no such triangle.
+    #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        self.placed.triangles[triangle as usize].map(|v| self.placed.positions[v as usize])
+        let [a, b, c] = self.placed.triangles[triangle as usize];
+        let positions = &self.placed.positions;
+        [
+            positions[a as usize],
+            positions[b as usize],
+            positions[c as usize],
+        ]
     }
 
     /// Returns the vertices of a range of triangles, each as often as it is used.

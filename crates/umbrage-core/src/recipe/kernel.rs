@@ -47,6 +47,12 @@ pub trait ReceiveKernel: Kernel {
         KernelCost::default()
     }
 
+    /// How many triangles its tables were made of, each as often as it stands in them: tables that follow the light or the casters
+    /// are made anew with them, which costs about as much as drawing as many triangles.
+    fn triangles_listed(&self) -> u64 {
+        0
+    }
+
     /// Whether it knows which part of a light with an extent the receiver's own tangent plane leaves, and answers that
     /// share where nothing casts. Kernels that don't take the light for its middle, or ask single points of it.
     fn knows_horizon(&self) -> bool {

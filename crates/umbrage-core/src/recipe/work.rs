@@ -63,7 +63,8 @@ impl KernelCost {
 pub struct Work {
     /// Passes: casts, filters, receive.
     pub passes: u64,
-    /// Triangles that casts of depth draw, those outside their view included.
+    /// Triangles that casts of depth draw, those outside their view included, and those that the receive kernel's tables were made of
+    /// ([`ReceiveKernel::triangles_listed`](crate::ReceiveKernel::triangles_listed)).
     pub triangles: u64,
     /// Texels that these triangles cover, each as often as it is covered: their area within the view, rounded.
     pub covered: u64,
@@ -102,6 +103,7 @@ impl Work {
         let cost = recipe.receive.kernel.cost_per_receiver();
         let mut work = Self {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
+            triangles: recipe.receive.kernel.triangles_listed(),
             receivers,
             taps: receivers * u64::from(cost.taps),
             samples: receivers * u64::from(cost.samples),

@@ -80,6 +80,40 @@ impl Light {
         }
     }
 
+    /// Returns the ideal light in this one's middle: itself without an extent, or a point light in the place of an area.
+    #[must_use]
+    pub fn without_extent(&self) -> Self {
+        match *self {
+            Self::Directional { direction, .. } => Self::Directional {
+                direction,
+                angular_diameter: 0.0,
+            },
+            Self::Spot {
+                position,
+                direction,
+                inner,
+                outer,
+                ..
+            } => Self::Spot {
+                position,
+                direction,
+                inner,
+                outer,
+                radius: 0.0,
+            },
+            Self::Point { position, .. }
+            | Self::Rect {
+                center: position, ..
+            }
+            | Self::Disc {
+                center: position, ..
+            } => Self::Point {
+                position,
+                radius: 0.0,
+            },
+        }
+    }
+
     /// Returns the light's middle, world space; `None` for a directional light.
     pub fn position(&self) -> Option<Vec3> {
         match *self {

@@ -4,11 +4,13 @@
 //! after the other has finished, so the turns are taken here.
 
 mod handwritten;
+mod lists;
 mod paired;
 mod plans;
 mod rays;
 mod suite;
 
+pub use lists::lists;
 pub use paired::{Pair, PairTimes, Paired, Repetitions, paired};
 pub use plans::plans;
 pub use suite::{BenchOptions, run};

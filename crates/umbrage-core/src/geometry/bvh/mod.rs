@@ -12,6 +12,7 @@ pub use crate::{
     geometry::{
         ray_box::RAY_BOX,
         ray_triangle::{RAY_TRIANGLE, Segment, segment_hits},
+        segment_lanes::{FourSegments, SEGMENT_LANES, SegmentArrays, longest_axis},
     },
 };
 

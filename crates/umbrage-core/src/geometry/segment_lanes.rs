@@ -1,0 +1,278 @@
+//! The triangle test of four segments at once: bit by bit what [`Segment::hits`](super::ray_triangle::Segment) says of each.
+//!
+//! In the shear of `ray_triangle.rs` each of the first two rows has two factors that are not zero, one for the segment's longest axis and one
+//! for another. What a product with zero adds changes no bit that a comparison sees, and a sum of two numbers has one order; so two
+//! products and a sum are the same as the three products there.
+
+use crate::geometry::ray_box::{EXIT_SLACK, inverse_power, padded_box, slab_inverse};
+use glam::{Vec3, Vec3A, Vec4};
+
+/// How many segments are tested at once.
+pub const SEGMENT_LANES: usize = 4;
+
+/// `N` segments, with an array for each number that tests need.
+#[derive(Clone, Copy, Debug)]
+pub struct SegmentArrays<const N: usize> {
+    origin: [[f32; N]; 3],
+    inverse: [[f32; N]; 3],
+    scale: [f32; N],
+    /// Factors of the longest axis in the shear's first two rows.
+    shear: [[f32; N]; 2],
+    /// One over the vector along its longest axis.
+    along: [f32; N],
+    axis: [u32; N],
+}
+
+impl<const N: usize> Default for SegmentArrays<N> {
+    fn default() -> Self {
+        Self {
+            origin: [[0.0; N]; 3],
+            inverse: [[0.0; N]; 3],
+            scale: [0.0; N],
+            shear: [[0.0; N]; 2],
+            along: [0.0; N],
+            axis: [0; N],
+        }
+    }
+}
+
+/// Returns the longest axis of a segment's vector, as the triangle test has it: of equal ones z before x before y.
+#[inline(always)]
+pub fn longest_axis(d: Vec3) -> u32 {
+    let size = d.abs();
+    let is_z = size.z >= size.x && size.z >= size.y;
+    let is_x = size.x >= size.y;
+    if is_z {
+        2
+    } else if is_x {
+        0
+    } else {
+        1
+    }
+}
+
+/// Returns the components of `v` along `axis` and the two axes that follow it, in turn. Selections instead of an index, so that a
+/// loop over many becomes one of vector instructions.
+#[inline(always)]
+fn turned(v: Vec3, axis: u32) -> [f32; 3] {
+    let pick = |x: f32, y: f32, z: f32| {
+        if axis == 0 {
+            x
+        } else if axis == 1 {
+            y
+        } else {
+            z
+        }
+    };
+    [
+        pick(v.x, v.y, v.z),
+        pick(v.y, v.z, v.x),
+        pick(v.z, v.x, v.y),
+    ]
+}
+
+impl<const N: usize> SegmentArrays<N> {
+    /// Makes segment `i` that from `o` to `o + d`.
+    ///
+    /// # Panics
+    /// Panics if `i` is not less than `N`.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, o: Vec3, d: Vec3) {
+        let axis = longest_axis(d);
+        let [along, first, second] = turned(d, axis);
+        let scale = inverse_power(along.abs());
+        let inverse = slab_inverse(d);
+        for k in 0..3 {
+            self.origin[k][i] = o[k];
+            self.inverse[k][i] = inverse[k];
+        }
+        self.scale[i] = scale;
+        self.shear[0][i] = -(first / along) * scale;
+        self.shear[1][i] = -(second / along) * scale;
+        self.along[i] = 1.0 / along;
+        self.axis[i] = axis;
+    }
+
+    /// Returns segment `i`'s longest axis.
+    #[inline(always)]
+    pub fn axis(&self, i: usize) -> u32 {
+        self.axis[i]
+    }
+
+    /// Returns the four segments from `first` on, which share the longest axis of the first (what is said of others means nothing).
+    ///
+    /// # Panics
+    /// Panics if there are fewer.
+    #[inline(always)]
+    pub fn four(&self, first: usize) -> FourSegments {
+        let four = |numbers: &[f32; N]| Vec4::from_slice(&numbers[first..first + SEGMENT_LANES]);
+        FourSegments {
+            origin: self.origin.each_ref().map(four),
+            inverse: self.inverse.each_ref().map(four),
+            scale: four(&self.scale),
+            shear: self.shear.each_ref().map(four),
+            along: four(&self.along),
+            axis: self.axis[first] as usize,
+        }
+    }
+}
+
+/// Four segments that share their longest axis.
+#[derive(Clone, Copy, Debug)]
+pub struct FourSegments {
+    origin: [Vec4; 3],
+    inverse: [Vec4; 3],
+    scale: Vec4,
+    shear: [Vec4; 2],
+    along: Vec4,
+    axis: usize,
+}
+
+impl FourSegments {
+    /// Returns a bit for each segment that meets the triangle, edges and ends included.
+    #[inline(always)]
+    pub fn hits(&self, corners: [Vec3; 3]) -> u32 {
+        let axes = [self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3];
+        // Along the longest axis and the two that follow it.
+        let turned = corners.map(|c| axes.map(|k| Vec4::splat(c[k]) - self.origin[k]));
+        let x = turned.map(|[along, first, _]| self.scale * first + self.shear[0] * along);
+        let y = turned.map(|[along, _, second]| self.scale * second + self.shear[1] * along);
+        let areas = [
+            x[1] * y[2] - y[1] * x[2],
+            x[2] * y[0] - y[2] * x[0],
+            x[0] * y[1] - y[0] * x[1],
+        ];
+        let least = areas[0].min(areas[1]).min(areas[2]);
+        let greatest = areas[0].max(areas[1]).max(areas[2]);
+        let inside = least.cmpge(Vec4::ZERO) | greatest.cmple(Vec4::ZERO);
+        let inside = inside.bitmask();
+        if inside == 0 {
+            return 0;
+        }
+        inside & self.meets_plane_and_box(corners, turned.map(|t| t[0]), x, y, areas)
+    }
+
+    /// The rest of the test, for few.
+    #[inline(always)]
+    fn meets_plane_and_box(
+        &self,
+        corners: [Vec3; 3],
+        along_axis: [Vec4; 3],
+        x: [Vec4; 3],
+        y: [Vec4; 3],
+        areas: [Vec4; 3],
+    ) -> u32 {
+        let z = along_axis.map(|v| v * self.along);
+        let whole = areas[0] + areas[1] + areas[2];
+        let along = areas[0] * z[0] + areas[1] * z[1] + areas[2] * z[2];
+        let zero = Vec4::ZERO;
+        let before = whole.cmpgt(zero) & along.cmpge(zero) & along.cmple(whole);
+        let behind = whole.cmplt(zero) & along.cmple(zero) & along.cmpge(whole);
+        let between = (before | behind).bitmask();
+        if between == 0 {
+            return 0;
+        }
+        let holds = |v: [Vec4; 3]| {
+            let least = v[0].min(v[1]).min(v[2]);
+            let greatest = v[0].max(v[1]).max(v[2]);
+            least.cmple(zero) & greatest.cmpge(zero)
+        };
+        let holds_origin = (holds(x) & holds(y)).bitmask();
+        between & holds_origin & self.enters(padded_box(corners.map(Vec3A::from)))
+    }
+
+    /// Returns a bit for each segment that enters a box, least and greatest corner given.
+    #[inline(always)]
+    fn enters(&self, corners: [Vec3A; 2]) -> u32 {
+        let [low, high] = corners;
+        let mut entry = Vec4::ZERO;
+        let mut exit = Vec4::ONE;
+        for axis in 0..3 {
+            let a = (Vec4::splat(low[axis]) - self.origin[axis]) * self.inverse[axis];
+            let b = (Vec4::splat(high[axis]) - self.origin[axis]) * self.inverse[axis];
+            entry = entry.max(a.min(b));
+            exit = exit.min(a.max(b));
+        }
+        entry.cmple(exit * EXIT_SLACK).bitmask()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{geometry::ray_triangle::segment_hits, scene::light_sample::hash};
+
+    struct Random(u32);
+
+    impl Random {
+        fn signed(&mut self) -> f32 {
+            self.0 = hash(self.0);
+            self.0 as f32 / 2_147_483_648.0 - 1.0
+        }
+
+        fn vector(&mut self) -> Vec3 {
+            Vec3::new(self.signed(), self.signed(), self.signed())
+        }
+
+        /// On a coarse grid, so that segments pass through edges and corners, and along planes.
+        fn grid_point(&mut self) -> Vec3 {
+            (self.vector() * 3.0).round()
+        }
+    }
+
+    /// Each lane says what the test of one segment says, on edges, corners and in planes, too.
+    #[test]
+    fn lanes_say_what_the_test_of_one_segment_says() {
+        let mut random = Random(7);
+        let mut hits = 0;
+        let mut tested = 0;
+        for i in 0..60_000_u32 {
+            let is_coarse = i % 2 == 0;
+            let point = |random: &mut Random| {
+                if is_coarse {
+                    random.grid_point()
+                } else {
+                    random.vector()
+                }
+            };
+            let far = [0.0, 1e3, 1e6][i as usize / 2 % 3];
+            let corners = [0; 3].map(|_| point(&mut random) + far);
+            let mut arrays = SegmentArrays::<4>::default();
+            let segments = [0; 4].map(|_| {
+                let o = point(&mut random) + far;
+                // Towards a corner, an edge, the inside, or anywhere.
+                let inner = corners[0]
+                    .lerp(corners[1], 0.5)
+                    .lerp(corners[2], random.signed().abs());
+                let d = match hash(random.0) % 4 {
+                    0 => (corners[0] - o) * 2.0,
+                    1 => (corners[0].lerp(corners[1], 0.5) - o) * 1.5,
+                    2 => (inner - o) * 2.0,
+                    _ => point(&mut random),
+                };
+                (o, d)
+            });
+            for (lane, &(o, d)) in segments.iter().enumerate() {
+                arrays.set(lane, o, d);
+            }
+            let bits = arrays.four(0).hits(corners);
+            for (lane, &(o, d)) in segments.iter().enumerate() {
+                if arrays.axis(lane) != arrays.axis(0) {
+                    continue;
+                }
+                let expected = segment_hits(o, d, corners[0], corners[1], corners[2]);
+                assert_eq!(
+                    bits >> lane & 1 == 1,
+                    expected,
+                    "{corners:?} from {o} along {d}"
+                );
+                hits += u32::from(expected);
+                tested += 1;
+            }
+        }
+        assert!(
+            hits > tested / 10 && hits < tested,
+            "the test tells little: {hits} of {tested}"
+        );
+    }
+}

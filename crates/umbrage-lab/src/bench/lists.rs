@@ -1,0 +1,241 @@
+//! Times `exact` against what it is to replace: a hard map of 2048 texels and single rays, lists made anew and kept.
+
+use super::paired::{Pair, Paired, Repetitions, paired};
+use std::{
+    cell::RefCell,
+    time::{Duration, Instant},
+};
+use umbrage_core::{
+    Backend, BackendError, Bvh, Geometry, Light, Recipe, ShadowTechnique, View,
+    glam::{UVec2, Vec3},
+};
+use umbrage_cpu::Cpu;
+use umbrage_scenes::{Kind, SceneEntry};
+use umbrage_techniques::{Exact, Hard, ShadowMap, Traced};
+use umbrage_wgpu::Gpu;
+
+/// Image size, pixels.
+const SCREEN: UVec2 = UVec2::new(1280, 720);
+/// Side of the map, texels.
+const MAP: u32 = 2048;
+/// How often a lookup must fit into one ray a receiver, on the CPU.
+const RAYS_BAR: f64 = 6.0;
+/// The same on a graphics adapter.
+const GPU_RAYS_BAR: f64 = 8.0;
+/// How often a lookup must fit into a map's on a graphics adapter, in scenes of up to [`SMALL`] triangles.
+const GPU_MAP_BAR: f64 = 1.0 / 1.5;
+/// A light whose lists are made beforehand, so that what is made once a scene is not timed.
+const OTHER_LIGHT: Light = Light::Point {
+    position: Vec3::ZERO,
+    radius: 0.0,
+};
+/// Casters of a scene that counts as small.
+const SMALL: usize = 300_000;
+
+/// Times lists in the speed and content scenes with these names (in all of them if there is none), for each ideal light, and passes
+/// each result to `tell` as it comes. Without a graphics adapter only the CPU is timed.
+///
+/// # Errors
+/// Errors if a scene can't be used, a backend fails, or an answer differs from that of rays.
+pub fn lists(
+    runs: usize,
+    scenes: &[String],
+    mut gpu: Option<&mut Gpu>,
+    mut tell: impl FnMut(Pair),
+) -> Result<(), BackendError> {
+    let repetitions = Repetitions { warm_up: 1, runs };
+    let mut cpu = Cpu::new();
+    let wanted = |entry: &&SceneEntry| {
+        let is_named = scenes.iter().any(|name| name == entry.name);
+        let is_large = matches!(entry.kind, Kind::Speed | Kind::Content);
+        is_named || (scenes.is_empty() && is_large)
+    };
+    for entry in umbrage_scenes::all().iter().filter(wanted) {
+        let scene = (entry.build)();
+        if !scene.lights.iter().any(Light::is_ideal) {
+            continue;
+        }
+        let geometry = Geometry::bake(&scene)?;
+        let camera = scene.cameras[0].resized(SCREEN);
+        let receivers = cpu.receivers(&camera, &geometry)?;
+        for (number, light) in scene.lights.iter().enumerate() {
+            if !light.is_ideal() {
+                continue;
+            }
+            let stage = Stage {
+                name: format!("{}, {} light {number}", entry.name, light.kind()),
+                view: View::new(&camera, light, &geometry).with_receivers(&receivers),
+                geometry: &geometry,
+                repetitions,
+            };
+            for pair in stage.on_cpu(&mut cpu)? {
+                tell(pair);
+            }
+            if let Some(gpu) = gpu.as_deref_mut() {
+                for pair in stage.on_gpu(gpu)? {
+                    tell(pair);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Where lists are timed.
+struct Stage<'a> {
+    name: String,
+    view: View<'a>,
+    geometry: &'a Geometry,
+    repetitions: Repetitions,
+}
+
+impl Stage<'_> {
+    fn on_cpu(&self, cpu: &mut Cpu) -> Result<Vec<Pair>, BackendError> {
+        let view = &self.view;
+        let exact = plan(view, &Exact {})?;
+        let rays = plan(view, &Traced { samples: 1 })?;
+        let hard = plan(view, &map())?;
+        self.check_answers(cpu, &exact, &rays)?;
+        let cpu = RefCell::new(cpu);
+        let time = |recipe: &Recipe| receive_time(&mut **cpu.borrow_mut(), view, recipe);
+        let anew = || self.lists_anew(&mut cpu.borrow_mut());
+        let lookup = paired(self.repetitions, || time(&exact), || time(&rays))?;
+        let against_map = paired(self.repetitions, anew, || {
+            Ok(cpu.borrow_mut().render(view, &hard)?.timings.total())
+        })?;
+        let with_hierarchy = paired(
+            Repetitions {
+                warm_up: 0,
+                runs: self.repetitions.runs.min(3),
+            },
+            anew,
+            || {
+                let start = Instant::now();
+                drop(Bvh::build(self.geometry));
+                let built = start.elapsed();
+                Ok::<_, BackendError>(built + time(&rays)?)
+            },
+        )?;
+        Ok(vec![
+            self.pair("lookup", ["lists", "rays"], lookup, Some(RAYS_BAR)),
+            self.pair(
+                "made anew",
+                ["lists and lookup", "hard 2048, without its plan"],
+                against_map,
+                Some(1.0),
+            ),
+            self.pair(
+                "made anew",
+                ["lists and lookup", "hierarchy and rays"],
+                with_hierarchy,
+                Some(RAYS_BAR),
+            ),
+        ])
+    }
+
+    fn on_gpu(&self, gpu: &mut Gpu) -> Result<Vec<Pair>, BackendError> {
+        let view = &self.view;
+        let exact = plan(view, &Exact {})?;
+        let rays = plan(view, &Traced { samples: 1 })?;
+        let hard = plan(view, &map())?;
+        self.check_answers(gpu, &exact, &rays)?;
+        let gpu = RefCell::new(gpu);
+        let time = |recipe: &Recipe| receive_time(&mut **gpu.borrow_mut(), view, recipe);
+        let against_rays = paired(self.repetitions, || time(&exact), || time(&rays))?;
+        let against_map = paired(self.repetitions, || time(&exact), || time(&hard))?;
+        let is_small = self.geometry.casters().len() <= SMALL;
+        Ok(vec![
+            self.pair(
+                "lookup on wgpu",
+                ["lists", "rays"],
+                against_rays,
+                Some(GPU_RAYS_BAR),
+            ),
+            self.pair(
+                "lookup on wgpu",
+                ["lists", "hard 2048"],
+                against_map,
+                is_small.then_some(GPU_MAP_BAR),
+            ),
+        ])
+    }
+
+    /// Errors if the lists answer otherwise than the rays.
+    fn check_answers(
+        &self,
+        backend: &mut dyn Backend,
+        exact: &Recipe,
+        rays: &Recipe,
+    ) -> Result<(), BackendError> {
+        let [ours, theirs] = [exact, rays].map(|recipe| backend.render(&self.view, recipe));
+        let [ours, theirs] = [ours?.mask, theirs?.mask];
+        let differ = ours.iter().zip(&theirs).filter(|(a, b)| a != b).count();
+        if differ == 0 {
+            return Ok(());
+        }
+        let why = format!(
+            "{}: {differ} answers of lists on {} differ from rays",
+            self.name,
+            backend.name()
+        );
+        Err(BackendError::Validation(why))
+    }
+
+    /// Makes the lists as if for the first time, and asks them for every receiver.
+    fn lists_anew(&self, cpu: &mut Cpu) -> Result<Duration, BackendError> {
+        let fresh = self.geometry.without_hierarchies();
+        // What is made once a scene: its boxes, the extent of receivers, the table of corners.
+        let warm = View::new(self.view.camera, &OTHER_LIGHT, &fresh);
+        drop(plan(&warm, &Exact {})?);
+        let view = View {
+            geometry: Some(&fresh),
+            ..self.view
+        };
+        let start = Instant::now();
+        let recipe = plan(&view, &Exact {})?;
+        let made = start.elapsed();
+        Ok(made + receive_time(cpu, &view, &recipe)?)
+    }
+
+    fn pair(&self, what: &str, who: [&str; 2], paired: Paired, bar: Option<f64>) -> Pair {
+        Pair {
+            work: format!(
+                "{what}, {} ({} casters)",
+                self.name,
+                self.geometry.casters().len()
+            ),
+            who: who.map(str::to_owned),
+            ours: paired.ours,
+            theirs: paired.theirs,
+            ratio: paired.ratio,
+            bar,
+            runs: self.repetitions.runs,
+        }
+    }
+}
+
+fn map() -> Hard {
+    Hard {
+        map: ShadowMap {
+            size: MAP,
+            ..ShadowMap::default()
+        },
+    }
+}
+
+fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, BackendError> {
+    technique
+        .recipe(view)
+        .map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
+}
+
+fn receive_time(
+    backend: &mut dyn Backend,
+    view: &View<'_>,
+    recipe: &Recipe,
+) -> Result<Duration, BackendError> {
+    let shadows = backend.render(view, recipe)?;
+    shadows.timings.receive.ok_or_else(|| {
+        BackendError::Validation(format!("{} cannot time its passes", backend.name()))
+    })
+}

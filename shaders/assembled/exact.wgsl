@@ -1,0 +1,392 @@
+// Made by umbrage.
+struct shadow_Receiver {
+    position: vec3f,
+    normal: vec3f,
+    pixel: vec2u,
+    triangle: u32,
+}
+@group(0) @binding(0) var<uniform> shadow_kernel: shadow_ExactUniforms;
+@group(0) @binding(1) var<storage> shadow_table_0: array<vec4u>;
+@group(0) @binding(2) var<storage> shadow_table_1: array<vec4u>;
+@group(0) @binding(3) var<storage> shadow_table_2: array<vec4u>;
+@group(0) @binding(4) var<storage> shadow_table_3: array<vec4u>;
+// ---- math.wgsl
+// Twin of math.rs: every sum is written out, from left to right.
+
+fn shadow_transform(m: mat4x4f, p: vec3f) -> vec4f {
+    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+}
+
+fn shadow_dot3(a: vec3f, b: vec3f) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+fn shadow_cross3(a: vec3f, b: vec3f) -> vec3f {
+    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+fn shadow_unit3(v: vec3f) -> vec3f {
+    let length = sqrt(shadow_dot3(v, v));
+    return vec3f(v.x / length, v.y / length, v.z / length);
+}
+
+// ---- ray_box.wgsl
+// Twin of slab.rs.
+
+// 1 + 2^-19.
+const shadow_EXIT_SLACK = 1.0000019;
+// 2^-20 and 2^-22.
+const shadow_SIZE_PAD = 9.536743e-7;
+const shadow_REACH_PAD = 2.3841858e-7;
+
+fn shadow_safe_inverse(x: f32) -> f32 {
+    return select(1.0 / x, select(-1e30, 1e30, x >= 0.0), abs(x) < 1e-30);
+}
+
+fn shadow_slab_inverse(d: vec3f) -> vec3f {
+    return vec3f(shadow_safe_inverse(d.x), shadow_safe_inverse(d.y), shadow_safe_inverse(d.z));
+}
+
+fn shadow_enters_box(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> bool {
+    let a = (low - o) * inverse;
+    let b = (high - o) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    let entry = max(max(near.x, near.y), max(near.z, 0.0));
+    let exit = min(min(far.x, far.y), min(far.z, 1.0));
+    return entry <= exit * shadow_EXIT_SLACK;
+}
+
+fn shadow_box_pad(low: vec3f, high: vec3f) -> f32 {
+    let size = high - low;
+    let reach = max(abs(low), abs(high));
+    return max(max(max(size.x, size.y), size.z) * shadow_SIZE_PAD, max(max(reach.x, reach.y), reach.z) * shadow_REACH_PAD);
+}
+
+fn shadow_padded_low(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
+    let low = min(min(a, b), c);
+    let high = max(max(a, b), c);
+    return low - shadow_box_pad(low, high);
+}
+
+fn shadow_padded_high(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
+    let low = min(min(a, b), c);
+    let high = max(max(a, b), c);
+    return high + shadow_box_pad(low, high);
+}
+
+// Whether the least rectangle around a triangle holds the origin.
+fn shadow_holds_origin(a: vec2f, b: vec2f, c: vec2f) -> bool {
+    let low = min(min(a, b), c);
+    let high = max(max(a, b), c);
+    return low.x <= 0.0 && low.y <= 0.0 && high.x >= 0.0 && high.y >= 0.0;
+}
+
+// 2^-e of a number of size m 2^e, 1 <= m < 2: its exponent, mirrored.
+fn shadow_inverse_power(x: f32) -> f32 {
+    return bitcast<f32>(0x7f000000u - (bitcast<u32>(x) & 0x7f800000u));
+}
+
+fn shadow_enters_word(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> u32 {
+    return u32(shadow_enters_box(o, inverse, low, high));
+}
+
+fn shadow_holds_origin_word(a: vec2f, b: vec2f, c: vec2f) -> u32 {
+    return u32(shadow_holds_origin(a, b, c));
+}
+
+// ---- ray_triangle.wgsl
+// Twin of ray_triangle.rs's triangle test. Calls into ray_box.wgsl.
+
+fn shadow_shear_rows(d: vec3f) -> mat3x3f {
+    let size = abs(d);
+    let s = shadow_inverse_power(max(max(size.x, size.y), size.z));
+    if size.z >= size.x && size.z >= size.y {
+        return mat3x3f(vec3f(s, 0.0, -(d.x / d.z) * s), vec3f(0.0, s, -(d.y / d.z) * s), vec3f(0.0, 0.0, 1.0 / d.z));
+    }
+    if size.x >= size.y {
+        return mat3x3f(vec3f(-(d.y / d.x) * s, s, 0.0), vec3f(-(d.z / d.x) * s, 0.0, s), vec3f(1.0 / d.x, 0.0, 0.0));
+    }
+    return mat3x3f(vec3f(0.0, -(d.z / d.y) * s, s), vec3f(s, -(d.x / d.y) * s, 0.0), vec3f(0.0, 1.0 / d.y, 0.0));
+}
+
+// Columns of the matrix are rows of the shear: each coordinate is written out, from left to right.
+fn shadow_sheared(rows: mat3x3f, v: vec3f) -> vec3f {
+    return vec3f(
+        rows[0].x * v.x + rows[0].y * v.y + rows[0].z * v.z,
+        rows[1].x * v.x + rows[1].y * v.y + rows[1].z * v.z,
+        rows[2].x * v.x + rows[2].y * v.y + rows[2].z * v.z,
+    );
+}
+
+fn shadow_segment_hits(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
+    let rows = shadow_shear_rows(d);
+    let a = shadow_sheared(rows, pa - o);
+    let b = shadow_sheared(rows, pb - o);
+    let c = shadow_sheared(rows, pc - o);
+    let u = b.x * c.y - b.y * c.x;
+    let v = c.x * a.y - c.y * a.x;
+    let w = a.x * b.y - a.y * b.x;
+    let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+    if !inside {
+        return false;
+    }
+    let whole = u + v + w;
+    let along = u * a.z + v * b.z + w * c.z;
+    let before = along >= 0.0 && along <= whole;
+    let behind = along <= 0.0 && along >= whole;
+    let between = (whole > 0.0 && before) || (whole < 0.0 && behind);
+    let inverse = shadow_slab_inverse(d);
+    return between && shadow_holds_origin(a.xy, b.xy, c.xy) && shadow_enters_box(o, inverse, shadow_padded_low(pa, pb, pc), shadow_padded_high(pa, pb, pc));
+}
+
+fn shadow_hit_word(o: vec3f, d: vec3f, a: vec3f, b: vec3f, c: vec3f) -> u32 {
+    return u32(shadow_segment_hits(o, d, a, b, c));
+}
+
+// ---- light_sample.wgsl
+// Twin of light_sample.rs: where on a light a shadow ray ends.
+
+const shadow_LIGHT_DIRECTION = 0u;
+const shadow_LIGHT_CAP = 1u;
+const shadow_LIGHT_POINT = 2u;
+const shadow_LIGHT_RECT = 3u;
+const shadow_LIGHT_DISC = 4u;
+
+const shadow_LIGHT_SHORT: f32 = 1.0 - 1.0 / 16384.0;
+const shadow_LIGHT_LIFT: f32 = 1.0 / 1048576.0;
+
+struct shadow_LightSampler {
+    shape: vec4u,
+    center: vec4f,
+    half_u: vec4f,
+    half_v: vec4f,
+}
+
+fn shadow_small_sin(x: f32) -> f32 {
+    let q = x * x;
+    return x * (1.0 + q * (-1.6666667e-1 + q * (8.333333e-3 + q * (-1.984127e-4 + q * 2.755732e-6))));
+}
+
+fn shadow_small_cos(x: f32) -> f32 {
+    let q = x * x;
+    return 1.0 + q * (-0.5 + q * (4.1666668e-2 + q * (-1.3888889e-3 + q * 2.4801587e-5)));
+}
+
+fn shadow_disc_point(uv: vec2f) -> vec2f {
+    let quarter_pi = 0.7853981633974483f;
+    let a = 2.0 * uv.x - 1.0;
+    let b = 2.0 * uv.y - 1.0;
+    if a == 0.0 && b == 0.0 {
+        return vec2f(0.0, 0.0);
+    }
+    if abs(a) > abs(b) {
+        let angle = quarter_pi * (b / a);
+        return vec2f(a * shadow_small_cos(angle), a * shadow_small_sin(angle));
+    }
+    let angle = quarter_pi * (a / b);
+    return vec2f(b * shadow_small_sin(angle), b * shadow_small_cos(angle));
+}
+
+fn shadow_tangent(n: vec3f) -> vec3f {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    return vec3f(1.0 + sign * n.x * n.x * a, sign * (n.x * n.y * a), -sign * n.x);
+}
+
+fn shadow_bitangent(n: vec3f) -> vec3f {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    return vec3f(n.x * n.y * a, sign + n.y * n.y * a, -n.y);
+}
+
+fn shadow_cap_direction(axis: vec3f, u: vec3f, v: vec3f, cap: f32, q: vec2f) -> vec3f {
+    let h = (q.x * q.x + q.y * q.y) * cap;
+    let side = sqrt(cap * (2.0 - h));
+    return axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side);
+}
+
+fn shadow_segment(s: shadow_LightSampler, p: vec3f, uv: vec2f, far: f32) -> vec3f {
+    let center = s.center.xyz;
+    let u = s.half_u.xyz;
+    let v = s.half_v.xyz;
+    let kind = s.shape.x;
+    if kind == shadow_LIGHT_DIRECTION {
+        return center * far;
+    }
+    if kind == shadow_LIGHT_CAP {
+        return shadow_cap_direction(center, u, v, s.half_u.w, shadow_disc_point(uv)) * far;
+    }
+    let to_center = center - p;
+    if kind == shadow_LIGHT_POINT {
+        return to_center * shadow_LIGHT_SHORT;
+    }
+    if kind == shadow_LIGHT_RECT {
+        return (to_center + u * (2.0 * uv.x - 1.0) + v * (2.0 * uv.y - 1.0)) * shadow_LIGHT_SHORT;
+    }
+    let q = shadow_disc_point(uv);
+    if kind == shadow_LIGHT_DISC {
+        return (to_center + u * q.x + v * q.y) * shadow_LIGHT_SHORT;
+    }
+    let n = to_center / sqrt(shadow_dot3(to_center, to_center));
+    let r = q * s.half_u.w;
+    return (to_center + shadow_tangent(n) * r.x + shadow_bitangent(n) * r.y) * shadow_LIGHT_SHORT;
+}
+
+fn shadow_origin_offset(p: vec3f, reach: f32) -> f32 {
+    return max(max(max(abs(p.x), abs(p.y)), abs(p.z)), reach) * shadow_LIGHT_LIFT;
+}
+
+fn shadow_hash(word: u32) -> u32 {
+    var x = word;
+    x ^= x >> 16u;
+    x *= 0x7feb352du;
+    x ^= x >> 15u;
+    x *= 0x846ca68bu;
+    x ^= x >> 16u;
+    return x;
+}
+
+fn shadow_seed(x: u32, y: u32) -> u32 {
+    return shadow_hash(x + shadow_hash(y + 0x9e3779b9u));
+}
+
+fn shadow_owen(reversed: u32, shadow_seed: u32) -> u32 {
+    var x = reversed;
+    x ^= x * 0x3d20adeau;
+    x += shadow_seed;
+    x *= (shadow_seed >> 16u) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+fn shadow_sobol_second(i: u32) -> u32 {
+    var rest = i;
+    var direction = 0x80000000u;
+    var bits = 0u;
+    while rest != 0u {
+        if (rest & 1u) == 1u {
+            bits ^= direction;
+        }
+        direction ^= direction >> 1u;
+        rest >>= 1u;
+    }
+    return bits;
+}
+
+fn shadow_unit_square(i: u32, shadow_seed: u32) -> vec2f {
+    let x = reverseBits(shadow_owen(i, shadow_seed));
+    let y = reverseBits(shadow_owen(reverseBits(shadow_sobol_second(i)), shadow_hash(shadow_seed ^ 0x68bc21ebu)));
+    return vec2f(f32(x >> 8u), f32(y >> 8u)) * (1.0 / 16777216.0);
+}
+
+// ---- exact.wgsl
+// Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items (table_2), the casters' corners (table_3).
+
+struct shadow_ExactUniforms {
+    light: shadow_LightSampler,
+    eye: vec4f,
+    across: vec4f,
+    down: vec4f,
+    away: vec4f,
+    origin: vec4f,
+    grid: vec4f,
+    tiles: vec4u,
+    far: f32,
+}
+
+// As exact/tile.rs has them.
+const shadow_BOX_BITS = 6u;
+const shadow_BOX_MASK = 63u;
+const shadow_BOX_STEPS = 64.0;
+const shadow_DEPTH_STEPS = 255.0;
+
+// The greatest number below 1.
+const shadow_BELOW_ONE = 0.99999994;
+
+struct shadow_FramePoint {
+    face: u32,
+    on_face: vec2f,
+    depth: f32,
+}
+
+fn shadow_frame_point(o: vec3f) -> shadow_FramePoint {
+    let v = o - shadow_kernel.origin.xyz;
+    if shadow_kernel.tiles.z == 0u {
+        let at = vec2f(shadow_dot3(shadow_kernel.across.xyz, v), shadow_dot3(shadow_kernel.down.xyz, v));
+        return shadow_FramePoint(0u, at, shadow_dot3(shadow_kernel.away.xyz, v) - shadow_kernel.away.w);
+    }
+    let size = abs(v);
+    if size.z >= size.x && size.z >= size.y {
+        return shadow_FramePoint(select(4u, 5u, v.z < 0.0), v.xy / size.z, size.z);
+    }
+    if size.x >= size.y {
+        return shadow_FramePoint(select(0u, 1u, v.x < 0.0), v.yz / size.x, size.x);
+    }
+    return shadow_FramePoint(select(2u, 3u, v.y < 0.0), v.zx / size.y, size.y);
+}
+
+fn shadow_corner_of(row: u32) -> vec3f {
+    return bitcast<vec3f>(shadow_table_3[row].xyz);
+}
+
+fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
+    let point = shadow_frame_point(o);
+    let size = vec2f(shadow_kernel.tiles.xy);
+    let on_grid = (point.on_face + shadow_kernel.grid.xy) * shadow_kernel.grid.z;
+    let is_inside = on_grid.x >= 0.0 && on_grid.y >= 0.0 && on_grid.x < size.x && on_grid.y < size.y;
+    // A lamp's faces end where others begin.
+    if shadow_kernel.tiles.z == 0u && !is_inside {
+        return false;
+    }
+    let at = clamp(on_grid, vec2f(0.0), size * shadow_BELOW_ONE);
+    let tile = vec2u(at);
+    let number = (point.face * shadow_kernel.tiles.y + tile.y) * shadow_kernel.tiles.x + tile.x;
+    let tiles = shadow_table_0[number / 2u];
+    let first_and_side = select(tiles.xy, tiles.zw, number % 2u == 1u);
+    let in_tile = (at - floor(at)) * f32(1u << first_and_side.y);
+    let cell_at = vec2u(in_tile);
+    let cell_number = first_and_side.x + (cell_at.y << first_and_side.y) + cell_at.x;
+    let cell = shadow_table_1[cell_number];
+    if point.depth > bitcast<f32>(cell.y) {
+        return true;
+    }
+    let steps = (point.depth - bitcast<f32>(cell.z)) * bitcast<f32>(cell.w);
+    if point.depth < bitcast<f32>(cell.z) {
+        return false;
+    }
+    let last_step = u32(min(steps, shadow_DEPTH_STEPS));
+    let in_cell = vec2u((in_tile - floor(in_tile)) * shadow_BOX_STEPS);
+    let end = shadow_table_1[cell_number + 1u].x;
+    for (var i = cell.x; i < end; i++) {
+        let items = shadow_table_2[i / 2u];
+        let item = select(items.xy, items.zw, i % 2u == 1u);
+        if (item.y >> (4u * shadow_BOX_BITS)) > last_step {
+            return false;
+        }
+        let low = vec2u(item.y, item.y >> shadow_BOX_BITS) & vec2u(shadow_BOX_MASK);
+        let high = vec2u(item.y >> (2u * shadow_BOX_BITS), item.y >> (3u * shadow_BOX_BITS)) & vec2u(shadow_BOX_MASK);
+        if item.x == own || any(in_cell < low) || any(in_cell > high) {
+            continue;
+        }
+        let row = 3u * item.x;
+        if shadow_segment_hits(o, d, shadow_corner_of(row), shadow_corner_of(row + 1u), shadow_corner_of(row + 2u)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+fn shadow_ray_reach(p: vec3f) -> f32 {
+    let to_eye = abs(shadow_kernel.eye.xyz - p);
+    return max(max(max(to_eye.x, to_eye.y), to_eye.z), shadow_kernel.grid.w);
+}
+
+fn shadow_receive(r: shadow_Receiver) -> f32 {
+    let lift = shadow_origin_offset(r.position, shadow_ray_reach(r.position));
+    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let d = shadow_segment(shadow_kernel.light, o, vec2f(0.0), shadow_kernel.far);
+    let is_lit = shadow_dot3(r.normal, d) > 0.0 && !shadow_is_shadowed(o, d, r.triangle);
+    return select(0.0, 1.0, is_lit);
+}

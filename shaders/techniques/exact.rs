@@ -1,0 +1,237 @@
+//! The answer of one ray, from lists of the casters that touch each cell of a grid over the light: no bias, no map, no error.
+//!
+//! The light buffer of Haines and Greenberg 1986, "The Light Buffer: A Shadow-Testing Accelerator"; Wyman, Hoetzlein and Lefohn
+//! 2015, "Frustum-Traced Raster Shadows" keep lists of receivers instead. A grid of two levels, as in Kalojanov, Billeter and
+//! Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs": tiles over the faces of a frame around the light, each cut into as many cells as
+//! its casters are worth. A cell's list holds the casters that touch it, from near to far, up to the first one behind
+//! a caster that covers all of the cell.
+//!
+//! A receiver asks the list of its cell with the triangle test of [`Traced`](crate::Traced), and any hit will do. So the answer is that
+//! of `traced` with one ray, bit for bit, in whatever order lists are walked and however cells are rounded: lists only have to leave no
+//! true hit out (`exact/light_frame.rs` says how they make sure).
+//!
+//! Lights with an extent are taken for their middle.
+
+mod light_frame;
+mod lists;
+mod lookup;
+mod outline;
+mod tile;
+mod touches;
+
+use crate::{
+    listing::{Candidate, ClosedFormDemand, ListedTechnique},
+    shadow_map::ShadowMap,
+};
+use lists::{Lists, Rows};
+use lookup::{cells_of_span, look_up_span};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Aabb, Fit, Geometry, Inputs, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel, Recipe,
+    RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    bvh::{RAY_BOX, RAY_TRIANGLE},
+    glam::{UVec4, Vec4},
+    light_sample::{LIGHT_SAMPLE, LightSampler},
+    uniforms,
+};
+
+/// Greatest length of rays towards directional lights, metres: what is within the range of 32 bits after a division.
+const FARTHEST: f32 = 1e38;
+
+/// What a lookup reads beside the receiver, in texels of a map: on the CPU it takes about as long as a hard map's and eight taps more.
+const TAPS: u32 = 8;
+
+/// Lists of casters in the light's cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Exact {}
+
+impl ShadowTechnique for Exact {
+    fn name(&self) -> &'static str {
+        "exact"
+    }
+
+    fn settings(&self) -> String {
+        "lists".to_owned()
+    }
+
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        view.validate()?;
+        let Some(geometry) = view.geometry else {
+            return Err(RecipeError::unsupported(
+                "lists need the scene's triangles, and this view has none",
+            ));
+        };
+        let lists = Lists::of(view.light, geometry);
+        let table = |label: &'static str, rows: &Rows| Table {
+            label,
+            rows: rows.clone(),
+        };
+        let tables = vec![
+            table("tiles", &lists.tiles),
+            table("cells", &lists.cells),
+            table("items", &lists.items),
+            table("corners", &lists.corners),
+        ];
+        Ok(Recipe {
+            images: Vec::new(),
+            receive: Receive {
+                kernel: Arc::new(ExactKernel::new(view, geometry, lists)),
+                inputs: Vec::new(),
+                tables: (0..tables.len()).collect(),
+            },
+            tables,
+            casts: Vec::new(),
+            filters: Vec::new(),
+            shade: None,
+            keep_images: false,
+        })
+    }
+}
+
+impl ListedTechnique for Exact {
+    const SUMMARY: &'static str =
+        "lists of casters in the light's cells (Haines, Greenberg 1986): traced's answer";
+
+    fn candidates(_: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        vec![Candidate::One(Self {})]
+    }
+
+    fn compared(_: &[u32], _: Fit) -> Vec<Self> {
+        vec![Self {}]
+    }
+
+    fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
+        Some("its answer is that of rays, without a map or a bias".to_owned())
+    }
+
+    fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        Some(ClosedFormDemand::new(Self {}, 0.0))
+    }
+}
+
+/// The cell that is asked for a receiver: to look at what lookups cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AskedCell {
+    /// Its number among all cells of the light.
+    pub number: u32,
+    /// Casters in its list.
+    pub length: u32,
+    /// Whether one caster hides the light from all receivers of the cell that are as deep as this one, so that its list isn't asked.
+    pub is_covered: bool,
+}
+
+impl Exact {
+    /// Returns the cells that are asked for a view's receivers, pixel by pixel: none where a receiver faces away from the light, where
+    /// no caster can be in its way, or where nothing receives.
+    ///
+    /// # Errors
+    /// Errors if the view has no receivers or no triangles, or something in it can't be used.
+    pub fn asked_cells(&self, view: &View<'_>) -> Result<Vec<Option<AskedCell>>, RecipeError> {
+        view.validate()?;
+        let (Some(geometry), Some(receivers)) = (view.geometry, view.receivers) else {
+            return Err(RecipeError::unsupported(
+                "cells are asked for known receivers, by triangles",
+            ));
+        };
+        let kernel = ExactKernel::new(view, geometry, Lists::of(view.light, geometry));
+        let mut out = vec![None; receivers.len()];
+        let width = receivers.size.x as usize;
+        for (row, out) in out.chunks_mut(width.max(1)).enumerate() {
+            let first = row * width;
+            let span = receivers.span(first, width);
+            cells_of_span(&kernel.uniforms, &kernel.lists, &span, out);
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = out.filter(|_| receivers.receives[first + i]);
+            }
+        }
+        Ok(out)
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`ExactKernel`].
+    pub struct ExactUniforms {
+        /// The light's middle, as an ideal light.
+        pub light: LightSampler,
+        /// The camera's position; w is unused.
+        pub eye: Vec4,
+        /// First row of the matrix from the world, less the origin, to frame space; w is unused.
+        pub across: Vec4,
+        /// The second row, likewise.
+        pub down: Vec4,
+        /// The third row; w: what is subtracted from a sun's depth.
+        pub away: Vec4,
+        /// World position of frame space's origin; w is unused.
+        pub origin: Vec4,
+        /// Half the size of a face, across and down; tiles a unit of a direction; the greatest extent of a receiving triangle, metres.
+        pub grid: Vec4,
+        /// Tiles of a face, across and down; whether the light is a lamp.
+        pub tiles: UVec4,
+        /// Length of rays towards directional lights, metres.
+        pub far: f32,
+    }
+}
+
+/// Asks the lists.
+#[derive(Clone, Debug)]
+pub struct ExactKernel {
+    uniforms: ExactUniforms,
+    lists: Arc<Lists>,
+}
+
+impl ExactKernel {
+    fn new(view: &View<'_>, geometry: &Geometry, lists: Arc<Lists>) -> Self {
+        let eye = view.camera.eye();
+        let all = geometry.bounds().union(&Aabb::around([eye]));
+        let frame = &lists.frame;
+        let [across, down, away] = frame.rows;
+        let extent = geometry.max_receiver_extent();
+        let uniforms = ExactUniforms {
+            light: LightSampler::new(&view.light.without_extent()),
+            eye: eye.extend(0.0),
+            across: across.extend(0.0),
+            down: down.extend(0.0),
+            away: away.extend(frame.nearest),
+            origin: frame.origin.extend(0.0),
+            grid: Vec4::new(frame.half.x, frame.half.y, frame.tiles_a_unit, extent),
+            tiles: UVec4::new(frame.tiles.x, frame.tiles.y, u32::from(frame.is_lamp), 0),
+            far: (2.0 * all.diagonal()).min(FARTHEST),
+        };
+        Self { uniforms, lists }
+    }
+}
+
+impl Kernel for ExactKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![
+            RAY_BOX,
+            RAY_TRIANGLE,
+            LIGHT_SAMPLE,
+            Module {
+                name: "exact",
+                text: include_str!("exact.wgsl"),
+            },
+        ]
+    }
+
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
+    }
+}
+
+impl ReceiveKernel for ExactKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        look_up_span(inputs.simd, &self.uniforms, &self.lists, span, out);
+    }
+
+    /// A cell, and some of the casters in its list.
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(TAPS)
+    }
+
+    fn triangles_listed(&self) -> u64 {
+        self.lists.triangles_listed()
+    }
+}

@@ -1,0 +1,108 @@
+// Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items (table_2), the casters' corners (table_3).
+
+struct ExactUniforms {
+    light: LightSampler,
+    eye: vec4f,
+    across: vec4f,
+    down: vec4f,
+    away: vec4f,
+    origin: vec4f,
+    grid: vec4f,
+    tiles: vec4u,
+    far: f32,
+}
+
+// As exact/tile.rs has them.
+const BOX_BITS = 6u;
+const BOX_MASK = 63u;
+const BOX_STEPS = 64.0;
+const DEPTH_STEPS = 255.0;
+
+// The greatest number below 1.
+const BELOW_ONE = 0.99999994;
+
+struct FramePoint {
+    face: u32,
+    on_face: vec2f,
+    depth: f32,
+}
+
+fn frame_point(o: vec3f) -> FramePoint {
+    let v = o - kernel.origin.xyz;
+    if kernel.tiles.z == 0u {
+        let at = vec2f(dot3(kernel.across.xyz, v), dot3(kernel.down.xyz, v));
+        return FramePoint(0u, at, dot3(kernel.away.xyz, v) - kernel.away.w);
+    }
+    let size = abs(v);
+    if size.z >= size.x && size.z >= size.y {
+        return FramePoint(select(4u, 5u, v.z < 0.0), v.xy / size.z, size.z);
+    }
+    if size.x >= size.y {
+        return FramePoint(select(0u, 1u, v.x < 0.0), v.yz / size.x, size.x);
+    }
+    return FramePoint(select(2u, 3u, v.y < 0.0), v.zx / size.y, size.y);
+}
+
+fn corner_of(row: u32) -> vec3f {
+    return bitcast<vec3f>(table_3[row].xyz);
+}
+
+fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
+    let point = frame_point(o);
+    let size = vec2f(kernel.tiles.xy);
+    let on_grid = (point.on_face + kernel.grid.xy) * kernel.grid.z;
+    let is_inside = on_grid.x >= 0.0 && on_grid.y >= 0.0 && on_grid.x < size.x && on_grid.y < size.y;
+    // A lamp's faces end where others begin.
+    if kernel.tiles.z == 0u && !is_inside {
+        return false;
+    }
+    let at = clamp(on_grid, vec2f(0.0), size * BELOW_ONE);
+    let tile = vec2u(at);
+    let number = (point.face * kernel.tiles.y + tile.y) * kernel.tiles.x + tile.x;
+    let tiles = table_0[number / 2u];
+    let first_and_side = select(tiles.xy, tiles.zw, number % 2u == 1u);
+    let in_tile = (at - floor(at)) * f32(1u << first_and_side.y);
+    let cell_at = vec2u(in_tile);
+    let cell_number = first_and_side.x + (cell_at.y << first_and_side.y) + cell_at.x;
+    let cell = table_1[cell_number];
+    if point.depth > bitcast<f32>(cell.y) {
+        return true;
+    }
+    let steps = (point.depth - bitcast<f32>(cell.z)) * bitcast<f32>(cell.w);
+    if point.depth < bitcast<f32>(cell.z) {
+        return false;
+    }
+    let last_step = u32(min(steps, DEPTH_STEPS));
+    let in_cell = vec2u((in_tile - floor(in_tile)) * BOX_STEPS);
+    let end = table_1[cell_number + 1u].x;
+    for (var i = cell.x; i < end; i++) {
+        let items = table_2[i / 2u];
+        let item = select(items.xy, items.zw, i % 2u == 1u);
+        if (item.y >> (4u * BOX_BITS)) > last_step {
+            return false;
+        }
+        let low = vec2u(item.y, item.y >> BOX_BITS) & vec2u(BOX_MASK);
+        let high = vec2u(item.y >> (2u * BOX_BITS), item.y >> (3u * BOX_BITS)) & vec2u(BOX_MASK);
+        if item.x == own || any(in_cell < low) || any(in_cell > high) {
+            continue;
+        }
+        let row = 3u * item.x;
+        if segment_hits(o, d, corner_of(row), corner_of(row + 1u), corner_of(row + 2u)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+fn ray_reach(p: vec3f) -> f32 {
+    let to_eye = abs(kernel.eye.xyz - p);
+    return max(max(max(to_eye.x, to_eye.y), to_eye.z), kernel.grid.w);
+}
+
+fn receive(r: Receiver) -> f32 {
+    let lift = origin_offset(r.position, ray_reach(r.position));
+    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let d = segment(kernel.light, o, vec2f(0.0), kernel.far);
+    let is_lit = dot3(r.normal, d) > 0.0 && !is_shadowed(o, d, r.triangle);
+    return select(0.0, 1.0, is_lit);
+}

@@ -1,0 +1,447 @@
+//! The CPU half of the kernel: rays are placed on the grid in vector lanes, lists are walked one receiver at a time.
+
+use super::{
+    AskedCell, ExactUniforms,
+    light_frame::LightFrame,
+    lists::Lists,
+    outline::{greater, lesser},
+    tile::{BOX_BITS, BOX_STEPS, DEPTH_STEPS},
+};
+use crate::lanes::batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch};
+use std::ops::Range;
+use umbrage_core::{
+    NO_TRIANGLE, Simd, SimdTask, Span,
+    bvh::{SEGMENT_LANES, SegmentArrays, longest_axis},
+    glam::{Vec2, Vec3, Vec4},
+    light_sample::{SHORT, origin_offset, segment},
+    math::dot3,
+};
+
+/// Fills `out`, as long as the span, with the light's visibility.
+pub(super) fn look_up_span(
+    simd: Simd,
+    uniforms: &ExactUniforms,
+    lists: &Lists,
+    span: &Span<'_>,
+    out: &mut [f32],
+) {
+    let mut padded = PaddedReceivers::new();
+    for first in (0..out.len()).step_by(BATCH) {
+        let count = BATCH.min(out.len() - first);
+        let receivers = ReceiverBatch::from(span, first, &mut padded);
+        let rays = place(simd, uniforms, &lists.frame, &receivers);
+        simd.run_task(Answer {
+            lists,
+            rays: &rays,
+            own: &span.triangle[first..first + count],
+            out: &mut out[first..first + count],
+        });
+    }
+}
+
+/// Fills `out`, as long as the span, with the cells that are asked for its receivers: none where a receiver faces away from the light,
+/// or where nothing can be in its way.
+pub(super) fn cells_of_span(
+    uniforms: &ExactUniforms,
+    lists: &Lists,
+    span: &Span<'_>,
+    out: &mut [Option<AskedCell>],
+) {
+    let mut padded = PaddedReceivers::new();
+    for first in (0..out.len()).step_by(BATCH) {
+        let receivers = ReceiverBatch::from(span, first, &mut padded);
+        let rays = place(Simd::Native, uniforms, &lists.frame, &receivers);
+        let walk = Walk {
+            lists,
+            rays: &rays,
+            own: &[],
+        };
+        let mut places = CellPlaces::new();
+        let rest = &mut out[first..];
+        for (i, out) in rest.iter_mut().take(BATCH).enumerate() {
+            if rays.tile[i] < 0 {
+                *out = None;
+                continue;
+            }
+            walk.find_cell(i, &mut places);
+            let number = places.cell[i];
+            let cell = lists.cells[number as usize];
+            let end = lists.cells[number as usize + 1][0];
+            *out = Some(AskedCell {
+                number,
+                length: end - cell[0],
+                is_covered: rays.depth[i] > f32::from_bits(cell[1]),
+            });
+        }
+    }
+}
+
+/// Places a batch of receivers.
+fn place(
+    simd: Simd,
+    uniforms: &ExactUniforms,
+    frame: &LightFrame,
+    receivers: &ReceiverBatch<'_>,
+) -> Rays {
+    if frame.is_lamp {
+        simd.run_task(Place::<true> {
+            uniforms,
+            frame,
+            receivers,
+        })
+    } else {
+        simd.run_task(Place::<false> {
+            uniforms,
+            frame,
+            receivers,
+        })
+    }
+}
+
+/// How many receivers ask a list at once: neighbours in one cell are seldom more.
+const LANES: usize = SEGMENT_LANES;
+
+/// The length of arrays with a number of each receiver of a batch: a last run that is not full reaches beyond the end.
+const PADDED: usize = BATCH + LANES;
+
+/// Such an array.
+type Numbers = [f32; PADDED];
+
+/// The rays of a batch of receivers, and where they fall on the grid.
+struct Rays {
+    segments: SegmentArrays<PADDED>,
+    depth: Numbers,
+    /// The number of the tile; [`NO_TILE`] outside of the grid.
+    tile: Lanes<i32>,
+    /// Across and down the tile, 0 to 1.
+    within: [Numbers; 2],
+}
+
+/// The greatest number below 1: times a small whole number, it is still less than that.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// Numbers from here to twice this are whole.
+const WHOLE: f32 = 8_388_608.0;
+const WHOLE_BITS: u32 = 1 << 23;
+
+/// [`Rays::tile`] of receivers that face away from the light.
+const FACES_AWAY: i32 = -1;
+
+/// [`Rays::tile`] of receivers outside of the grid.
+const NO_TILE: i32 = -2;
+
+impl Rays {
+    fn new() -> Self {
+        Self {
+            segments: SegmentArrays::default(),
+            depth: [0.0; PADDED],
+            tile: [NO_TILE; BATCH],
+            within: [[0.0; PADDED]; 2],
+        }
+    }
+}
+
+/// Places a batch of receivers.
+struct Place<'a, const LAMP: bool> {
+    uniforms: &'a ExactUniforms,
+    frame: &'a LightFrame,
+    receivers: &'a ReceiverBatch<'a>,
+}
+
+impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
+    type Output = Rays;
+
+    #[inline(always)]
+    fn run(self) -> Rays {
+        let mut out = Rays::new();
+        let u = self.uniforms;
+        let frame = *self.frame;
+        let eye = u.eye.truncate();
+        // Copies, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
+        let receivers = *self.receivers;
+        let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
+        let lamp = u.light.center.truncate();
+        let [wide, high] = [frame.tiles.x as f32, frame.tiles.y as f32];
+        for i in 0..BATCH {
+            let p = receivers.position(i);
+            let n = receivers.normal(i);
+            let to_eye = (eye - p).abs();
+            let reach = greater(greater(to_eye.x, to_eye.y), greater(to_eye.z, u.grid.w));
+            let o = p + n * origin_offset(p, reach);
+            // As `segment` has it of a point.
+            let d = if LAMP { (lamp - o) * SHORT } else { sun };
+            // Receivers of a cell share the longest axis of their rays.
+            let point = frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o), longest_axis(d));
+            let at = (point.on_face + frame.half) * frame.tiles_a_unit;
+            // A lamp's faces end where others begin. Written so that what is not a number is outside.
+            let is_inside = LAMP || at.x >= 0.0 && at.y >= 0.0 && at.x < wide && at.y < high;
+            let x = lesser(greater(at.x, 0.0), wide * BELOW_ONE);
+            let y = lesser(greater(at.y, 0.0), high * BELOW_ONE);
+            let [tile_x, tile_y] = [x.floor(), y.floor()];
+            let line = point.face as f32 * high + tile_y;
+            // 2^23 more has the whole number in its lowest bits: a conversion that knows no bounds.
+            let tile = ((line * wide + tile_x + WHOLE).to_bits() & (WHOLE_BITS - 1)) as i32;
+            out.segments.set(i, o, d);
+            out.depth[i] = point.depth;
+            out.within[0][i] = x - tile_x;
+            out.within[1][i] = y - tile_y;
+            let tile = if is_inside { tile } else { NO_TILE };
+            let faces_light = dot3(n, d) > 0.0;
+            out.tile[i] = if faces_light { tile } else { FACES_AWAY };
+        }
+        out
+    }
+}
+
+/// Answers for a batch.
+struct Answer<'a> {
+    lists: &'a Lists,
+    rays: &'a Rays,
+    own: &'a [u32],
+    out: &'a mut [f32],
+}
+
+impl SimdTask for Answer<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let rays = self.rays;
+        let walk = Walk {
+            lists: self.lists,
+            rays,
+            own: self.own,
+        };
+        let count = self.out.len();
+        let mut places = CellPlaces::new();
+        for (i, out) in self.out.iter_mut().enumerate() {
+            *out = if rays.tile[i] == FACES_AWAY { 0.0 } else { 1.0 };
+            if rays.tile[i] >= 0 {
+                walk.find_cell(i, &mut places);
+            }
+        }
+        let mut runs = [Run::default(); BATCH];
+        let run_count = find_runs(&places, count, &mut runs);
+        let runs = &mut runs[..run_count];
+        // Memory is slow, and what is asked of it at once comes at once: so all heads are read before the first list, and all lists
+        // before the first outline.
+        for run in runs.iter_mut() {
+            walk.read_head(run);
+        }
+        walk.ask(runs, &places);
+        for run in runs.iter() {
+            let mut hidden = run.all & !run.open;
+            while hidden != 0 {
+                let lane = hidden.trailing_zeros();
+                self.out[usize::from(run.first) + lane as usize] = 0.0;
+                hidden &= hidden - 1;
+            }
+        }
+    }
+}
+
+/// Neighbours in the same cell, which ask its list together.
+#[derive(Clone, Copy, Default)]
+struct Run {
+    /// The batch's number of the first, and how many they are.
+    first: u8,
+    count: u8,
+    /// A bit for each.
+    all: u32,
+    /// The bits of those that see the light, as far as is known.
+    open: u32,
+    cell: u32,
+    first_item: u32,
+    end_item: u32,
+    depth_base: f32,
+    steps_a_depth: f32,
+}
+
+/// Finds the runs of a batch of `count` receivers. Returns their number.
+#[inline(always)]
+fn find_runs(places: &CellPlaces, count: usize, out: &mut [Run; BATCH]) -> usize {
+    let mut found = 0;
+    let mut first = 0;
+    while first < count {
+        let cell = places.cell[first];
+        let mut end = first + 1;
+        while end < count && end < first + LANES && places.cell[end] == cell {
+            end += 1;
+        }
+        if cell != NO_CELL {
+            out[found].first = first as u8;
+            out[found].count = (end - first) as u8;
+            out[found].all = (1_u32 << (end - first)) - 1;
+            out[found].cell = cell;
+            found += 1;
+        }
+        first = end;
+    }
+    found
+}
+
+/// A caster that may hide the light from some of a run.
+#[derive(Clone, Copy, Default)]
+struct Candidate {
+    run: u32,
+    caster: u32,
+}
+
+/// Most candidates that wait at a time.
+const WAITING: usize = 256;
+
+/// The cells of a batch of receivers, and where in them the receivers lie, as a part of their sides.
+struct CellPlaces {
+    cell: Lanes<u32>,
+    across: Numbers,
+    down: Numbers,
+}
+
+impl CellPlaces {
+    fn new() -> Self {
+        Self {
+            cell: [NO_CELL; BATCH],
+            across: [0.0; PADDED],
+            down: [0.0; PADDED],
+        }
+    }
+}
+
+/// No cell: the receiver faces away, or lies outside of the grid.
+const NO_CELL: u32 = u32::MAX;
+
+/// Returns the least and the greatest of the numbers of some receivers.
+#[inline(always)]
+fn range_of(numbers: &[f32]) -> [f32; 2] {
+    let mut out = [numbers[0]; 2];
+    for &number in &numbers[1..] {
+        out = [lesser(out[0], number), greater(out[1], number)];
+    }
+    out
+}
+
+/// Walks lists.
+struct Walk<'a> {
+    lists: &'a Lists,
+    rays: &'a Rays,
+    own: &'a [u32],
+}
+
+impl Walk<'_> {
+    /// Finds the cell of a receiver that has a tile.
+    #[inline(always)]
+    fn find_cell(&self, i: usize, out: &mut CellPlaces) {
+        let rays = self.rays;
+        let [first_cell, side_log2] = pair_at(&self.lists.tiles, rays.tile[i] as usize);
+        let side = (1_u32 << side_log2) as f32;
+        let across = rays.within[0][i] * side;
+        let down = rays.within[1][i] * side;
+        let [x, y] = [across as i32, down as i32];
+        out.cell[i] = first_cell + ((y as u32) << side_log2) + x as u32;
+        out.across[i] = across - x as f32;
+        out.down[i] = down - y as f32;
+    }
+
+    /// Reads where a run's list is, and hides the light from those behind its cover.
+    #[inline(always)]
+    fn read_head(&self, run: &mut Run) {
+        let cell = run.cell as usize;
+        let [first_item, covered_behind, depth_base, steps_a_depth] = self.lists.cells[cell];
+        let covered_behind = Vec4::splat(f32::from_bits(covered_behind));
+        let depth = Vec4::from_slice(&self.rays.depth[run.first.into()..][..LANES]);
+        run.open = run.all & !depth.cmpgt(covered_behind).bitmask();
+        run.first_item = first_item;
+        run.end_item = self.lists.cells[cell + 1][0];
+        run.depth_base = f32::from_bits(depth_base);
+        run.steps_a_depth = f32::from_bits(steps_a_depth);
+    }
+
+    /// Asks the lists of runs.
+    #[inline(always)]
+    fn ask(&self, runs: &mut [Run], places: &CellPlaces) {
+        let mut waiting = [Candidate::default(); WAITING];
+        let mut count = 0;
+        for number in 0..runs.len() {
+            let run = runs[number];
+            if run.open == 0 || run.first_item == run.end_item {
+                continue;
+            }
+            let first = usize::from(run.first);
+            let lanes = first..first + usize::from(run.count);
+            let [_, deepest] = range_of(&self.rays.depth[lanes.clone()]);
+            let last_step = lesser((deepest - run.depth_base) * run.steps_a_depth, DEPTH_STEPS);
+            // In front of all casters.
+            if deepest < run.depth_base {
+                continue;
+            }
+            let last_step = last_step as i32 as u32;
+            let step = |numbers: &Numbers| {
+                range_of(&numbers[lanes.clone()]).map(|v| (v * BOX_STEPS) as i32 as u32)
+            };
+            let [across, down] = [step(&places.across), step(&places.down)];
+            let own = self.own_of_all(&lanes);
+            for item in run.first_item..run.end_item {
+                let [caster, word] = pair_at(&self.lists.items, item as usize);
+                if word >> (4 * BOX_BITS) > last_step {
+                    break;
+                }
+                let part = |i: u32| word >> (BOX_BITS * i) & ((1 << BOX_BITS) - 1);
+                let is_beside = (across[1] < part(0))
+                    | (down[1] < part(1))
+                    | (across[0] > part(2))
+                    | (down[0] > part(3));
+                waiting[count] = Candidate {
+                    run: number as u32,
+                    caster,
+                };
+                count += usize::from(!is_beside & (caster != own));
+                if count == WAITING {
+                    self.ask_candidates(&waiting, runs);
+                    count = 0;
+                }
+            }
+        }
+        self.ask_candidates(&waiting[..count], runs);
+    }
+
+    /// Returns the triangle on which all of some receivers lie; none of the casters if they lie on several.
+    #[inline(always)]
+    fn own_of_all(&self, lanes: &Range<usize>) -> u32 {
+        let own = &self.own[lanes.clone()];
+        let is_one = own.iter().all(|&id| id == own[0]);
+        if is_one { own[0] } else { NO_TRIANGLE }
+    }
+
+    /// Hides the light from those receivers of runs whose rays meet a candidate, their own triangle apart.
+    #[inline(always)]
+    fn ask_candidates(&self, candidates: &[Candidate], runs: &mut [Run]) {
+        for &Candidate { run, caster } in candidates {
+            let run = &mut runs[run as usize];
+            if run.open == 0 {
+                continue;
+            }
+            let first = usize::from(run.first);
+            let rows = &self.lists.corners[3 * caster as usize..][..3];
+            let corners = [0, 1, 2].map(|i: usize| {
+                let [x, y, z, _] = rows[i].map(f32::from_bits);
+                Vec3::new(x, y, z)
+            });
+            let mut hits = run.open & self.rays.segments.four(first).hits(corners);
+            while hits != 0 {
+                let lane = hits.trailing_zeros();
+                hits &= hits - 1;
+                if self.own[first + lane as usize] != caster {
+                    run.open &= !(1 << lane);
+                }
+            }
+        }
+    }
+}
+
+/// Returns entry `i` of a table with two a row.
+#[inline(always)]
+fn pair_at(rows: &[[u32; 4]], i: usize) -> [u32; 2] {
+    let row = &rows[i / 2];
+    let place = 2 * (i % 2);
+    [row[place], row[place + 1]]
+}

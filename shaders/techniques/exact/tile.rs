@@ -1,0 +1,343 @@
+//! The lists of one tile's cells.
+
+use super::{
+    light_frame::LightFrame,
+    outline::outlines,
+    touches::{STEPS, Touch},
+};
+use umbrage_core::{
+    Geometry,
+    glam::{Vec3, Vec4},
+};
+
+/// The most cells along a tile's side, as a power of two.
+const FINEST: u32 = 7;
+
+/// One triangle of a cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Item {
+    /// Its place in the list of triangles.
+    pub(super) caster: u32,
+    /// Least depth that it has in the cell, less the margin.
+    pub(super) nearest: f32,
+    /// The box around it in the cell, in [`BOX_STEPS`] of its side: least across, least down, greatest across, greatest down, from the
+    /// lowest bits on.
+    pub(super) bounds: u32,
+}
+
+/// Bits of a number of [`Item::bounds`].
+pub(super) const BOX_BITS: u32 = 6;
+
+/// Steps of [`Item::bounds`] along a cell's side.
+pub(super) const BOX_STEPS: f32 = (1 << BOX_BITS) as f32;
+
+/// Steps of an item's depth, as it is kept: from the least to the greatest of its list.
+pub(super) const DEPTH_STEPS: f32 = 255.0;
+
+/// A cell's list.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    /// Its first item; its last one is before the next cell's first.
+    pub(super) first: u32,
+    /// What is deeper is in shadow: the greatest depth, with the margin, of the nearest triangle that covers the whole cell.
+    pub(super) covered_behind: f32,
+    /// Where the steps of depth begin, and one over their width.
+    pub(super) depth_base: f32,
+    pub(super) steps_a_depth: f32,
+}
+
+/// Where a tile's cells are.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tile {
+    pub(super) first_cell: u32,
+    /// Cells along a side, as a power of two.
+    pub(super) side_log2: u32,
+}
+
+/// Which tile.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TilePlace {
+    pub(super) face: u32,
+    pub(super) x: u32,
+    pub(super) y: u32,
+}
+
+/// The lists of some tiles.
+#[derive(Debug, Default)]
+pub(super) struct TileLists {
+    pub(super) tiles: Vec<Tile>,
+    pub(super) cells: Vec<Cell>,
+    /// Caster; and its box, with its depth in the highest bits.
+    pub(super) items: Vec<[u32; 2]>,
+}
+
+/// What making lists and asking them costs, in nanoseconds or anything else: `bench` measures, and only proportions matter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights {
+    /// One item of a list, made once.
+    pub(super) item: f32,
+    /// One cell, made once.
+    pub(super) cell: f32,
+    /// One item, asked once.
+    pub(super) test: f32,
+    /// How many receivers ask in a tile.
+    pub(super) receivers: f32,
+}
+
+/// Memory that is used for one tile after the other.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    touches: Vec<Touch>,
+    /// Items and their cells, in the order in which they are found.
+    found: Vec<(u32, Item)>,
+    counts: Vec<u32>,
+    covered: Vec<f32>,
+    sorted: Vec<Item>,
+}
+
+impl Scratch {
+    /// Begins a tile: forgets the last one's touches.
+    pub(super) fn clear(&mut self) {
+        self.touches.clear();
+    }
+
+    /// Adds touches of the tile.
+    pub(super) fn add(&mut self, touches: &[Touch]) {
+        self.touches.extend_from_slice(touches);
+    }
+
+    /// Makes the tile's lists.
+    pub(super) fn finish(
+        &mut self,
+        frame: &LightFrame,
+        geometry: &Geometry,
+        place: TilePlace,
+        weights: &Weights,
+        out: &mut TileLists,
+    ) {
+        let side_log2 = best_side(&self.touches, weights);
+        let tile = Tile {
+            first_cell: out.cells.len() as u32,
+            side_log2,
+        };
+        out.tiles.push(tile);
+        let cells = 1_usize << (2 * side_log2);
+        self.counts.clear();
+        self.counts.resize(cells, 0);
+        self.covered.clear();
+        self.covered.resize(cells, f32::INFINITY);
+        self.found.clear();
+        let tile_side = 1.0 / frame.tiles_a_unit;
+        let low = Vec3::new(
+            place.x as f32 * tile_side - frame.half.x,
+            place.y as f32 * tile_side - frame.half.y,
+            1.0,
+        );
+        let step = tile_side / (1 << side_log2) as f32;
+        for i in 0..self.touches.len() {
+            let touch = self.touches[i];
+            let range = CellRange::of(&touch, side_log2);
+            if range.is_small() && !touch.is_large {
+                // Finding out which of the cells it leaves out costs more than asking it in vain.
+                for [cx, cy] in range.cells() {
+                    self.push(&touch, side_log2, [cx, cy], touch.nearest);
+                }
+                continue;
+            }
+            let traits = outlines(frame, geometry, [touch.caster])[0];
+            let [across, down, summand] = traits.outline.on_face(frame.is_lamp, place.face);
+            let at_tile = summand + across * low.x + down * low.y;
+            let [across, down] = [across * step, down * step];
+            let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
+            let to_least = across.min(Vec4::ZERO) + down.min(Vec4::ZERO);
+            for [cx, cy] in range.cells() {
+                let at_cell = at_tile + down * cy as f32 + across * cx as f32;
+                let greatest = at_cell + to_greatest;
+                if greatest.truncate().cmplt(Vec3::NEG_ONE).any() {
+                    continue;
+                }
+                if !traits.knows_depth {
+                    self.push(&touch, side_log2, [cx, cy], touch.nearest);
+                    continue;
+                }
+                let least = at_cell + to_least;
+                let nearest = frame.nearest_of_plane(least.w, greatest.w);
+                self.push(&touch, side_log2, [cx, cy], nearest.max(touch.nearest));
+                if least.truncate().cmpgt(Vec3::ONE).all() {
+                    let covered = &mut self.covered[((cy << side_log2) + cx) as usize];
+                    *covered = covered.min(frame.farthest_of_plane(least.w, greatest.w));
+                }
+            }
+        }
+        self.emit(out);
+    }
+
+    #[inline(always)]
+    fn push(&mut self, touch: &Touch, side_log2: u32, cell: [u32; 2], nearest: f32) {
+        let item = Item {
+            caster: touch.caster,
+            nearest,
+            bounds: bounds_in_cell(touch, side_log2, cell),
+        };
+        let number = (cell[1] << side_log2) + cell[0];
+        self.found.push((number, item));
+        self.counts[number as usize] += 1;
+    }
+
+    /// Sorts what was found by cell and depth, and leaves out what lies behind the cell's cover.
+    fn emit(&mut self, out: &mut TileLists) {
+        let Self {
+            found,
+            counts,
+            covered,
+            sorted,
+            ..
+        } = self;
+        // Where each cell's items go: the counts become ends, and by filling from the back beginnings.
+        let mut end = 0;
+        for count in counts.iter_mut() {
+            end += *count;
+            *count = end;
+        }
+        sorted.clear();
+        sorted.resize(found.len(), Item::default());
+        for &(cell, item) in found.iter() {
+            let place = &mut counts[cell as usize];
+            *place -= 1;
+            sorted[*place as usize] = item;
+        }
+        for (i, &covered_behind) in covered.iter().enumerate() {
+            let begin = counts[i] as usize;
+            let end = counts
+                .get(i + 1)
+                .map_or(sorted.len(), |&next| next as usize);
+            let list = &mut sorted[begin..end];
+            sort_by_depth(list);
+            let first = out.items.len() as u32;
+            let kept = list
+                .iter()
+                .take_while(|item| item.nearest <= covered_behind);
+            let count = kept.count();
+            let depth_base = list.first().map_or(0.0, |item| item.nearest);
+            let deepest = list[..count].last().map_or(0.0, |item| item.nearest);
+            let steps_a_depth = DEPTH_STEPS / (deepest - depth_base).max(f32::MIN_POSITIVE);
+            let steps_a_depth = if steps_a_depth.is_finite() {
+                steps_a_depth
+            } else {
+                0.0
+            };
+            for item in &list[..count] {
+                // Rounded down, and no deeper than the receiver's own step, which is found by the same arithmetic: as it grows with depth, no
+                // caster is passed over.
+                let depth = ((item.nearest - depth_base) * steps_a_depth) as u32;
+                let word = item.bounds | depth.min(255) << (4 * BOX_BITS);
+                out.items.push([item.caster, word]);
+            }
+            out.cells.push(Cell {
+                first,
+                covered_behind,
+                depth_base,
+                steps_a_depth,
+            });
+        }
+    }
+}
+
+/// Sorts a list, mostly a short one, from near to far.
+fn sort_by_depth(list: &mut [Item]) {
+    const SHORT: usize = 24;
+    if list.len() > SHORT {
+        list.sort_unstable_by(|a, b| a.nearest.total_cmp(&b.nearest));
+        return;
+    }
+    for i in 1..list.len() {
+        let item = list[i];
+        let mut place = i;
+        while place > 0 && list[place - 1].nearest > item.nearest {
+            list[place] = list[place - 1];
+            place -= 1;
+        }
+        list[place] = item;
+    }
+}
+
+/// Returns how finely a tile is best divided: the least of what its lists cost to make, which finer cells raise, and to ask, which
+/// they lower.
+fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
+    // A triangle of area A in a box of w x h cells touches A + w + h + 1 of them in the mean (the area of its sum with a cell).
+    let steps = (1_u32 << STEPS) as f32;
+    let mut widths = 0.0;
+    let mut areas = 0.0;
+    for touch in touches {
+        let wide = f32::from(touch.high[0] - touch.low[0]) / steps;
+        let high = f32::from(touch.high[1] - touch.low[1]) / steps;
+        widths += wide + high;
+        areas += 0.5 * wide * high;
+    }
+    let cost = |side_log2: u32| {
+        let side = (1 << side_log2) as f32;
+        let cells = side * side;
+        let items = areas * cells + widths * side + touches.len() as f32;
+        let made = weights.item * items + weights.cell * cells;
+        let asked = weights.test * weights.receivers * items / cells;
+        made + asked
+    };
+    let mut best = 0;
+    for side_log2 in 1..=FINEST {
+        if cost(side_log2) < cost(best) {
+            best = side_log2;
+        }
+    }
+    best
+}
+
+/// The cells of a tile that a triangle's box touches.
+#[derive(Clone, Copy)]
+struct CellRange {
+    low: [u32; 2],
+    /// Inclusive.
+    high: [u32; 2],
+}
+
+impl CellRange {
+    #[inline(always)]
+    fn of(touch: &Touch, side_log2: u32) -> Self {
+        let shift = STEPS - side_log2;
+        Self {
+            low: touch.low.map(|v| u32::from(v) >> shift),
+            high: touch.high.map(|v| u32::from(v) >> shift),
+        }
+    }
+
+    /// Returns whether it is at most two cells wide and high.
+    #[inline(always)]
+    fn is_small(&self) -> bool {
+        self.high[0] - self.low[0] <= 1 && self.high[1] - self.low[1] <= 1
+    }
+
+    #[inline(always)]
+    fn cells(self) -> impl Iterator<Item = [u32; 2]> {
+        let [x0, y0] = self.low;
+        let [x1, y1] = self.high;
+        (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| [x, y]))
+    }
+}
+
+/// Returns a triangle's box cut to a cell, as [`Item::bounds`] has it.
+#[inline(always)]
+fn bounds_in_cell(touch: &Touch, side_log2: u32, cell: [u32; 2]) -> u32 {
+    // A cell has 32 steps or more.
+    let cell_log2 = STEPS - side_log2;
+    let last = (1_u32 << cell_log2) - 1;
+    let mut packed = 0;
+    for (axis, &number) in cell.iter().enumerate() {
+        let start = number << cell_log2;
+        let low = u32::from(touch.low[axis]).saturating_sub(start);
+        let high = u32::from(touch.high[axis]).saturating_sub(start).min(last);
+        // The first part of the least step, and the last part of the greatest.
+        let first = (low << BOX_BITS) >> cell_log2;
+        let end = (((high + 1) << BOX_BITS) - 1) >> cell_log2;
+        packed |= first << (BOX_BITS * axis as u32) | end << (BOX_BITS * (axis as u32 + 2));
+    }
+    packed
+}
