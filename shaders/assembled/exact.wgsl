@@ -296,11 +296,11 @@ struct shadow_ExactUniforms {
     far: f32,
 }
 
-// As exact/tile.rs has them.
-const shadow_BOX_BITS = 6u;
-const shadow_BOX_MASK = 63u;
-const shadow_BOX_STEPS = 64.0;
-const shadow_DEPTH_STEPS = 255.0;
+// As exact/item_key.rs has them.
+const shadow_FIELD = 6u;
+const shadow_LAST = 31u;
+const shadow_KEY_STEPS = 32.0;
+const shadow_GUARDS = 0x20820820u;
 
 // The greatest number below 1.
 const shadow_BELOW_ONE = 0.99999994;
@@ -356,18 +356,16 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     if point.depth < bitcast<f32>(cell.z) {
         return false;
     }
-    let last_step = u32(min(steps, shadow_DEPTH_STEPS));
-    let in_cell = vec2u((in_tile - floor(in_tile)) * shadow_BOX_STEPS);
+    let depth = u32(min(steps, shadow_KEY_STEPS - 1.0));
+    let step = vec2u((in_tile - floor(in_tile)) * shadow_KEY_STEPS);
+    let least = step.x | (step.y << shadow_FIELD);
+    let greatest = ((shadow_LAST - step.x) << (2u * shadow_FIELD)) | ((shadow_LAST - step.y) << (3u * shadow_FIELD));
+    let asking = least | greatest | (depth << (4u * shadow_FIELD)) | shadow_GUARDS;
     let end = shadow_table_1[cell_number + 1u].x;
     for (var i = cell.x; i < end; i++) {
         let items = shadow_table_2[i / 2u];
         let item = select(items.xy, items.zw, i % 2u == 1u);
-        if (item.y >> (4u * shadow_BOX_BITS)) > last_step {
-            return false;
-        }
-        let low = vec2u(item.y, item.y >> shadow_BOX_BITS) & vec2u(shadow_BOX_MASK);
-        let high = vec2u(item.y >> (2u * shadow_BOX_BITS), item.y >> (3u * shadow_BOX_BITS)) & vec2u(shadow_BOX_MASK);
-        if item.x == own || any(in_cell < low) || any(in_cell > high) {
+        if item.x == own || ((asking - item.y) & shadow_GUARDS) != shadow_GUARDS {
             continue;
         }
         let row = 3u * item.x;

@@ -12,6 +12,7 @@
 //!
 //! Lights with an extent are taken for their middle.
 
+mod item_key;
 mod light_frame;
 mod lists;
 mod lookup;

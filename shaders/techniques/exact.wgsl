@@ -12,11 +12,11 @@ struct ExactUniforms {
     far: f32,
 }
 
-// As exact/tile.rs has them.
-const BOX_BITS = 6u;
-const BOX_MASK = 63u;
-const BOX_STEPS = 64.0;
-const DEPTH_STEPS = 255.0;
+// As exact/item_key.rs has them.
+const FIELD = 6u;
+const LAST = 31u;
+const KEY_STEPS = 32.0;
+const GUARDS = 0x20820820u;
 
 // The greatest number below 1.
 const BELOW_ONE = 0.99999994;
@@ -72,18 +72,16 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     if point.depth < bitcast<f32>(cell.z) {
         return false;
     }
-    let last_step = u32(min(steps, DEPTH_STEPS));
-    let in_cell = vec2u((in_tile - floor(in_tile)) * BOX_STEPS);
+    let depth = u32(min(steps, KEY_STEPS - 1.0));
+    let step = vec2u((in_tile - floor(in_tile)) * KEY_STEPS);
+    let least = step.x | (step.y << FIELD);
+    let greatest = ((LAST - step.x) << (2u * FIELD)) | ((LAST - step.y) << (3u * FIELD));
+    let asking = least | greatest | (depth << (4u * FIELD)) | GUARDS;
     let end = table_1[cell_number + 1u].x;
     for (var i = cell.x; i < end; i++) {
         let items = table_2[i / 2u];
         let item = select(items.xy, items.zw, i % 2u == 1u);
-        if (item.y >> (4u * BOX_BITS)) > last_step {
-            return false;
-        }
-        let low = vec2u(item.y, item.y >> BOX_BITS) & vec2u(BOX_MASK);
-        let high = vec2u(item.y >> (2u * BOX_BITS), item.y >> (3u * BOX_BITS)) & vec2u(BOX_MASK);
-        if item.x == own || any(in_cell < low) || any(in_cell > high) {
+        if item.x == own || ((asking - item.y) & GUARDS) != GUARDS {
             continue;
         }
         let row = 3u * item.x;

@@ -41,7 +41,7 @@ pub(super) struct Lists {
     /// A row a cell, and one at the end: first item, what is deeper than this is in shadow, where steps of depth begin, and one over
     /// their width (bits of floats).
     pub(super) cells: Rows,
-    /// Two items a row: caster; and its box in the cell, with its least depth in the highest bits.
+    /// Two items a row: caster, and its box and depth in one word.
     pub(super) items: Rows,
     /// Three rows a caster: its corners.
     pub(super) corners: Rows,

@@ -2,10 +2,10 @@
 
 use super::{
     AskedCell, ExactUniforms,
+    item_key::{CellBox, KEY_STEPS, asking_word, may_hide},
     light_frame::LightFrame,
     lists::Lists,
     outline::{greater, lesser},
-    tile::{BOX_BITS, BOX_STEPS, DEPTH_STEPS},
 };
 use crate::lanes::batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch};
 use std::ops::Range;
@@ -369,32 +369,29 @@ impl Walk<'_> {
             let first = usize::from(run.first);
             let lanes = first..first + usize::from(run.count);
             let [_, deepest] = range_of(&self.rays.depth[lanes.clone()]);
-            let last_step = lesser((deepest - run.depth_base) * run.steps_a_depth, DEPTH_STEPS);
             // In front of all casters.
             if deepest < run.depth_base {
                 continue;
             }
-            let last_step = last_step as i32 as u32;
+            let depth_step = (deepest - run.depth_base) * run.steps_a_depth;
+            let depth_step = lesser(depth_step, KEY_STEPS - 1.0) as i32 as u32;
             let step = |numbers: &Numbers| {
-                range_of(&numbers[lanes.clone()]).map(|v| (v * BOX_STEPS) as i32 as u32)
+                range_of(&numbers[lanes.clone()]).map(|v| (v * KEY_STEPS) as i32 as u32)
             };
             let [across, down] = [step(&places.across), step(&places.down)];
+            let bounds = CellBox {
+                low: [across[0], down[0]],
+                high: [across[1], down[1]],
+            };
+            let asking = asking_word(bounds, depth_step);
             let own = self.own_of_all(&lanes);
             for item in run.first_item..run.end_item {
                 let [caster, word] = pair_at(&self.lists.items, item as usize);
-                if word >> (4 * BOX_BITS) > last_step {
-                    break;
-                }
-                let part = |i: u32| word >> (BOX_BITS * i) & ((1 << BOX_BITS) - 1);
-                let is_beside = (across[1] < part(0))
-                    | (down[1] < part(1))
-                    | (across[0] > part(2))
-                    | (down[0] > part(3));
                 waiting[count] = Candidate {
                     run: number as u32,
                     caster,
                 };
-                count += usize::from(!is_beside & (caster != own));
+                count += usize::from(may_hide(word, asking) & (caster != own));
                 if count == WAITING {
                     self.ask_candidates(&waiting, runs);
                     count = 0;

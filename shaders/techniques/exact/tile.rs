@@ -1,6 +1,7 @@
 //! The lists of one tile's cells.
 
 use super::{
+    item_key::{CellBox, KEY_STEPS, KEY_STEPS_LOG2, item_word},
     light_frame::LightFrame,
     outline::outlines,
     touches::{STEPS, Touch},
@@ -20,19 +21,9 @@ pub(super) struct Item {
     pub(super) caster: u32,
     /// Least depth that it has in the cell, less the margin.
     pub(super) nearest: f32,
-    /// The box around it in the cell, in [`BOX_STEPS`] of its side: least across, least down, greatest across, greatest down, from the
-    /// lowest bits on.
-    pub(super) bounds: u32,
+    /// The box around it in the cell, in [`KEY_STEPS`] of its side.
+    pub(super) bounds: CellBox,
 }
-
-/// Bits of a number of [`Item::bounds`].
-pub(super) const BOX_BITS: u32 = 6;
-
-/// Steps of [`Item::bounds`] along a cell's side.
-pub(super) const BOX_STEPS: f32 = (1 << BOX_BITS) as f32;
-
-/// Steps of an item's depth, as it is kept: from the least to the greatest of its list.
-pub(super) const DEPTH_STEPS: f32 = 255.0;
 
 /// A cell's list.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +58,7 @@ pub(super) struct TilePlace {
 pub(super) struct TileLists {
     pub(super) tiles: Vec<Tile>,
     pub(super) cells: Vec<Cell>,
-    /// Caster; and its box, with its depth in the highest bits.
+    /// Caster, and [`item_word`].
     pub(super) items: Vec<[u32; 2]>,
 }
 
@@ -220,7 +211,7 @@ impl Scratch {
             let count = kept.count();
             let depth_base = list.first().map_or(0.0, |item| item.nearest);
             let deepest = list[..count].last().map_or(0.0, |item| item.nearest);
-            let steps_a_depth = DEPTH_STEPS / (deepest - depth_base).max(f32::MIN_POSITIVE);
+            let steps_a_depth = (KEY_STEPS - 1.0) / (deepest - depth_base).max(f32::MIN_POSITIVE);
             let steps_a_depth = if steps_a_depth.is_finite() {
                 steps_a_depth
             } else {
@@ -230,7 +221,7 @@ impl Scratch {
                 // Rounded down, and no deeper than the receiver's own step, which is found by the same arithmetic: as it grows with depth, no
                 // caster is passed over.
                 let depth = ((item.nearest - depth_base) * steps_a_depth) as u32;
-                let word = item.bounds | depth.min(255) << (4 * BOX_BITS);
+                let word = item_word(item.bounds, depth.min(KEY_STEPS as u32 - 1));
                 out.items.push([item.caster, word]);
             }
             out.cells.push(Cell {
@@ -272,7 +263,7 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
         let wide = f32::from(touch.high[0] - touch.low[0]) / steps;
         let high = f32::from(touch.high[1] - touch.low[1]) / steps;
         widths += wide + high;
-        areas += 0.5 * wide * high;
+        areas += touch.area.min(wide * high);
     }
     let cost = |side_log2: u32| {
         let side = (1 << side_log2) as f32;
@@ -323,21 +314,20 @@ impl CellRange {
     }
 }
 
-/// Returns a triangle's box cut to a cell, as [`Item::bounds`] has it.
+/// Returns a triangle's box cut to a cell.
 #[inline(always)]
-fn bounds_in_cell(touch: &Touch, side_log2: u32, cell: [u32; 2]) -> u32 {
-    // A cell has 32 steps or more.
+fn bounds_in_cell(touch: &Touch, side_log2: u32, cell: [u32; 2]) -> CellBox {
+    // A cell has 32 steps of its tile or more.
     let cell_log2 = STEPS - side_log2;
     let last = (1_u32 << cell_log2) - 1;
-    let mut packed = 0;
+    let to_key = |step: u32| step >> (cell_log2 - KEY_STEPS_LOG2);
+    let mut bounds = CellBox::default();
     for (axis, &number) in cell.iter().enumerate() {
         let start = number << cell_log2;
         let low = u32::from(touch.low[axis]).saturating_sub(start);
         let high = u32::from(touch.high[axis]).saturating_sub(start).min(last);
-        // The first part of the least step, and the last part of the greatest.
-        let first = (low << BOX_BITS) >> cell_log2;
-        let end = (((high + 1) << BOX_BITS) - 1) >> cell_log2;
-        packed |= first << (BOX_BITS * axis as u32) | end << (BOX_BITS * (axis as u32 + 2));
+        bounds.low[axis] = to_key(low);
+        bounds.high[axis] = to_key(high);
     }
-    packed
+    bounds
 }

@@ -23,6 +23,8 @@ pub(super) struct Touch {
     pub(super) low: [u16; 2],
     /// Inclusive.
     pub(super) high: [u16; 2],
+    /// Its area, in areas of a tile, that of other tiles included.
+    pub(super) area: f32,
     /// Whether it is larger than a tile.
     pub(super) is_large: bool,
 }
@@ -87,6 +89,7 @@ impl Found<'_> {
             low: low.truncate(),
             high,
             nearest: low.z,
+            area: 0.5 * (b - a).truncate().perp_dot((c - a).truncate()).abs(),
             is_anywhere: false,
         };
         self.add_on_face(caster, 0, &bounds, self.frame.margin(0.0));
@@ -130,6 +133,7 @@ impl Found<'_> {
             nearest: frame.before(bounds.nearest),
             low: [0; 2],
             high: [0; 2],
+            area: bounds.area * frame.tiles_a_unit * frame.tiles_a_unit,
             is_large: (high - low).max_element() > 1 << STEPS,
         };
         let has_edges = touch.is_large && !bounds.is_anywhere;
@@ -192,6 +196,7 @@ struct FaceBounds {
     low: Vec2,
     high: Vec2,
     nearest: f32,
+    area: f32,
     /// Of a triangle so near to a lamp that its edges mean nothing.
     is_anywhere: bool,
 }
@@ -202,6 +207,7 @@ impl FaceBounds {
         low: Vec2::NEG_ONE,
         high: Vec2::ONE,
         nearest: 0.0,
+        area: 4.0,
         is_anywhere: true,
     };
 
@@ -245,11 +251,17 @@ impl FaceBounds {
             low: Vec2::INFINITY,
             high: Vec2::NEG_INFINITY,
             nearest: f32::INFINITY,
+            area: 0.0,
             is_anywhere: false,
         };
+        let place = |v: &Vec3| v.truncate() / v.z.max(1e-30);
+        let first = points.first().map_or(Vec2::ZERO, place);
+        let mut last = first;
         for v in points {
-            let depth = v.z.max(1e-30);
-            let at = v.truncate() / depth;
+            let at = place(v);
+            // A fan around the first corner.
+            out.area += 0.5 * (last - first).perp_dot(at - first).abs();
+            last = at;
             out.low = out.low.min(at);
             out.high = out.high.max(at);
             out.nearest = out.nearest.min(v.z);
