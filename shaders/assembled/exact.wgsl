@@ -301,6 +301,7 @@ const shadow_FIELD = 6u;
 const shadow_LAST = 31u;
 const shadow_KEY_STEPS = 32.0;
 const shadow_GUARDS = 0x20820820u;
+const shadow_DEPTH_GUARD = 0x20000000u;
 
 // The greatest number below 1.
 const shadow_BELOW_ONE = 0.99999994;
@@ -365,7 +366,11 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     for (var i = cell.x; i < end; i++) {
         let items = shadow_table_2[i / 2u];
         let item = select(items.xy, items.zw, i % 2u == 1u);
-        if item.x == own || ((asking - item.y) & shadow_GUARDS) != shadow_GUARDS {
+        let fields = (asking - item.y) & shadow_GUARDS;
+        if (fields & shadow_DEPTH_GUARD) == 0u {
+            return false;
+        }
+        if item.x == own || fields != shadow_GUARDS {
             continue;
         }
         let row = 3u * item.x;

@@ -17,6 +17,7 @@ const FIELD = 6u;
 const LAST = 31u;
 const KEY_STEPS = 32.0;
 const GUARDS = 0x20820820u;
+const DEPTH_GUARD = 0x20000000u;
 
 // The greatest number below 1.
 const BELOW_ONE = 0.99999994;
@@ -81,7 +82,11 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     for (var i = cell.x; i < end; i++) {
         let items = table_2[i / 2u];
         let item = select(items.xy, items.zw, i % 2u == 1u);
-        if item.x == own || ((asking - item.y) & GUARDS) != GUARDS {
+        let fields = (asking - item.y) & GUARDS;
+        if (fields & DEPTH_GUARD) == 0u {
+            return false;
+        }
+        if item.x == own || fields != GUARDS {
             continue;
         }
         let row = 3u * item.x;

@@ -21,7 +21,10 @@ const LAST: u32 = 31;
 /// The bit of each field that says 32.
 const GUARDS: u32 = 1 << 5 | 1 << 11 | 1 << 17 | 1 << 23 | 1 << 29;
 
-/// A box in a cell and a depth, in steps.
+/// That of depth.
+const DEPTH_GUARD: u32 = 1 << 29;
+
+/// A box in a cell, in steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct CellBox {
     /// Least step across, and down.
@@ -52,6 +55,12 @@ pub(super) fn asking_word(bounds: CellBox, depth: u32) -> u32 {
         | (LAST - y0) << (3 * FIELD)
         | depth << (4 * FIELD);
     fields | GUARDS
+}
+
+/// Returns whether an item's caster is deeper than receivers, and so are all after it in its list.
+#[inline(always)]
+pub(super) fn ends_list(item: u32, asking: u32) -> bool {
+    (asking - item) & DEPTH_GUARD == 0
 }
 
 /// Returns whether an item's caster may be in the way of receivers.
@@ -88,6 +97,8 @@ mod tests {
             let expected = overlap(0) && overlap(1) && item_depth <= depth;
             let found = may_hide(item_word(item, item_depth), asking_word(asking, depth));
             assert_eq!(found, expected, "{item:?} {item_depth}, {asking:?} {depth}");
+            let ends = ends_list(item_word(item, item_depth), asking_word(asking, depth));
+            assert_eq!(ends, item_depth > depth);
             hidden += u32::from(found);
         }
         assert!(

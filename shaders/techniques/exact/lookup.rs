@@ -2,7 +2,7 @@
 
 use super::{
     AskedCell, ExactUniforms,
-    item_key::{CellBox, KEY_STEPS, asking_word, may_hide},
+    item_key::{CellBox, KEY_STEPS, asking_word, ends_list, may_hide},
     light_frame::LightFrame,
     lists::Lists,
     outline::{greater, lesser},
@@ -387,6 +387,9 @@ impl Walk<'_> {
             let own = self.own_of_all(&lanes);
             for item in run.first_item..run.end_item {
                 let [caster, word] = pair_at(&self.lists.items, item as usize);
+                if ends_list(word, asking) {
+                    break;
+                }
                 waiting[count] = Candidate {
                     run: number as u32,
                     caster,
