@@ -31,6 +31,8 @@ const SIZES: [usize; 3] = [1, 4, 16];
 pub(crate) struct Verifier {
     /// None where the scene can't be traced.
     pub(crate) pilot: Option<Pilot>,
+    /// Of each pixel: [`PlanScene::lit`].
+    pub(crate) lit: Vec<bool>,
     pub(crate) sampling: Sampling,
 }
 
@@ -57,7 +59,7 @@ impl Verifier {
             return Ok(without_pilot(first_sample, contender.first));
         };
         let mask = scene.mask(contender.recipe)?;
-        let differences = differences(&mask, &pilot.mask, &scene.receivers.receives);
+        let differences = differences(&mask, &pilot.mask, &self.lit);
         // Whether all that can be wrong lies where mask and pilot differ.
         let nowhere_else = pilot.is_exact || contender.first.error == 0.0;
         let density = if nowhere_else {
@@ -67,7 +69,7 @@ impl Verifier {
                 .collect()
         } else {
             let interest = differences.iter().map(|d| f64::from(*d)).collect();
-            normalized(interest, &scene.receivers.receives)
+            normalized(interest, &self.lit)
         };
         let mut found = contender.first;
         for (k, times) in (0..).zip(SIZES) {
@@ -89,7 +91,7 @@ impl Verifier {
             found = if nowhere_else {
                 let counted = first_sample.counted;
                 let unseen = unseen(pilot, &second, &mask_there, first_sample.coverage)
-                    * greatest_weight_over_mean(scene, counted);
+                    * self.greatest_weight_over_mean(scene, counted);
                 estimate_of_part(&second.sample, &second.truth, &mask_there, counted, unseen)
             } else {
                 estimate(&second.sample, &second.truth, &mask_there)
@@ -102,6 +104,19 @@ impl Verifier {
             }
         }
         Ok(found)
+    }
+
+    /// Returns by how much the weight of one pixel exceeds the mean weight of those that count, at most: 1 if all weigh alike.
+    /// What hides anywhere may hide where it weighs most.
+    fn greatest_weight_over_mean(&self, scene: &PlanScene<'_>, counted: CountedPixels) -> f64 {
+        let greatest = scene.weights.iter().copied().fold(0.0, f64::max);
+        let lit = self.lit.iter().filter(|lit| **lit).count();
+        let mean = counted.count / lit.max(1) as f64;
+        if mean > 0.0 && scene.is_weighted() {
+            greatest / mean
+        } else {
+            1.0
+        }
     }
 
     /// Traces the truth of a sample.
@@ -118,11 +133,12 @@ impl Verifier {
     }
 }
 
-/// Returns |mask - pilot| at each pixel; 0 where nothing receives.
-fn differences(mask: &[f32], pilot: &[f32], receives: &[bool]) -> Vec<f32> {
+/// Returns |mask - pilot| at each pixel; 0 beside the lit receivers, since nothing else counts: what techniques answer where
+/// no light goes may well differ from the pilot everywhere, and would take the sample's place.
+fn differences(mask: &[f32], pilot: &[f32], lit: &[bool]) -> Vec<f32> {
     (0..mask.len())
         .map(|i| {
-            if receives[i] {
+            if lit[i] {
                 (mask[i] - pilot[i]).abs()
             } else {
                 0.0
@@ -145,19 +161,6 @@ fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Co
         .sum();
     // Differences are at most 1, so their squares are no greater than they are.
     poisson_upper_limit(faults) / rays
-}
-
-/// Returns by how much the weight of one pixel exceeds the mean weight of those that count, at most: 1 if all weigh alike. What hides
-/// anywhere may hide where it weighs most.
-fn greatest_weight_over_mean(scene: &PlanScene<'_>, counted: CountedPixels) -> f64 {
-    let greatest = scene.weights.iter().copied().fold(0.0, f64::max);
-    let receivers = scene.receivers.receives.iter().filter(|r| **r).count();
-    let mean = counted.count / receivers.max(1) as f64;
-    if mean > 0.0 && scene.is_weighted() {
-        greatest / mean
-    } else {
-        1.0
-    }
 }
 
 /// Returns the estimate without a pilot: the first sample's. Where that has met no error, the upper limit is as if all that is
