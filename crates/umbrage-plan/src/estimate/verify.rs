@@ -11,7 +11,7 @@
 
 use super::{
     density::{Pilot, normalized},
-    error::{CountedPixels, Estimate, ONE_IN_TWENTY, estimate, estimate_of_part},
+    error::{CountedPixels, Estimate, Part, estimate, estimate_of_part, upper_limit_of_sum},
     sample::PixelSample,
     sampled_truth::{Coverage, SampledTruth, Sampling},
     scene::PlanScene,
@@ -81,6 +81,11 @@ impl Verifier {
             )
             .weighted(&scene.weights);
             let is_whole = sample.chances.iter().all(|chance| *chance == 1.0);
+            let greatest_share = if is_whole {
+                0.0
+            } else {
+                greatest_share(&sample, &density, &scene.weights)
+            };
             let second = self.truth_of(scene, sample, on_step)?;
             let mask_there: Vec<f32> = second
                 .sample
@@ -89,10 +94,15 @@ impl Verifier {
                 .map(|&i| mask[i as usize])
                 .collect();
             found = if nowhere_else {
-                let counted = first_sample.counted;
+                let all = first_sample.counted;
                 let unseen = unseen(pilot, &second, &mask_there, first_sample.coverage)
-                    * self.greatest_weight_over_mean(scene, counted);
-                estimate_of_part(&second.sample, &second.truth, &mask_there, counted, unseen)
+                    * self.greatest_weight_over_mean(scene, all);
+                let part = Part {
+                    all,
+                    greatest_share,
+                    unseen,
+                };
+                estimate_of_part(&second.sample, &second.truth, &mask_there, part)
             } else {
                 estimate(&second.sample, &second.truth, &mask_there)
             };
@@ -147,6 +157,14 @@ fn differences(mask: &[f32], pilot: &[f32], lit: &[bool]) -> Vec<f32> {
         .collect()
 }
 
+/// Returns the greatest weight over chance of the pixels that can be drawn with these densities.
+fn greatest_share(sample: &PixelSample, density: &[f64], weights: &[f64]) -> f64 {
+    let least_chance = sample.chances.iter().copied().fold(1.0, f64::min);
+    let of_drawable = density.iter().zip(weights).filter(|(d, _)| **d > 0.0);
+    let greatest_weight = of_drawable.map(|(_, weight)| *weight).fold(0.0, f64::max);
+    greatest_weight / least_chance
+}
+
 /// Returns the greatest mean square error that the pilot's rays may have missed where they agree with the mask; 0 if they are
 /// exact.
 fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Coverage) -> f64 {
@@ -180,8 +198,7 @@ fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
 /// Returns the upper limit of the mean of a Poisson distribution of which `count` was seen, with 95 % confidence: 3 for none ("rule
 /// of three"). It is within a hundredth of the exact limit (Byar's approximation: Breslow and Day 1987, "Statistical methods in cancer research", volume 2).
 fn poisson_upper_limit(count: f64) -> f64 {
-    let next = count + 1.0;
-    next * (1.0 - 1.0 / (9.0 * next) + ONE_IN_TWENTY / (3.0 * next.sqrt())).powi(3)
+    upper_limit_of_sum(count, count, 1.0)
 }
 
 #[cfg(test)]
