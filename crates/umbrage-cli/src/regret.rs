@@ -16,8 +16,8 @@ use umbrage_plan::{
     truth::TruthOptions,
 };
 
-/// Images of more pixels than this are judged at one pixel of each block, and candidates are swept with their best bias alone: a
-/// sweep of everything would take hours.
+/// Images of more pixels than this are judged at one pixel of each block under lights with an extent, and candidates are swept with
+/// their best bias alone: a sweep of everything would take hours.
 const MAX_THOROUGH: u32 = 320 * 240;
 /// The side of those blocks, pixels.
 const BLOCK_SIDE: u32 = 4;

@@ -7,7 +7,7 @@ use glam::UVec2;
 use umbrage_core::RecipeError;
 use umbrage_techniques::{Bias, Hard, ShadowMap, TechniquePreset, Traced};
 
-/// The share of the sample that is spread evenly over all receivers, to meet errors that the pilot doesn't show.
+/// The share of the sample that is spread evenly over all lit receivers, to meet errors that the pilot doesn't show.
 const EVEN_SHARE: f64 = 0.3;
 /// How far from a change of the pilot's visibility techniques are most often wrong, pixels.
 const RADIUS: usize = 2;
@@ -43,17 +43,18 @@ impl Pilot {
     }
 }
 
-/// Returns how densely samples are to be drawn at each pixel: shares that add up to 1, 0 where nothing receives.
+/// Returns how densely samples are to be drawn at each pixel: shares that add up to 1, 0 beside the [lit](PlanScene::lit)
+/// receivers. What is unlit counts in no error, and under a spot it may be most of the image.
 pub(crate) fn density(
     scene: &mut PlanScene<'_>,
     pilot: Option<&Pilot>,
+    lit: &[bool],
 ) -> Result<Vec<f64>, MeasureError> {
-    let receives = scene.receivers.receives.clone();
     let pilot = match pilot {
         Some(pilot) => pilot.mask.clone(),
-        None => vec![1.0; receives.len()],
+        None => vec![1.0; lit.len()],
     };
-    let mut interest: Vec<f64> = local_range(scene.camera.size, &pilot, &receives)
+    let mut interest: Vec<f64> = local_range(scene.camera.size, &pilot, lit)
         .into_iter()
         .map(f64::from)
         .collect();
@@ -76,7 +77,7 @@ pub(crate) fn density(
     for (interest, weight) in interest.iter_mut().zip(&scene.weights) {
         *interest *= weight;
     }
-    Ok(normalized(interest, &receives))
+    Ok(normalized(interest, lit))
 }
 
 /// Renders a technique's mask of the whole image; none where it isn't supported.
@@ -91,16 +92,16 @@ fn mask(
     }
 }
 
-/// Turns interest into shares that add up to 1: [`EVEN_SHARE`] is spread evenly over all receivers, the rest in proportion to
-/// their interest.
-pub(crate) fn normalized(mut interest: Vec<f64>, receives: &[bool]) -> Vec<f64> {
-    for (interest, receives) in interest.iter_mut().zip(receives) {
-        if !receives {
+/// Turns interest into shares that add up to 1: [`EVEN_SHARE`] is spread evenly over all lit receivers, the rest in proportion
+/// to their interest.
+pub(crate) fn normalized(mut interest: Vec<f64>, lit: &[bool]) -> Vec<f64> {
+    for (interest, lit) in interest.iter_mut().zip(lit) {
+        if !lit {
             *interest = 0.0;
         }
     }
     let sum: f64 = interest.iter().sum();
-    let count = receives.iter().filter(|r| **r).count().max(1) as f64;
+    let count = lit.iter().filter(|lit| **lit).count().max(1) as f64;
     // Without any interest all is spread evenly.
     let mut even = 1.0 / count;
     let mut for_interest = 0.0;
@@ -109,15 +110,15 @@ pub(crate) fn normalized(mut interest: Vec<f64>, receives: &[bool]) -> Vec<f64> 
         for_interest = (1.0 - EVEN_SHARE) / sum;
     }
     let mut density = vec![0.0; interest.len()];
-    for i in (0..density.len()).filter(|&i| receives[i]) {
+    for i in (0..density.len()).filter(|&i| lit[i]) {
         density[i] = even + interest[i] * for_interest;
     }
     density
 }
 
-/// Returns for each pixel the range of visibility over the receivers within [`RADIUS`] pixels along both axes, 0..=1. Rows
+/// Returns for each pixel the range of visibility over the lit receivers within [`RADIUS`] pixels along both axes, 0..=1. Rows
 /// are reduced first, then columns.
-fn local_range(size: UVec2, mask: &[f32], receives: &[bool]) -> Vec<f32> {
+fn local_range(size: UVec2, mask: &[f32], lit: &[bool]) -> Vec<f32> {
     let width = size.x as usize;
     let height = size.y as usize;
     let mut rows = Vec::with_capacity(width * height);
@@ -126,7 +127,7 @@ fn local_range(size: UVec2, mask: &[f32], receives: &[bool]) -> Vec<f32> {
             let mut range = Range::EMPTY;
             for neighbor in neighbors(x, width) {
                 let i = y * width + neighbor;
-                range = range.union(Range::at(mask[i], receives[i]));
+                range = range.union(Range::at(mask[i], lit[i]));
             }
             rows.push(range);
         }
@@ -162,9 +163,9 @@ impl Range {
         max: f32::NEG_INFINITY,
     };
 
-    /// One value, or none where nothing receives.
-    fn at(value: f32, receives: bool) -> Self {
-        if receives {
+    /// One value, or none where nothing is lit.
+    fn at(value: f32, lit: bool) -> Self {
+        if lit {
             Self {
                 min: value,
                 max: value,
@@ -192,17 +193,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn edges_are_of_interest_and_what_is_no_receiver_is_not() {
+    fn edges_are_of_interest_and_what_is_not_lit_is_not() {
         let size = UVec2::new(12, 3);
         let mask: Vec<f32> = (0..36)
             .map(|i| if i % 12 < 6 { 1.0 } else { 0.0 })
             .collect();
-        let mut receives = vec![true; 36];
-        receives[23] = false;
-        let range = local_range(size, &mask, &receives);
+        let mut lit = vec![true; 36];
+        lit[23] = false;
+        let range = local_range(size, &mask, &lit);
         let expected = |x: usize| if (4..8).contains(&x) { 1.0 } else { 0.0 };
         assert!((0..36).all(|i| range[i] == expected(i % 12)), "{range:?}");
-        let density = normalized(range.iter().map(|&s| f64::from(s)).collect(), &receives);
+        let density = normalized(range.iter().map(|&s| f64::from(s)).collect(), &lit);
         assert!((density.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert_eq!(density[23], 0.0);
         assert!(density[5] > 5.0 * density[0] && density[0] > 0.0);

@@ -11,7 +11,7 @@ use crate::{
     truth::{PixelTruth, TruthOptions},
 };
 use serde::{Deserialize, Serialize};
-use umbrage_core::{BackendError, Recipe, metrics::Pixel};
+use umbrage_core::{BackendError, Receivers, Recipe, metrics::Pixel};
 
 /// How samples are drawn and their truth is traced.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,7 @@ pub struct Coverage {
     pub ambiguous: u64,
     /// Those that face away from the light or lie outside its cone, where no technique is asked.
     pub unlit: u64,
-    /// Those whose truth was traced; of the rest the sample tells.
+    /// Those whose truth was traced; of the others that are lit the sample tells.
     pub traced: u64,
 }
 
@@ -77,9 +77,9 @@ impl Coverage {
         }
     }
 
-    /// Returns the number of receivers whose truth was not traced.
+    /// Returns the number of receivers that are lit and whose truth was not traced.
     pub fn unsampled(&self) -> u64 {
-        self.receivers.saturating_sub(self.traced)
+        self.receivers.saturating_sub(self.unlit + self.traced)
     }
 }
 
@@ -98,7 +98,8 @@ impl SampledTruth {
         }
     }
 
-    /// Draws a sample of all receivers in proportion to `density` (one a pixel), and traces its truth.
+    /// Draws a sample of all [lit](PlanScene::lit) receivers in proportion to `density` (one a pixel; above 0 at each of them, and
+    /// 0 elsewhere), and traces its truth.
     pub(crate) fn draw(
         scene: &mut PlanScene<'_>,
         density: &[f64],
@@ -110,15 +111,14 @@ impl SampledTruth {
         let truth = scene.truth_at(&sample.pixels, &sampling.truth, &|done, total| {
             on_step(Step::Truth(done, total))
         })?;
-        let receives = &scene.receivers.receives;
-        let receivers: Vec<usize> = (0..receives.len()).filter(|&i| receives[i]).collect();
-        let receivers_weight = receivers.iter().map(|&i| scene.weights[i]).sum();
+        let lit: Vec<usize> = (0..density.len()).filter(|&i| density[i] > 0.0).collect();
+        let lit_weight = lit.iter().map(|&i| scene.weights[i]).sum();
         let drawn = (0..truth.len()).map(|k| {
             let counts = truth[k].pixel == Pixel::Counted;
             (sample.chances[k], sample.weights[k], counts)
         });
-        let counted = CountedPixels::estimate(receivers_weight, drawn);
-        let coverage = coverage(&sample, &truth, receives.len(), receivers.len());
+        let counted = CountedPixels::estimate(lit_weight, drawn);
+        let coverage = coverage(&scene.receivers, lit.len(), &sample, &truth);
         Ok(Self {
             counted,
             coverage,
@@ -137,26 +137,27 @@ impl SampledTruth {
     }
 }
 
-/// Returns how many of an image's pixels are of which class, estimated from a sample of its receivers and the truth there.
+/// Returns how many of an image's pixels are of which class, estimated from a sample of its `lit` receivers and the truth there.
 fn coverage(
+    receivers: &Receivers,
+    lit: usize,
     sample: &PixelSample,
     truth: &[PixelTruth],
-    pixels: usize,
-    receivers: usize,
 ) -> Coverage {
+    let receiving = receivers.receives.iter().filter(|r| **r).count();
     let of_class = |class: Pixel| {
         let drawn = (0..truth.len()).map(|k| (sample.chances[k], 1.0, truth[k].pixel == class));
-        CountedPixels::estimate(receivers as f64, drawn)
+        CountedPixels::estimate(lit as f64, drawn)
     };
     let certain = of_class(Pixel::Counted);
     let rounded = |count: f64| count.round() as u64;
     Coverage {
-        pixels: pixels as u64,
-        receivers: receivers as u64,
+        pixels: receivers.len() as u64,
+        receivers: receiving as u64,
         certain: rounded(certain.count),
         certain_margin: rounded(certain.margin),
         ambiguous: rounded(of_class(Pixel::Ambiguous).count),
-        unlit: rounded(of_class(Pixel::Unlit).count),
+        unlit: (receiving - lit) as u64,
         traced: truth.len() as u64,
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     MeasureError,
     cost::CostModel,
     motion::follows_camera,
-    truth::{PixelTruth, Progress, TruthOptions, TruthRequest, trace_pixels},
+    truth::{PixelTruth, Progress, TruthOptions, TruthRequest, trace_pixels, unlit},
 };
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -197,6 +197,22 @@ impl<'a> PlanScene<'a> {
     ) -> Result<Vec<f32>, BackendError> {
         let view = View::new(self.camera, self.light, self.geometry).with_receivers(receivers);
         self.cpu.render_pixels(&view, recipe, pixels)
+    }
+
+    /// Returns for each pixel whether it shows a receiver that the light may reach: where truth is not
+    /// [`Pixel::Unlit`](umbrage_core::metrics::Pixel::Unlit). Nothing else counts in an error.
+    pub(crate) fn lit(&self, options: &TruthOptions) -> Result<Vec<bool>, MeasureError> {
+        let receives = &self.receivers.receives;
+        let all: Vec<u32> = (0..receives.len() as u32).collect();
+        let request = TruthRequest {
+            camera: self.camera,
+            geometry: self.geometry,
+            receivers: &self.receivers,
+            pixels: &all,
+        };
+        let unlit = unlit(&request, self.light, options)?;
+        let lit = receives.iter().zip(unlit);
+        Ok(lit.map(|(receives, unlit)| *receives && !unlit).collect())
     }
 
     /// Returns truth at some pixels. Pixels that were traced before are not traced again, so `options` must always be the same.

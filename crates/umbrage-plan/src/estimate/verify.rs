@@ -11,7 +11,7 @@
 
 use super::{
     density::{Pilot, normalized},
-    error::{CountedPixels, Estimate, ONE_IN_TWENTY, estimate, estimate_of_part},
+    error::{CountedPixels, Estimate, Part, estimate, estimate_of_part, upper_limit_of_sum},
     sample::PixelSample,
     sampled_truth::{Coverage, SampledTruth, Sampling},
     scene::PlanScene,
@@ -31,6 +31,8 @@ const SIZES: [usize; 3] = [1, 4, 16];
 pub(crate) struct Verifier {
     /// None where the scene can't be traced.
     pub(crate) pilot: Option<Pilot>,
+    /// Of each pixel: [`PlanScene::lit`].
+    pub(crate) lit: Vec<bool>,
     pub(crate) sampling: Sampling,
 }
 
@@ -57,7 +59,7 @@ impl Verifier {
             return Ok(without_pilot(first_sample, contender.first));
         };
         let mask = scene.mask(contender.recipe)?;
-        let differences = differences(&mask, &pilot.mask, &scene.receivers.receives);
+        let differences = differences(&mask, &pilot.mask, &self.lit);
         // Whether all that can be wrong lies where mask and pilot differ.
         let nowhere_else = pilot.is_exact || contender.first.error == 0.0;
         let density = if nowhere_else {
@@ -67,7 +69,7 @@ impl Verifier {
                 .collect()
         } else {
             let interest = differences.iter().map(|d| f64::from(*d)).collect();
-            normalized(interest, &scene.receivers.receives)
+            normalized(interest, &self.lit)
         };
         let mut found = contender.first;
         for (k, times) in (0..).zip(SIZES) {
@@ -79,6 +81,11 @@ impl Verifier {
             )
             .weighted(&scene.weights);
             let is_whole = sample.chances.iter().all(|chance| *chance == 1.0);
+            let greatest_share = if is_whole {
+                0.0
+            } else {
+                greatest_share(&sample, &density, &scene.weights)
+            };
             let second = self.truth_of(scene, sample, on_step)?;
             let mask_there: Vec<f32> = second
                 .sample
@@ -87,10 +94,15 @@ impl Verifier {
                 .map(|&i| mask[i as usize])
                 .collect();
             found = if nowhere_else {
-                let counted = first_sample.counted;
+                let all = first_sample.counted;
                 let unseen = unseen(pilot, &second, &mask_there, first_sample.coverage)
-                    * greatest_weight_over_mean(scene, counted);
-                estimate_of_part(&second.sample, &second.truth, &mask_there, counted, unseen)
+                    * self.greatest_weight_over_mean(scene, all);
+                let part = Part {
+                    all,
+                    greatest_share,
+                    unseen,
+                };
+                estimate_of_part(&second.sample, &second.truth, &mask_there, part)
             } else {
                 estimate(&second.sample, &second.truth, &mask_there)
             };
@@ -102,6 +114,19 @@ impl Verifier {
             }
         }
         Ok(found)
+    }
+
+    /// Returns by how much the weight of one pixel exceeds the mean weight of those that count, at most: 1 if all weigh alike.
+    /// What hides anywhere may hide where it weighs most.
+    fn greatest_weight_over_mean(&self, scene: &PlanScene<'_>, counted: CountedPixels) -> f64 {
+        let greatest = scene.weights.iter().copied().fold(0.0, f64::max);
+        let lit = self.lit.iter().filter(|lit| **lit).count();
+        let mean = counted.count / lit.max(1) as f64;
+        if mean > 0.0 && scene.is_weighted() {
+            greatest / mean
+        } else {
+            1.0
+        }
     }
 
     /// Traces the truth of a sample.
@@ -118,17 +143,26 @@ impl Verifier {
     }
 }
 
-/// Returns |mask - pilot| at each pixel; 0 where nothing receives.
-fn differences(mask: &[f32], pilot: &[f32], receives: &[bool]) -> Vec<f32> {
+/// Returns |mask - pilot| at each pixel; 0 beside the lit receivers, since nothing else counts: what techniques answer where
+/// no light goes may well differ from the pilot everywhere, and would take the sample's place.
+fn differences(mask: &[f32], pilot: &[f32], lit: &[bool]) -> Vec<f32> {
     (0..mask.len())
         .map(|i| {
-            if receives[i] {
+            if lit[i] {
                 (mask[i] - pilot[i]).abs()
             } else {
                 0.0
             }
         })
         .collect()
+}
+
+/// Returns the greatest weight over chance of the pixels that can be drawn with these densities.
+fn greatest_share(sample: &PixelSample, density: &[f64], weights: &[f64]) -> f64 {
+    let least_chance = sample.chances.iter().copied().fold(1.0, f64::min);
+    let of_drawable = density.iter().zip(weights).filter(|(d, _)| **d > 0.0);
+    let greatest_weight = of_drawable.map(|(_, weight)| *weight).fold(0.0, f64::max);
+    greatest_weight / least_chance
 }
 
 /// Returns the greatest mean square error that the pilot's rays may have missed where they agree with the mask; 0 if they are
@@ -145,19 +179,6 @@ fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Co
         .sum();
     // Differences are at most 1, so their squares are no greater than they are.
     poisson_upper_limit(faults) / rays
-}
-
-/// Returns by how much the weight of one pixel exceeds the mean weight of those that count, at most: 1 if all weigh alike. What hides
-/// anywhere may hide where it weighs most.
-fn greatest_weight_over_mean(scene: &PlanScene<'_>, counted: CountedPixels) -> f64 {
-    let greatest = scene.weights.iter().copied().fold(0.0, f64::max);
-    let receivers = scene.receivers.receives.iter().filter(|r| **r).count();
-    let mean = counted.count / receivers.max(1) as f64;
-    if mean > 0.0 && scene.is_weighted() {
-        greatest / mean
-    } else {
-        1.0
-    }
 }
 
 /// Returns the estimate without a pilot: the first sample's. Where that has met no error, the upper limit is as if all that is
@@ -177,8 +198,7 @@ fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
 /// Returns the upper limit of the mean of a Poisson distribution of which `count` was seen, with 95 % confidence: 3 for none ("rule
 /// of three"). It is within a hundredth of the exact limit (Byar's approximation: Breslow and Day 1987, "Statistical methods in cancer research", volume 2).
 fn poisson_upper_limit(count: f64) -> f64 {
-    let next = count + 1.0;
-    next * (1.0 - 1.0 / (9.0 * next) + ONE_IN_TWENTY / (3.0 * next.sqrt())).powi(3)
+    upper_limit_of_sum(count, count, 1.0)
 }
 
 #[cfg(test)]

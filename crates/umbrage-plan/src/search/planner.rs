@@ -449,7 +449,8 @@ fn sampled_view<'a>(
     on_step: &OnStep<'_>,
 ) -> Result<SampledView<'a>, MeasureError> {
     let pilot = Pilot::new(&mut scene)?;
-    let density = density(&mut scene, pilot.as_ref())?;
+    let lit = scene.lit(&options.truth)?;
+    let density = density(&mut scene, pilot.as_ref(), &lit)?;
     let factor = if scene.light.is_ideal() {
         IDEAL_LIGHT_FACTOR
     } else {
@@ -463,6 +464,7 @@ fn sampled_view<'a>(
     let sampled = SampledTruth::draw(&mut scene, &density, &sampling, on_step)?;
     let verifier = Verifier {
         pilot,
+        lit,
         sampling: sampling.second(),
     };
     Ok(SampledView::new(scene, sampled, verifier))

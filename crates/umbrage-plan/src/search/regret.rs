@@ -106,8 +106,10 @@ impl Regret {
 /// Plans for each error bound, each as if it were the first, and sweeps all candidates by rising cost until the least bound
 /// is met. With a backend, plans are made by the clock, and all candidates that keep a bound are played and timed in turn.
 ///
-/// The image is judged at one pixel of each block ([`TruthOptions::block_side`](crate::truth::TruthOptions::block_side)). If blocks are
-/// larger than a pixel, candidates are swept with their best bias each, not with all of them.
+/// Under ideal lights, whose truth takes one ray a pixel, the whole image is judged: hard shadows err at few pixels, and a plan may
+/// come within a thousandth of its bound, which no sample of the image tells. Under lights with an extent the image is judged at one
+/// pixel of each block ([`TruthOptions::block_side`](crate::truth::TruthOptions::block_side)). If blocks are larger than a pixel,
+/// candidates are swept with their best bias each, not with all of them.
 ///
 /// # Errors
 /// Errors if the scene has no camera or light, or is not valid, or if a backend fails.
@@ -161,8 +163,8 @@ pub fn regret(
 /// How many times the error of one in twenty estimates is out of the question: nearly five standard errors, not once in a million.
 const FAR: f64 = 3.0;
 
-/// Rays a pixel at most where one pixel of each block is judged: they err by .5 % in a penumbra with one straight edge, which adds nothing
-/// to errors of some percent.
+/// Rays a pixel at most where one pixel of each block is judged, under lights with an extent: they err by .5 % in a penumbra with one
+/// straight edge, which adds nothing to errors of some percent.
 const JUDGED_SAMPLES: u32 = 256;
 
 /// The candidates' errors over the whole image.
@@ -172,16 +174,21 @@ struct Sweep<'a> {
     judged: Vec<u32>,
     truth: Vec<f32>,
     pixels: Vec<Pixel>,
-    /// Whether all pixels are judged.
+    /// Whether candidates are swept with all biases.
     is_thorough: bool,
 }
 
 impl<'a> Sweep<'a> {
     fn new(mut planner: Planner<'a>, options: &PlanOptions) -> Result<Self, MeasureError> {
         let scene = &mut planner.search.trials.views[0].scene;
-        let judged = drawn(scene.receivers.size, options.truth.block_side);
         let is_thorough = options.truth.block_side <= 1;
-        let truth = if is_thorough {
+        let block_side = if scene.light.is_ideal() {
+            1
+        } else {
+            options.truth.block_side
+        };
+        let judged = drawn(scene.receivers.size, block_side);
+        let truth = if block_side <= 1 {
             options.truth
         } else {
             TruthOptions {
@@ -414,4 +421,31 @@ fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
         .map(|r| r.bound)
         .fold(0.0, f64::max);
     lower_square > max_open_bound.powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::tests::{scene, small};
+    use umbrage_techniques::Hard;
+
+    /// Under ideal lights errors are those of whole images, however large the blocks are.
+    #[test]
+    fn under_ideal_lights_whole_images_are_judged() {
+        let scene = scene("cubes");
+        let camera = scene.cameras[0].resized(UVec2::new(160, 120));
+        let geometry = Geometry::bake(&scene).expect("built in");
+        let judged = |block_side| {
+            let mut options = small();
+            options.truth.block_side = block_side;
+            let light = &scene.lights[0];
+            let planner =
+                Planner::new(&camera, light, &geometry, &options, &|_| {}).expect("can be planned");
+            let mut sweep = Sweep::new(planner, &options).expect("can be traced");
+            let error = sweep.error(&Hard::default().into()).expect("plays");
+            (sweep.judged.len(), error)
+        };
+        assert!(scene.lights[0].is_ideal());
+        assert_eq!(judged(4), judged(1));
+    }
 }

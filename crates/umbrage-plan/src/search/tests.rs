@@ -8,7 +8,10 @@ use super::{
 };
 use crate::{Estimate, cost::CostModel, motion::FrameMotion, truth, truth::TruthOptions};
 use glam::UVec2;
-use umbrage_core::{Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors};
+use umbrage_core::{
+    Camera, Fit, Light, Receivers, RecipeError, View,
+    metrics::{Errors, Pixel},
+};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{TechniquePreset, Techniques};
 
@@ -532,5 +535,54 @@ fn biases_are_those_of_their_kinds() {
                 .map(|map| biases.kind.bias(biases.first(), map.bias));
             assert_eq!(preset.map().map(|map| map.bias), own);
         }
+    }
+}
+
+/// What is unlit is no part of a sample: under a spot that lights a tenth of the image, where techniques answer otherwise than rays
+/// outside of the cone, second looks see the errors within it.
+#[test]
+fn second_looks_under_a_spot_see_what_it_lights() {
+    let scene = scene("night-room");
+    let camera = scene.cameras[0].resized(UVec2::new(320, 180));
+    let geometry = Geometry::bake(&scene).expect("built in");
+    let options = PlanOptions {
+        samples: 64,
+        ..small()
+    };
+    let mut planner = Planner::new(&camera, &scene.lights[1], &geometry, &options, &|_| {})
+        .expect("can be planned");
+    let view = &mut planner.search.trials.views[0];
+    let all: Vec<u32> = (0..view.scene.receivers.len() as u32).collect();
+    let truth = (view.scene)
+        .trace_at(&all, &options.truth, &|_, _| {})
+        .expect("can be traced");
+    let lit = view.scene.lit(&options.truth).expect("valid");
+    let is_lit = |pixel| matches!(pixel, Pixel::Counted | Pixel::Ambiguous);
+    assert!((0..lit.len()).all(|i| lit[i] == is_lit(truth[i].pixel)));
+    let (visibility, pixels): (Vec<f32>, Vec<_>) =
+        truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
+    let hard = TechniquePreset::defaults()[1].clone();
+    let map = hard.map().copied().expect("has a map");
+    for size in [64, 128, 256] {
+        let preset = hard.with_map(umbrage_techniques::ShadowMap { size, ..map });
+        let setting = planner.search.trials.try_out(&preset).expect("plays");
+        let mask = (planner.search.trials.views[0].scene)
+            .preset_mask(&preset)
+            .expect("plays");
+        let whole = Errors::measure(camera.size, &mask, &visibility, &pixels)
+            .expect("fits")
+            .rmse;
+        assert!(whole > 0.02, "{size}: {whole}");
+        let e = planner
+            .search
+            .trials
+            .verify(&setting.expect("supported"), None, &|_| {})
+            .expect("plays")
+            .estimate;
+        // All that differs is drawn. What is not known is how many pixels count.
+        assert!(
+            (e.error / whole - 1.0).abs() < 0.05 && e.high < 1.1 * whole,
+            "{size}: {e:?} for {whole}"
+        );
     }
 }

@@ -204,6 +204,18 @@ pub fn trace_pixels(
     Ok(out)
 }
 
+/// Returns for each pixel of a request whether truth will be [`Pixel::Unlit`] there. That takes no rays.
+///
+/// # Errors
+/// Errors if the light is not valid.
+pub(crate) fn unlit(
+    request: &TruthRequest<'_>,
+    light: &Light,
+    options: &TruthOptions,
+) -> Result<Vec<bool>, Invalid> {
+    Ok(request.unlit(&Tracer::new(request.geometry, light, options)?))
+}
+
 /// Truth at the pixels of a request, in their order.
 struct Traced {
     seen: Vec<PointTruth>,

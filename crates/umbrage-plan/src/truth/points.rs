@@ -157,4 +157,17 @@ impl TruthRequest<'_> {
             });
         out
     }
+
+    /// Returns for each pixel whether it shows a receiver that is unlit, without rays.
+    pub(super) fn unlit(&self, tracer: &Tracer) -> Vec<bool> {
+        self.pixels
+            .par_iter()
+            .map(|&i| {
+                let i = i as usize;
+                let point =
+                    || ReceiverPoint::of_pixel(self.camera, self.geometry, self.receivers, i);
+                self.receivers.receives[i] && tracer.is_unlit(&point())
+            })
+            .collect()
+    }
 }

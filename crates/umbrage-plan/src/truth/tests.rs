@@ -277,6 +277,45 @@ fn unlit_points_are_told() {
     );
 }
 
+/// What is unlit is told without rays, exactly as rays tell it: of lights with an extent and without, and of cones.
+#[test]
+fn unlit_pixels_are_told_without_rays() {
+    for (name, light) in [
+        ("cubes", 0),
+        ("rising-boxes-disc", 0),
+        ("lamp-in-room", 0),
+        ("night-room", 1),
+        ("night-room-soft", 1),
+    ] {
+        let scene = umbrage_scenes::by_argument(name).expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let camera = scene.cameras[0].resized(UVec2::new(64, 36));
+        let light = &scene.lights[light];
+        let options = TruthOptions {
+            samples: 32,
+            probe_samples: 16,
+            ..TruthOptions::default()
+        };
+        let find = &mut |camera: &Camera, geometry: &Geometry| {
+            umbrage_cpu::Cpu::new().receivers(camera, geometry)
+        };
+        let truth = trace(&camera, light, &geometry, &options, find, &|_, _| {}).expect("valid");
+        let all: Vec<u32> = (0..truth.pixels.len() as u32).collect();
+        let request = TruthRequest {
+            camera: &camera,
+            geometry: &geometry,
+            receivers: &truth.receivers,
+            pixels: &all,
+        };
+        let found = unlit(&request, light, &options).expect("valid");
+        let expected: Vec<bool> = (truth.pixels.iter())
+            .map(|pixel| *pixel == Pixel::Unlit)
+            .collect();
+        assert!(found == expected, "{name}");
+        assert!(found.contains(&true) && found.contains(&false), "{name}");
+    }
+}
+
 #[test]
 fn points_that_are_not_finite_are_refused() {
     let geometry = Geometry::default();

@@ -45,6 +45,13 @@ struct Cone {
     cosine: f32,
 }
 
+/// Where a point's rays start, and how far they reach towards directional lights, metres.
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    o: Vec3,
+    far: f32,
+}
+
 /// What is remembered from one ray to the next: the triangle that hid the last one most likely hides this one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Memory {
@@ -93,10 +100,7 @@ impl<'a> Tracer<'a> {
 
     /// Traces the fraction of the light that a point sees. `lift` multiplies the ray's offset.
     pub(super) fn ask(&self, point: &ReceiverPoint, lift: f32, memory: &mut Memory) -> PointTruth {
-        let n = point.normal;
-        let o = point.position + n * (lift * origin_offset(point.position, point.reach));
-        let to_center = Aabb::around([o, self.center]).diagonal();
-        let far = (1.01 * (to_center + self.radius)).min(FARTHEST);
+        let Start { o, far } = self.start(point, lift);
         let mut blocks = Vec::new();
         let mut samples = self.samples;
         let mut count = self.run(0..samples, point, o, far, memory, &mut blocks);
@@ -112,6 +116,26 @@ impl<'a> Tracer<'a> {
             error: standard_error(&blocks, visibility),
             unlit: count.above == 0 || self.outside_cone(o),
         }
+    }
+
+    /// Whether a point is unlit, exactly as [`Tracer::ask`] says, but without rays.
+    pub(super) fn is_unlit(&self, point: &ReceiverPoint) -> bool {
+        let Start { o, far } = self.start(point, 1.0);
+        let is_above = |i: u32| {
+            let uv = scrambled(self.sequence[i as usize], point.seed);
+            dot3(point.normal, segment(&self.light, o, uv, far)) > 0.0
+        };
+        // More samples are asked in penumbrae alone, where some are above.
+        self.outside_cone(o) || !(0..self.samples).any(is_above)
+    }
+
+    /// Returns where a point's rays start. `lift` multiplies their offset.
+    fn start(&self, point: &ReceiverPoint, lift: f32) -> Start {
+        let offset = lift * origin_offset(point.position, point.reach);
+        let o = point.position + point.normal * offset;
+        let to_center = Aabb::around([o, self.center]).diagonal();
+        let far = (1.01 * (to_center + self.radius)).min(FARTHEST);
+        Start { o, far }
     }
 
     /// Traces a range of samples; `blocks` gets the fraction seen by each of [`BLOCKS`] equal parts.
