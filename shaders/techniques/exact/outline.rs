@@ -47,6 +47,11 @@ impl Outline {
     }
 }
 
+/// Returns the outline of a triangle of a geometry.
+pub(super) fn outline_of(frame: &LightFrame, geometry: &Geometry, triangle: u32) -> Traits {
+    outline(frame, geometry.corners(triangle).map(|p| frame.place(p)))
+}
+
 /// Returns a triangle's outline, its corners in frame space.
 fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
     // Homogeneous directions, and what is linear in them: a sun's depth, or one over a lamp's.
@@ -130,13 +135,4 @@ pub(super) fn greater(a: f32, b: f32) -> f32 {
 #[inline(always)]
 pub(super) fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
-}
-
-/// Returns the outlines of triangles.
-pub(super) fn outlines<const N: usize>(
-    frame: &LightFrame,
-    geometry: &Geometry,
-    triangles: [u32; N],
-) -> [Traits; N] {
-    triangles.map(|id| outline(frame, geometry.corners(id).map(|p| frame.place(p))))
 }

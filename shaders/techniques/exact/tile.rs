@@ -3,12 +3,12 @@
 use super::{
     item_key::{CellBox, KEY_STEPS, KEY_STEPS_LOG2, item_word},
     light_frame::LightFrame,
-    outline::outlines,
+    outline::{Traits, outline_of},
     touches::{STEPS, Touch},
 };
 use umbrage_core::{
     Geometry,
-    glam::{Vec3, Vec4},
+    glam::{Vec2, Vec3, Vec4},
 };
 
 /// The most cells along a tile's side, as a power of two.
@@ -62,7 +62,7 @@ pub(super) struct TileLists {
     pub(super) items: Vec<[u32; 2]>,
 }
 
-/// What making lists and asking them costs, in nanoseconds or anything else: `bench` measures, and only proportions matter.
+/// What making lists and asking them costs; only proportions matter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights {
     /// One item of a list, made once.
@@ -107,60 +107,67 @@ impl Scratch {
         out: &mut TileLists,
     ) {
         let side_log2 = best_side(&self.touches, weights);
-        let tile = Tile {
+        out.tiles.push(Tile {
             first_cell: out.cells.len() as u32,
             side_log2,
-        };
-        out.tiles.push(tile);
+        });
         let cells = 1_usize << (2 * side_log2);
         self.counts.clear();
         self.counts.resize(cells, 0);
         self.covered.clear();
         self.covered.resize(cells, f32::INFINITY);
         self.found.clear();
-        let tile_side = 1.0 / frame.tiles_a_unit;
-        let low = Vec3::new(
-            place.x as f32 * tile_side - frame.half.x,
-            place.y as f32 * tile_side - frame.half.y,
-            1.0,
-        );
-        let step = tile_side / (1 << side_log2) as f32;
+        let grid = CellGrid::new(frame, place, side_log2);
         for i in 0..self.touches.len() {
             let touch = self.touches[i];
             let range = CellRange::of(&touch, side_log2);
             if range.is_small() && !touch.is_large {
                 // Finding out which of the cells it leaves out costs more than asking it in vain.
-                for [cx, cy] in range.cells() {
-                    self.push(&touch, side_log2, [cx, cy], touch.nearest);
+                for cell in range.cells() {
+                    self.push(&touch, side_log2, cell, touch.nearest);
                 }
-                continue;
-            }
-            let traits = outlines(frame, geometry, [touch.caster])[0];
-            let [across, down, summand] = traits.outline.on_face(frame.is_lamp, place.face);
-            let at_tile = summand + across * low.x + down * low.y;
-            let [across, down] = [across * step, down * step];
-            let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
-            let to_least = across.min(Vec4::ZERO) + down.min(Vec4::ZERO);
-            for [cx, cy] in range.cells() {
-                let at_cell = at_tile + down * cy as f32 + across * cx as f32;
-                let greatest = at_cell + to_greatest;
-                if greatest.truncate().cmplt(Vec3::NEG_ONE).any() {
-                    continue;
-                }
-                if !traits.knows_depth {
-                    self.push(&touch, side_log2, [cx, cy], touch.nearest);
-                    continue;
-                }
-                let least = at_cell + to_least;
-                let nearest = frame.nearest_of_plane(least.w, greatest.w);
-                self.push(&touch, side_log2, [cx, cy], nearest.max(touch.nearest));
-                if least.truncate().cmpgt(Vec3::ONE).all() {
-                    let covered = &mut self.covered[((cy << side_log2) + cx) as usize];
-                    *covered = covered.min(frame.farthest_of_plane(least.w, greatest.w));
-                }
+            } else {
+                let traits = outline_of(frame, geometry, touch.caster);
+                self.add_by_outline(frame, &grid, &touch, &traits);
             }
         }
         self.emit(out);
+    }
+
+    /// Adds a triangle to the cells that its outline touches, and notes which it covers.
+    fn add_by_outline(
+        &mut self,
+        frame: &LightFrame,
+        grid: &CellGrid,
+        touch: &Touch,
+        traits: &Traits,
+    ) {
+        let side_log2 = grid.side_log2;
+        let [across, down, summand] = traits.outline.on_face(frame.is_lamp, grid.face);
+        let at_tile = summand + across * grid.low.x + down * grid.low.y;
+        let [across, down] = [across * grid.step, down * grid.step];
+        // From the value at a cell's first corner to the greatest and the least in the cell: linear functions have them at corners.
+        let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
+        let to_least = across.min(Vec4::ZERO) + down.min(Vec4::ZERO);
+        for cell in CellRange::of(touch, side_log2).cells() {
+            let [cx, cy] = cell;
+            let at_cell = at_tile + down * cy as f32 + across * cx as f32;
+            let greatest = at_cell + to_greatest;
+            if greatest.truncate().cmplt(Vec3::NEG_ONE).any() {
+                continue;
+            }
+            if !traits.knows_depth {
+                self.push(touch, side_log2, cell, touch.nearest);
+                continue;
+            }
+            let least = at_cell + to_least;
+            let nearest = frame.nearest_of_plane(least.w, greatest.w);
+            self.push(touch, side_log2, cell, nearest.max(touch.nearest));
+            if least.truncate().cmpgt(Vec3::ONE).all() {
+                let covered = &mut self.covered[((cy << side_log2) + cx) as usize];
+                *covered = covered.min(frame.farthest_of_plane(least.w, greatest.w));
+            }
+        }
     }
 
     #[inline(always)]
@@ -280,6 +287,29 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
         }
     }
     best
+}
+
+/// Where a tile's cells lie on its face.
+struct CellGrid {
+    face: u32,
+    /// The tile's first corner, in units of a direction.
+    low: Vec2,
+    /// A cell's side.
+    step: f32,
+    side_log2: u32,
+}
+
+impl CellGrid {
+    fn new(frame: &LightFrame, place: TilePlace, side_log2: u32) -> Self {
+        let tile_side = 1.0 / frame.tiles_a_unit;
+        let tile = Vec2::new(place.x as f32, place.y as f32);
+        Self {
+            face: place.face,
+            low: tile * tile_side - frame.half,
+            step: tile_side / (1 << side_log2) as f32,
+            side_log2,
+        }
+    }
 }
 
 /// The cells of a tile that a triangle's box touches.

@@ -2,7 +2,7 @@
 
 use super::{
     light_frame::LightFrame,
-    outline::{distance_to_origin, greater, lesser, outlines},
+    outline::{distance_to_origin, greater, lesser, outline_of},
 };
 use umbrage_core::{
     Geometry,
@@ -139,7 +139,7 @@ impl Found<'_> {
         let has_edges = touch.is_large && !bounds.is_anywhere;
         let mut on_face = [Vec4::ZERO; 3];
         if has_edges {
-            let [traits] = outlines(frame, self.geometry, [caster]);
+            let traits = outline_of(frame, self.geometry, caster);
             on_face = traits.outline.on_face(frame.is_lamp, face);
         }
         for y in first.y..=last.y {
