@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README and of docs/causes.md, and docs/which.md again: some half an hour.
+# Makes the pictures of the README and of docs/causes.md, those of docs/exact.md, and docs/which.md again: some half an hour.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/pictures
@@ -10,6 +10,7 @@ for row in hard-512-bias-none hard-512-bias-slope-.05-.005 pcf-7x7-512-bias-adap
   cp "$report/teapot-lamp/$row.cpu.png" "$report/teapot-lamp/$row.cpu.error.png" docs/compare/teapot-lamp/
 done
 cargo run --release --example causes -- docs/causes
+cargo run --release --example lists -- docs/exact
 cargo run --release --example textbook -- "$report/textbook"
 mkdir -p docs/textbook
 for name in acne soft point-light contact; do
