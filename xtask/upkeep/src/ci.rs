@@ -88,20 +88,21 @@ const IN_BROWSERS: [&str; 4] = [
     "umbrage",
 ];
 
-/// Checks that what programs in browsers use compiles for them.
+/// What browsers run.
+const BROWSER_TARGET: &str = "wasm32-unknown-unknown";
+
+/// Checks that what programs in browsers use compiles for them. Installs the target if it is missing.
 fn browser() -> Result<()> {
+    let mut install = Command::new("rustup");
+    install.args(["target", "add", BROWSER_TARGET]);
+    run(&mut install).context("the check for browsers needs a target, which rustup installs")?;
     let mut command = cargo();
-    command.args([
-        "check",
-        "--target",
-        "wasm32-unknown-unknown",
-        "--no-default-features",
-    ]);
+    command.args(["check", "--target", BROWSER_TARGET, "--no-default-features"]);
     command.args(["--features", "umbrage/wgpu"]);
     for package in IN_BROWSERS {
         command.args(["--package", package]);
     }
-    run(&mut command).context("`rustup target add wasm32-unknown-unknown` installs the target")
+    run(&mut command)
 }
 
 fn doc() -> Result<()> {
