@@ -96,8 +96,12 @@ impl Lists {
     /// Returns how many triangles were placed on the grid and in lists, each as often as it was.
     pub(super) fn triangles_listed(&self) -> u64 {
         let items = self.items.len() * ITEMS_A_ROW;
-        let casters = self.corners.len() / 3;
-        (items + casters) as u64
+        (items + self.casters()) as u64
+    }
+
+    /// Returns the number of casters.
+    pub(super) fn casters(&self) -> usize {
+        self.corners.len() / 3
     }
 
     fn make(frame: LightFrame, geometry: &Geometry) -> Self {

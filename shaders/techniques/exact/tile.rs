@@ -14,6 +14,10 @@ use umbrage_core::{
 /// The most cells along a tile's side, as a power of two.
 const FINEST: u32 = 7;
 
+/// Mean length of lists from which on finer cells are made, if they take fewer than so many times the items ([`WORTHWHILE`]).
+const LONG: f32 = 48.0;
+const WORTHWHILE: f32 = 2.0;
+
 /// One triangle of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Item {
@@ -272,12 +276,14 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
         widths += wide + high;
         areas += touch.area.min(wide * high);
     }
-    let cost = |side_log2: u32| {
+    let items = |side_log2: u32| {
         let side = (1 << side_log2) as f32;
-        let cells = side * side;
-        let items = areas * cells + widths * side + touches.len() as f32;
-        let made = weights.item * items + weights.cell * cells;
-        let asked = weights.test * weights.receivers * items / cells;
+        areas * side * side + widths * side + touches.len() as f32
+    };
+    let cells = |side_log2: u32| (1_u32 << (2 * side_log2)) as f32;
+    let cost = |side_log2: u32| {
+        let made = weights.item * items(side_log2) + weights.cell * cells(side_log2);
+        let asked = weights.test * weights.receivers * items(side_log2) / cells(side_log2);
         made + asked
     };
     let mut best = 0;
@@ -285,6 +291,12 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
         if cost(side_log2) < cost(best) {
             best = side_log2;
         }
+    }
+    // Most receivers may lie in few tiles, as near a camera: so lists are not left long where finer cells shorten them.
+    let is_long = |side_log2: u32| items(side_log2) > LONG * cells(side_log2);
+    let shortens = |side_log2: u32| items(side_log2 + 1) < WORTHWHILE * items(side_log2);
+    while best < FINEST && is_long(best) && shortens(best) {
+        best += 1;
     }
     best
 }
