@@ -159,13 +159,12 @@ impl ListedTechnique for Traced {
 impl Traced {
     fn kernel(&self, view: &View<'_>, geometry: &Geometry) -> TracedKernel {
         let eye = view.camera.eye();
-        let all = geometry.bounds().union(&Aabb::around([eye]));
         let light = LightSampler::new(view.light);
         let uniforms = TracedUniforms {
             light,
             eye: eye.extend(0.0),
             extent: geometry.max_receiver_extent(),
-            far: (2.0 * all.diagonal()).min(FARTHEST),
+            far: longest_ray(view, geometry),
             samples: if light.is_ideal() { 1 } else { self.samples },
         };
         TracedKernel {
@@ -173,6 +172,12 @@ impl Traced {
             bvh: geometry.bvh().clone(),
         }
     }
+}
+
+/// Returns the length of rays towards directional lights, metres: from the eye or any triangle they leave the scene.
+pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
+    let all = geometry.bounds().union(&Aabb::around([view.camera.eye()]));
+    (2.0 * all.diagonal()).min(FARTHEST)
 }
 
 uniforms! {

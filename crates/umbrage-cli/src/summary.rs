@@ -99,6 +99,7 @@ mod tests {
             errors: Some(errors),
             times: Some(times),
             cost_ms: ms,
+            played_cost_ms: None,
             ..Measured::default()
         };
         CompareRow {

@@ -63,8 +63,7 @@ impl KernelCost {
 pub struct Work {
     /// Passes: casts, filters, receive.
     pub passes: u64,
-    /// Triangles that casts of depth draw, those outside their view included, and those that the receive kernel's tables were made of
-    /// ([`ReceiveKernel::triangles_listed`](crate::ReceiveKernel::triangles_listed)).
+    /// Triangles that casts of depth draw, those outside their view included.
     pub triangles: u64,
     /// Texels that these triangles cover, each as often as it is covered: their area within the view, rounded.
     pub covered: u64,
@@ -74,6 +73,10 @@ pub struct Work {
     /// Texels that these faces cover, as [`covered`](Self::covered): each reads and writes a count.
     #[serde(default)]
     pub counted: u64,
+    /// Triangles that the receive kernel's tables were made of ([`ReceiveKernel::triangles_listed`](crate::ReceiveKernel::triangles_listed)):
+    /// work of the recipe's maker, not of the backend that plays it.
+    #[serde(default)]
+    pub listed: u64,
     /// Texels of layers that casts draw into.
     pub cleared: u64,
     /// Texels that filters write.
@@ -103,7 +106,7 @@ impl Work {
         let cost = recipe.receive.kernel.cost_per_receiver();
         let mut work = Self {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
-            triangles: recipe.receive.kernel.triangles_listed(),
+            listed: recipe.receive.kernel.triangles_listed(),
             receivers,
             taps: receivers * u64::from(cost.taps),
             samples: receivers * u64::from(cost.samples),
@@ -144,6 +147,7 @@ impl Work {
             passes: 1,
             triangles: 0,
             covered: 0,
+            listed: 0,
             faces: 0,
             counted: 0,
             cleared: 0,
@@ -152,11 +156,18 @@ impl Work {
         }
     }
 
+    /// Returns the work of backends: without what it took to make the recipe.
+    #[must_use]
+    pub fn played(&self) -> Self {
+        Self { listed: 0, ..*self }
+    }
+
     /// Returns the work of casts and filters alone.
     #[must_use]
     pub fn drawing(&self) -> Self {
         Self {
             passes: self.passes.saturating_sub(1),
+            listed: 0,
             receivers: 0,
             taps: 0,
             samples: 0,

@@ -35,6 +35,7 @@ fn row(backend: &str) -> CompareRow {
             ..Work::default()
         },
         cost_ms: 0.1,
+        played_cost_ms: None,
         bytes: 4096,
         ..Measured::default()
     };

@@ -283,6 +283,7 @@ mod tests {
                 ..Work::default()
             },
             cost_ms: 10.0 * ms,
+            played_cost_ms: None,
             lookup_cost_ms: ms,
             ..Measured::default()
         };

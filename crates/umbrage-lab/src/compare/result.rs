@@ -106,7 +106,7 @@ impl SceneResult {
     }
 
     /// Returns how well counted costs rank the rows of a backend as the clock does: Spearman's rank correlation of cost and time of
-    /// whole recipes; none with fewer than three rows or without times.
+    /// all that backends play; none with fewer than three rows or without times.
     pub fn cost_ranks(&self, backend: &str) -> Option<f64> {
         let mut pairs = Vec::new();
         for row in self.rows.iter().filter(|row| row.backend == backend) {
@@ -114,7 +114,7 @@ impl SceneResult {
                 && let Some(times) = m.times
                 && row.same_as.is_none()
             {
-                pairs.push([m.cost_ms, times.total.median]);
+                pairs.push([m.played_cost_ms.unwrap_or(m.cost_ms), times.total.median]);
             }
         }
         rank_correlation(&pairs)
@@ -283,6 +283,10 @@ pub struct Measured {
     /// The cost of that work by the [prices](umbrage_plan::cost::PriceList) of this kind of backend, milliseconds: the same on every
     /// run.
     pub cost_ms: f64,
+    /// The part of `cost_ms` that backends play, which [`times`](Self::times) are of: without triangles that were put into lists. None in
+    /// files from before there were lists.
+    #[serde(default)]
+    pub played_cost_ms: Option<f64>,
     /// The part of `cost_ms` that the lookup costs.
     #[serde(default)]
     pub lookup_cost_ms: f64,

@@ -483,6 +483,7 @@ impl SceneRun<'_> {
         let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
         let prices = self.options.prices.of(kind);
         let cost_ms = prices.milliseconds(&work);
+        let played_cost_ms = prices.milliseconds(&work.played());
         let runs = self.options.runs.as_ref();
         // Every row of a scene has the same receivers: a backend finds them in its first one.
         let seen = self.seen[backend].as_ref().map(|seen| &seen.receivers);
@@ -490,7 +491,7 @@ impl SceneRun<'_> {
             receivers: seen,
             ..view
         };
-        let (mut shadows, times) = match measure(player, &seeing, recipe, runs, cost_ms) {
+        let (mut shadows, times) = match measure(player, &seeing, recipe, runs, played_cost_ms) {
             Ok(measured) => measured,
             // The report says what is too large for a backend; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
@@ -532,6 +533,7 @@ impl SceneRun<'_> {
             kept_as_camera_moves: planned.kept_as_camera_moves,
             work,
             cost_ms,
+            played_cost_ms: Some(played_cost_ms),
             lookup_cost_ms: prices.lookup_milliseconds(&work),
             bytes,
             agreement,

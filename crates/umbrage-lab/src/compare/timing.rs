@@ -249,7 +249,7 @@ pub(crate) fn again(
             let cost_ms = options
                 .prices
                 .of(kind)
-                .milliseconds(&Work::of(&view, &recipe));
+                .milliseconds(&Work::of(&view, &recipe).played());
             // Once before, since the first run compiles and uploads.
             backend.render(&view, &recipe)?;
             let timed = time(

@@ -43,6 +43,7 @@ pub(super) fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Com
         causes: Some(Causes::default()),
         times: Some(times),
         cost_ms: median,
+        played_cost_ms: None,
         bytes: 100,
         maps: Some(MapUse {
             unused: 0.84,

@@ -204,6 +204,7 @@ mod tests {
     fn works() -> Vec<Work> {
         let mix = |i: u64, k: u64| (i * 7919 + k * 104_729) % 1000 * 10u64.pow((k % 3) as u32) + 1;
         let work = |i| Work {
+            listed: 0,
             passes: mix(i, 0) % 7 + 1,
             triangles: mix(i, 1),
             covered: mix(i, 2),

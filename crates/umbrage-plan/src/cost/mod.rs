@@ -93,12 +93,12 @@ impl CostModel {
     }
 }
 
-/// Returns the amount of work of each kind; rays count once for each level of the hierarchy.
+/// Returns the amount of work of each kind; rays count once for each level of the hierarchy, and listed triangles as drawn ones.
 fn counts(work: &Work) -> [f64; KINDS] {
     let levels = (work.casters.max(1) as f64).log2() + 1.0;
     let counts = [
         work.passes,
-        work.triangles,
+        work.triangles + work.listed,
         work.covered,
         work.cleared,
         work.filtered,
@@ -118,6 +118,32 @@ fn counts(work: &Work) -> [f64; KINDS] {
 mod tests {
     use super::*;
 
+    /// Lists are no work of backends: neither played, nor drawn, nor looked up.
+    #[test]
+    fn listed_triangles_are_priced_apart() {
+        let played = Work {
+            passes: 1,
+            receivers: 1000,
+            ..Work::default()
+        };
+        let with_lists = Work {
+            listed: 5000,
+            ..played
+        };
+        assert_eq!(with_lists.played(), played);
+        assert_eq!(with_lists.lookup(), played.lookup());
+        assert_eq!(with_lists.drawing(), played.drawing());
+        let drawn = Work {
+            triangles: 5000,
+            ..played
+        };
+        let prices = CostModel::CPU;
+        assert_eq!(
+            prices.milliseconds(&with_lists),
+            prices.milliseconds(&drawn)
+        );
+    }
+
     #[test]
     fn more_work_costs_more() {
         let little = Work {
@@ -135,6 +161,10 @@ mod tests {
                     ..little
                 },
                 Work { rays: 1, ..little },
+                Work {
+                    listed: 1,
+                    ..little
+                },
                 Work {
                     cleared: 1 << 20,
                     ..little

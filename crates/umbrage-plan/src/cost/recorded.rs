@@ -42,6 +42,7 @@ fn recorded() -> Vec<Row> {
         let count = |name: &str| fields[name].parse::<u64>().expect("a count");
         let time = |name: &str| fields[name].parse::<f64>().expect("a time");
         let work = Work {
+            listed: 0,
             passes: count("passes"),
             triangles: count("triangles"),
             covered: count("covered"),

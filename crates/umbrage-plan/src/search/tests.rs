@@ -6,7 +6,13 @@ use super::{
     families::{Family, families},
     *,
 };
-use crate::{Estimate, cost::CostModel, motion::FrameMotion, truth, truth::TruthOptions};
+use crate::{
+    Estimate,
+    cost::{CostModel, KIND_NAMES, KINDS},
+    motion::FrameMotion,
+    truth,
+    truth::TruthOptions,
+};
 use glam::UVec2;
 use umbrage_core::{
     Camera, Fit, Light, Receivers, RecipeError, View,
@@ -56,7 +62,7 @@ fn where_nothing_casts_there_is_no_shadow_to_make() {
     }
 }
 
-/// On flat receivers under an ideal light three techniques are exact, and the cheapest of them wins.
+/// On flat receivers under an ideal light several techniques are exact, and the cheapest of them wins.
 #[test]
 fn exact_techniques_are_told_apart_by_cost() {
     let exact = |plan: Plan| plan.chosen.expect("rays are exact");
@@ -65,16 +71,25 @@ fn exact_techniques_are_told_apart_by_cost() {
         (chosen.technique.as_str(), chosen.estimate.high),
         ("planar", 0.0)
     );
-    // Where passes are free of charge and texels dear, rays win.
-    let mut cost = CostModel {
-        nanoseconds: [1e-3; crate::cost::KINDS],
-    };
-    cost.nanoseconds[3] = 1e6;
-    let options = PlanOptions { cost, ..small() };
-    let other = exact(
-        plan(&scene("c1-box-sun"), &Bounds::error(0.0), &options, &|_| {}).expect("can be planned"),
-    );
-    assert_eq!(other.technique, "traced");
+    // Where images are dear, those win that have none: rays or lists, whichever costs less.
+    for (dear, winner) in [
+        ("tap", "traced"),
+        ("ray, a level of the hierarchy", "exact"),
+    ] {
+        let mut cost = CostModel {
+            nanoseconds: [1e-3; KINDS],
+        };
+        for name in ["texel cleared", dear] {
+            let kind = KIND_NAMES.iter().position(|k| *k == name);
+            cost.nanoseconds[kind.expect("a kind of work")] = 1e6;
+        }
+        let options = PlanOptions { cost, ..small() };
+        let other = exact(
+            plan(&scene("c1-box-sun"), &Bounds::error(0.0), &options, &|_| {})
+                .expect("can be planned"),
+        );
+        assert_eq!(other.technique, winner, "where each {dear} is dear");
+    }
 }
 
 /// Penumbrae of many widths: the kernel that knows widths errs less than those of one width.
