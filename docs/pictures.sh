@@ -11,6 +11,7 @@ for row in hard-512-bias-none hard-512-bias-slope-.05-.005 pcf-7x7-512-bias-adap
 done
 cargo run --release --example causes -- docs/causes
 cargo run --release --example lists -- docs/exact
+cargo run --release --example penumbrae -- docs/soft
 cargo run --release --example textbook -- "$report/textbook"
 mkdir -p docs/textbook
 for name in acne soft point-light contact; do

@@ -31,6 +31,7 @@ registry! {
     planar::Planar,
     volumes::ShadowVolumes,
     exact::Exact,
+    soft::Soft,
     traced::Traced,
 }
 

@@ -150,6 +150,7 @@ const shadow_LIGHT_CAP = 1u;
 const shadow_LIGHT_POINT = 2u;
 const shadow_LIGHT_RECT = 3u;
 const shadow_LIGHT_DISC = 4u;
+const shadow_LIGHT_BALL = 5u;
 
 const shadow_LIGHT_SHORT: f32 = 1.0 - 1.0 / 16384.0;
 const shadow_LIGHT_LIFT: f32 = 1.0 / 1048576.0;

@@ -12,6 +12,7 @@ pub mod pcf_merged;
 pub mod pcss;
 pub mod planar;
 pub mod second_depth;
+pub mod soft;
 pub mod traced;
 pub mod unshadowed;
 pub mod volumes;

@@ -3,7 +3,7 @@
 use crate::args::BenchArguments;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::bench::{BenchOptions, Pair, lists, plans, run};
+use umbrage_lab::bench::{BenchOptions, Pair, lists, plans, run, soft};
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Prints each ratio as it comes, then the table of all.
@@ -20,6 +20,15 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
         check_scenes(&arguments.scenes)?;
         let mut gpu = adapter();
         lists(
+            arguments.runs as usize,
+            &arguments.scenes,
+            gpu.as_mut(),
+            tell,
+        )?;
+    } else if arguments.soft {
+        check_scenes(&arguments.scenes)?;
+        let mut gpu = adapter();
+        soft(
             arguments.runs as usize,
             &arguments.scenes,
             gpu.as_mut(),

@@ -78,9 +78,9 @@ mod tests {
         assert_eq!(name("mine.toml"), "mine");
         assert_eq!(name("pcf.toml"), "pcf.toml");
         assert_eq!(name("mine"), "mine");
-        let (_dir, file) = written("soft.toml", "technique = 'pcf'\nradius = 2");
+        let (_dir, file) = written("wide.toml", "technique = 'pcf'\nradius = 2");
         let presets = read(&program(), &[file]).expect("a preset");
-        assert_eq!(presets[0].name, "soft");
+        assert_eq!(presets[0].name, "wide");
         assert_eq!(presets[0].preset.technique().name(), "pcf");
     }
 

@@ -5,9 +5,11 @@ use super::{
     item_key::{CellBox, KEY_STEPS, asking_word, ends_list, may_hide},
     light_frame::LightFrame,
     lists::Lists,
-    outline::{greater, lesser},
 };
-use crate::lanes::batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch};
+use crate::lanes::{
+    batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch},
+    order::{greater, lesser},
+};
 use std::ops::Range;
 use umbrage_core::{
     NO_TRIANGLE, Simd, SimdTask, Span,

@@ -124,15 +124,3 @@ pub(super) fn distance_to_origin(corners: [Vec3; 3]) -> f32 {
     let nearest = low.max(Vec3::ZERO) + high.min(Vec3::ZERO);
     nearest.length()
 }
-
-/// The greater of two numbers, as one vector instruction has it.
-#[inline(always)]
-pub(super) fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// The lesser of two numbers, likewise.
-#[inline(always)]
-pub(super) fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}

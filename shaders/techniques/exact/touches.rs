@@ -2,8 +2,9 @@
 
 use super::{
     light_frame::LightFrame,
-    outline::{distance_to_origin, greater, lesser, outline_of},
+    outline::{distance_to_origin, outline_of},
 };
+use crate::lanes::order::{greater, lesser};
 use umbrage_core::{
     Geometry,
     glam::{IVec2, UVec2, Vec2, Vec3, Vec4},

@@ -9,6 +9,7 @@ use clap::Args;
   cargo xtask bench --plans       planning against drawing, in all scenes with content
   cargo xtask bench --plans nave  the same in one of them
   cargo xtask bench --lists nave  lists of casters against hard maps and rays, in one scene
+  cargo xtask bench --soft --runs 2 nave-soft    points of a wide light against rays with the same error
   cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs
   cargo xtask bench --costs --write prices.toml    the same, kept for `compare --prices` and `plan --prices`")]
 pub(crate) struct BenchArguments {
@@ -24,7 +25,10 @@ pub(crate) struct BenchArguments {
     /// Time the lists of `exact` against hard maps and rays instead
     #[arg(long, conflicts_with = "costs", group = "of_scenes")]
     pub(crate) lists: bool,
-    /// With `--plans` or `--lists`: the built-in scenes; all large ones if none is named
+    /// Time `soft` against rays with the same error instead
+    #[arg(long, conflicts_with = "costs", group = "of_scenes")]
+    pub(crate) soft: bool,
+    /// With `--plans`, `--lists` or `--soft`: the built-in scenes; all large ones if none is named
     #[arg(value_name = "SCENE", requires = "of_scenes")]
     pub(crate) scenes: Vec<String>,
     /// Runs of each side; their medians are compared

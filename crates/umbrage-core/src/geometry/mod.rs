@@ -11,6 +11,7 @@ mod placed;
 pub(crate) mod ray_box;
 pub(crate) mod ray_triangle;
 pub(crate) mod segment_lanes;
+pub(crate) mod shaft;
 pub(crate) mod subdivide;
 pub(crate) mod weld;
 

@@ -74,6 +74,17 @@ impl Corners {
         }
     }
 
+    /// The three corners.
+    #[inline(always)]
+    pub(crate) fn points(&self) -> [Vec3; 3] {
+        let Self { x, y, z } = self;
+        [
+            Vec3::new(x.x, y.x, z.x),
+            Vec3::new(x.y, y.y, z.y),
+            Vec3::new(x.z, y.z, z.z),
+        ]
+    }
+
     /// The triangle's own box of test 3.
     #[inline(always)]
     pub(crate) fn padded_box(&self) -> [Vec3A; 2] {
@@ -179,6 +190,7 @@ pub const TWINS: &[crate::Twin] = &[
     super::ray_box::TWINS[3],
     super::ray_box::TWINS[4],
     super::ray_box::TWINS[5],
+    super::shaft::TWINS[0],
 ];
 
 #[cfg(feature = "testing")]

@@ -59,6 +59,11 @@ pub trait ReceiveKernel: Kernel {
         false
     }
 
+    /// By how much that share may be wrong, where it is counted in points of the light.
+    fn horizon_error(&self) -> f32 {
+        0.0
+    }
+
     /// How far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond the
     /// point of the map on which it falls, where that differs from one receiver to the next. None: as far as
     /// [`ShadowTechnique::kernel_reach`](crate::ShadowTechnique::kernel_reach) says of all.

@@ -5,6 +5,7 @@ const LIGHT_CAP = 1u;
 const LIGHT_POINT = 2u;
 const LIGHT_RECT = 3u;
 const LIGHT_DISC = 4u;
+const LIGHT_BALL = 5u;
 
 const LIGHT_SHORT: f32 = 1.0 - 1.0 / 16384.0;
 const LIGHT_LIFT: f32 = 1.0 / 1048576.0;

@@ -223,13 +223,16 @@ fn map() -> Hard {
     }
 }
 
-fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, BackendError> {
+pub(super) fn plan(
+    view: &View<'_>,
+    technique: &dyn ShadowTechnique,
+) -> Result<Recipe, BackendError> {
     technique
         .recipe(view)
         .map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
 }
 
-fn receive_time(
+pub(super) fn receive_time(
     backend: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,

@@ -13,6 +13,7 @@ pub use crate::{
         ray_box::RAY_BOX,
         ray_triangle::{RAY_TRIANGLE, Segment, segment_hits},
         segment_lanes::{FourSegments, SEGMENT_LANES, SegmentArrays, longest_axis},
+        shaft::{SHAFT, SHAFT_LANES, Shaft, ShaftSearch, Shafts},
     },
 };
 
@@ -155,6 +156,14 @@ impl Bvh {
                 out.extend(&self.narrow_order[first..first + node.prim_count as usize]);
             }
         }
+    }
+
+    /// Passes on all casters that segments of a shaft may meet, roughly from near to far, until the search has enough. Cautious: it may
+    /// pass on others, too.
+    #[inline(always)]
+    pub fn in_shaft(&self, shaft: &Shaft, search: &mut impl ShaftSearch) {
+        let caster = |i: usize| (self.ids[i], self.corners[i].points());
+        self.wide.search_shaft(shaft, caster, search);
     }
 
     /// Returns whether the caster that [`Bvh::occluder`] returned meets the segment, too, unless it is triangle `skip`.
@@ -317,4 +326,4 @@ fn boxes_of(geometry: &Geometry, ids: &[u32]) -> Vec<Aabb> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -6,16 +6,16 @@ use crate::{
 };
 use glam::{Affine3A, Vec3};
 
-pub(super) struct Random(pub(super) u32);
+pub(in crate::geometry) struct Random(pub(in crate::geometry) u32);
 
 impl Random {
     /// -1..1.
-    pub(super) fn signed(&mut self) -> f32 {
+    pub(in crate::geometry) fn signed(&mut self) -> f32 {
         self.0 = hash(self.0);
         self.0 as f32 / 2_147_483_648.0 - 1.0
     }
 
-    pub(super) fn vector(&mut self) -> Vec3 {
+    pub(in crate::geometry) fn vector(&mut self) -> Vec3 {
         Vec3::new(self.signed(), self.signed(), self.signed())
     }
 }

@@ -6,9 +6,13 @@
 
 use crate::{
     Aabb,
-    geometry::{ray_box::EXIT_SLACK, ray_triangle::Segment},
+    geometry::{
+        ray_box::EXIT_SLACK,
+        ray_triangle::Segment,
+        shaft::{Shaft, ShaftLanes, ShaftSearch},
+    },
 };
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use obvhs::cwbvh::CwBvh;
 
 /// A node's eight children: their boxes, and their nodes or triangles.
@@ -106,6 +110,75 @@ impl Wide {
         }
     }
 
+    /// Passes on what a shaft enters, roughly from near to far, until the search has enough. `caster` returns a triangle's id and corners.
+    #[inline(always)]
+    pub(super) fn search_shaft(
+        &self,
+        shaft: &Shaft,
+        caster: impl Fn(usize) -> (u32, [Vec3; 3]),
+        search: &mut impl ShaftSearch,
+    ) {
+        // Each node on the way down leaves seven others.
+        const MOST_WAITING: usize = 7 * SHALLOW + 1;
+        if self.nodes.is_empty() {
+            return;
+        }
+        if self.depth <= SHALLOW {
+            self.search_shaft_with(&mut [0; MOST_WAITING], shaft, caster, search);
+        } else {
+            self.search_shaft_with(&mut vec![0; 7 * self.depth + 1], shaft, caster, search);
+        }
+    }
+
+    #[inline(always)]
+    fn search_shaft_with(
+        &self,
+        stack: &mut [u32],
+        shaft: &Shaft,
+        caster: impl Fn(usize) -> (u32, [Vec3; 3]),
+        search: &mut impl ShaftSearch,
+    ) {
+        let lanes = ShaftLanes::new(shaft);
+        let octant = lanes.octant();
+        stack[0] = 0;
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let node = &self.nodes[stack[waiting] as usize];
+            let mut entered = 0;
+            for half in 0..2 {
+                let low = [0, 1, 2].map(|axis: usize| node.planes[axis][half]);
+                let high = [3, 4, 5].map(|axis: usize| node.planes[axis][half]);
+                let mut bits = lanes.entered(low, high);
+                if bits != 0 {
+                    bits &= search.keep(bits, low, high);
+                }
+                entered |= bits << (4 * half);
+            }
+            let mut leaves = entered & !node.inner;
+            while leaves != 0 {
+                let child = leaves.trailing_zeros() as usize;
+                leaves &= leaves - 1;
+                // Of no child there are none.
+                let first = node.first[child] as usize;
+                for triangle in first..first + usize::from(node.count[child]) {
+                    let (id, corners) = caster(triangle);
+                    if search.visit(id, corners) {
+                        return;
+                    }
+                }
+            }
+            // Children lie in slots by octants; the nearest one is to be on top.
+            let mut inner = turned(entered & node.inner, octant);
+            while inner != 0 {
+                let place = inner.trailing_zeros();
+                inner &= inner - 1;
+                stack[waiting] = node.first[(place ^ octant) as usize];
+                waiting += 1;
+            }
+        }
+    }
+
     #[inline(always)]
     fn search_with(
         &self,
@@ -142,7 +215,7 @@ impl Wide {
                     waiting += 1;
                 }
                 parent = current;
-                group = lanes.in_order(inner);
+                group = turned(inner, lanes.octant);
             } else if group == 0 {
                 if waiting == 0 {
                     return;
@@ -207,29 +280,29 @@ impl Lanes {
         }
         out
     }
+}
 
-    /// Moves the bits of slots to the order of visits, the first in the highest place: bit `i` to place `i ^ octant`.
-    #[inline(always)]
-    fn in_order(&self, slots: u32) -> u32 {
-        let mut bits = slots;
-        if self.octant & 1 != 0 {
-            bits = (bits & 0x55) << 1 | bits >> 1 & 0x55;
-        }
-        if self.octant & 2 != 0 {
-            bits = (bits & 0x33) << 2 | bits >> 2 & 0x33;
-        }
-        if self.octant & 4 != 0 {
-            bits = (bits & 0x0f) << 4 | bits >> 4;
-        }
-        bits
+/// Moves the bits of slots to the order of visits, the first in the highest place: bit `i` to place `i ^ octant`.
+#[inline(always)]
+fn turned(slots: u32, octant: u32) -> u32 {
+    let mut bits = slots;
+    if octant & 1 != 0 {
+        bits = (bits & 0x55) << 1 | bits >> 1 & 0x55;
     }
+    if octant & 2 != 0 {
+        bits = (bits & 0x33) << 2 | bits >> 2 & 0x33;
+    }
+    if octant & 4 != 0 {
+        bits = (bits & 0x0f) << 4 | bits >> 4;
+    }
+    bits
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::{bvh::tests::Random, ray_box::enters_box};
-    use glam::{Vec3, Vec3A};
+    use glam::Vec3A;
 
     /// The test of four boxes at once and the test of one box agree.
     #[test]

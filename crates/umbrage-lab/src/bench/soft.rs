@@ -1,0 +1,195 @@
+//! Times `soft` against rays at the same error, under the wide lights of real frames.
+
+use super::{
+    lists::{plan, receive_time},
+    paired::{Pair, Paired, Repetitions, paired},
+};
+use std::cell::RefCell;
+use umbrage_core::{
+    Backend, BackendError, Geometry, Light, Receivers, Recipe, View,
+    glam::UVec2,
+    metrics::{Errors, Pixel},
+};
+use umbrage_cpu::Cpu;
+use umbrage_scenes::{Kind, SceneEntry};
+use umbrage_techniques::{Soft, Traced};
+use umbrage_wgpu::Gpu;
+
+/// Image size, pixels.
+const SCREEN: UVec2 = UVec2::new(1280, 720);
+/// The errors that are asked for; on a graphics adapter only the first, since rays take minutes there.
+const ERRORS: [f32; 3] = [0.04, 0.015, 0.006];
+/// Rays of the truth at each pixel that is looked at: they err by a fifth of the least error above.
+const TRUTH_RAYS: u32 = 2048;
+/// One pixel of each square of so many a side is looked at.
+const PIXEL_STEP: usize = 11;
+/// Numbers of rays that are tried.
+const RAYS: [u32; 22] = [
+    1, 2, 3, 4, 6, 8, 11, 14, 18, 23, 29, 36, 45, 56, 70, 88, 110, 140, 180, 240, 320, 480,
+];
+/// How often a lookup must fit into that of rays with the same error, on the CPU and on a graphics adapter.
+const CPU_BAR: f64 = 5.0;
+const GPU_BAR: f64 = 3.0;
+
+/// Times `soft` in the content scenes with these names (in all of them if there is none), for each light with an extent, and passes each
+/// result to `tell` as it comes. Without a graphics adapter only the CPU is timed.
+///
+/// # Errors
+/// Errors if a scene can't be used or a backend fails.
+pub fn soft(
+    runs: usize,
+    scenes: &[String],
+    mut gpu: Option<&mut Gpu>,
+    mut tell: impl FnMut(Pair),
+) -> Result<(), BackendError> {
+    let repetitions = Repetitions { warm_up: 0, runs };
+    let wanted = |entry: &&SceneEntry| {
+        let is_named = scenes.iter().any(|name| name == entry.name);
+        is_named || (scenes.is_empty() && entry.kind == Kind::Content)
+    };
+    for entry in umbrage_scenes::all().iter().filter(wanted) {
+        let scene = (entry.build)();
+        if scene.lights.iter().all(Light::is_ideal) {
+            continue;
+        }
+        let geometry = Geometry::bake(&scene)?;
+        let camera = scene.cameras[0].resized(SCREEN);
+        let mut cpu = Cpu::new();
+        let receivers = cpu.receivers(&camera, &geometry)?;
+        for (number, light) in scene.lights.iter().enumerate() {
+            if light.is_ideal() {
+                continue;
+            }
+            let mut stage = Stage {
+                name: format!("{}, {} light {number}", entry.name, light.kind()),
+                view: View::new(&camera, light, &geometry).with_receivers(&receivers),
+                repetitions,
+                pixels: pixels_of(&receivers),
+                cpu: Cpu::new(),
+            };
+            stage.time(gpu.as_deref_mut(), &mut tell)?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns one receiving pixel of each square.
+fn pixels_of(receivers: &Receivers) -> Vec<u32> {
+    let width = receivers.size.x as usize;
+    let is_looked_at = |i: &usize| {
+        let [column, row] = [i % width, i / width];
+        let is_first = column.is_multiple_of(PIXEL_STEP) && row.is_multiple_of(PIXEL_STEP);
+        receivers.receives[*i] && is_first
+    };
+    let all = 0..receivers.len();
+    all.filter(is_looked_at).map(|i| i as u32).collect()
+}
+
+/// Where light points are timed.
+struct Stage<'a> {
+    name: String,
+    view: View<'a>,
+    repetitions: Repetitions,
+    /// The pixels at which errors are measured.
+    pixels: Vec<u32>,
+    cpu: Cpu,
+}
+
+impl Stage<'_> {
+    fn time(
+        &mut self,
+        mut gpu: Option<&mut Gpu>,
+        tell: &mut impl FnMut(Pair),
+    ) -> Result<(), BackendError> {
+        let truth = self.answers(&plan(
+            &self.view,
+            &Traced {
+                samples: TRUTH_RAYS,
+            },
+        )?)?;
+        for (number, error) in ERRORS.into_iter().enumerate() {
+            let soft = plan(&self.view, &Soft { error })?;
+            let found = rmse(&self.answers(&soft)?, &truth)?;
+            let Some(rays) = self.rays_with(found, &truth)? else {
+                continue;
+            };
+            let traced = plan(&self.view, &Traced { samples: rays })?;
+            let what = format!("error {error}, {}, RMSE {found:.4}", self.name);
+            let who = ["soft".to_owned(), format!("{rays} rays")];
+            let on_cpu = turns(
+                &mut self.cpu,
+                &self.view,
+                self.repetitions,
+                [&soft, &traced],
+            )?;
+            tell(self.pair(&what, &who, on_cpu, CPU_BAR));
+            if number == 0
+                && let Some(gpu) = gpu.as_deref_mut()
+                && is_played(gpu.render(&self.view, &traced))?
+            {
+                let on_gpu = turns(gpu, &self.view, self.repetitions, [&soft, &traced])?;
+                tell(self.pair(&format!("on wgpu, {what}"), &who, on_gpu, GPU_BAR));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the answers at the pixels that are looked at.
+    fn answers(&mut self, recipe: &Recipe) -> Result<Vec<f32>, BackendError> {
+        self.cpu.render_pixels(&self.view, recipe, &self.pixels)
+    }
+
+    /// Returns the least number of rays whose error is at most this; none if the most that are tried err more.
+    fn rays_with(&mut self, error: f64, truth: &[f32]) -> Result<Option<u32>, BackendError> {
+        for samples in RAYS {
+            let traced = plan(&self.view, &Traced { samples })?;
+            if rmse(&self.answers(&traced)?, truth)? <= error {
+                return Ok(Some(samples));
+            }
+        }
+        Ok(None)
+    }
+
+    fn pair(&self, work: &str, who: &[String; 2], paired: Paired, bar: f64) -> Pair {
+        Pair {
+            work: work.to_owned(),
+            who: who.clone(),
+            ours: paired.ours,
+            theirs: paired.theirs,
+            ratio: paired.ratio,
+            bar: Some(bar),
+            runs: self.repetitions.runs,
+        }
+    }
+}
+
+/// Returns the root mean square error of some pixels' answers.
+fn rmse(answers: &[f32], truth: &[f32]) -> Result<f64, BackendError> {
+    // As one row: only neighbours' errors depend on the image's shape, and they are not asked.
+    let size = UVec2::new(truth.len() as u32, 1);
+    let pixels = vec![Pixel::Counted; truth.len()];
+    Ok(Errors::measure(size, answers, truth, &pixels)?.rmse)
+}
+
+/// Plays two recipes in turn.
+fn turns(
+    backend: &mut dyn Backend,
+    view: &View<'_>,
+    repetitions: Repetitions,
+    recipes: [&Recipe; 2],
+) -> Result<Paired, BackendError> {
+    // Uploads and compiles, which the first frame pays for.
+    backend.render(view, recipes[0])?;
+    let backend = RefCell::new(backend);
+    let time = |recipe: &Recipe| receive_time(&mut **backend.borrow_mut(), view, recipe);
+    paired(repetitions, || time(recipes[0]), || time(recipes[1]))
+}
+
+/// Whether an adapter has room for a recipe.
+fn is_played<T>(played: Result<T, BackendError>) -> Result<bool, BackendError> {
+    match played {
+        Ok(_) => Ok(true),
+        Err(BackendError::Invalid(_)) => Ok(false),
+        Err(e) => Err(e),
+    }
+}

@@ -1,0 +1,356 @@
+//! The fraction of a light that a receiver sees, from one search for all that may hide any of it, with a stated error.
+//!
+//! All rays from a receiver to a light lie within a shaft (Haines and Wallace 1991, "Shaft Culling for Efficient Ray-Traced
+//! Radiosity"). One walk through the hierarchy finds the casters that reach into it: none, and the receiver is lit; one that covers the
+//! light alone, and it is in the umbra; both are certain, and take no sample. Else each caster hides a run of points in each row of a lattice
+//! over the light: bits, set row by row (`soft/hidden.rs`). So hundreds of points cost about as much as a few rays.
+//! On the CPU neighbours share the walk. The set of conservative blockers, then samples, is what Wang et al. 2014, "GEARS: A General and
+//! Efficient Algorithm for Rendering Shadows", and Laine et al. 2005, "Soft Shadow Volumes for Ray Tracing", do; bit masks for
+//! sampling lights are those of Schwarz and Stamminger 2007, "Bitmask Soft Shadows", and Kalbertodt 2023.
+//!
+//! **Error.** [`Soft::error`] asks for a root mean square error at straight edges, and the number of points follows. Each edge
+//! crosses at most 2 k - 1 of the cells around the points in k rows, and only there can an answer be wrong: [`Soft::bound`]. Where
+//! several edges cross a light, the errors add up as noise does.
+//!
+//! Surfaces are opaque and two-sided, as with [`Traced`](crate::Traced). Under ideal lights the one point decides.
+//!
+//! Known failures: suns more than [`MAX_SUN_DEGREES`] wide are refused. Their points are spread evenly over a plane instead of over
+//! the sky, at the rim by up to a tenth more thinly.
+
+mod footprint;
+mod hidden;
+mod lattice;
+mod light_plane;
+pub mod search;
+
+use crate::{
+    listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter},
+    shadow_map::ShadowMap,
+    techniques::traced::longest_ray,
+};
+use footprint::FOOTPRINT;
+use hidden::{HIDDEN, sorted};
+use lattice::{LATTICE, LATTICES, Lattices, MAX_ROWS, rows_for};
+use light_plane::{LIGHT_PLANE, domain_of, spread_of};
+use search::{Search, look_up_span};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Bvh, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel,
+    Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    bvh::{RAY_BOX, SHAFT},
+    glam::Vec4,
+    light_sample::{LIGHT_SAMPLE, LightSampler},
+    uniforms,
+};
+
+/// Nodes that the shader can keep for later: `STACK` in soft.wgsl. Each level of the hierarchy leaves one.
+const STACK: usize = 64;
+
+/// The widest sun that is served, degrees across: there the points at its rim are a tenth too thin.
+pub const MAX_SUN_DEGREES: f32 = 30.0;
+
+/// The range of [`Soft::error`].
+pub const ERRORS: [f32; 2] = [0.002, 0.2];
+
+/// Light points behind the casters of a shaft.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Soft {
+    /// The root mean square error at straight edges, as a part of the light, within [`ERRORS`]: it chooses the number of points.
+    pub error: f32,
+}
+
+impl Default for Soft {
+    fn default() -> Self {
+        Self { error: 0.006 }
+    }
+}
+
+impl Soft {
+    /// Returns the number of points of the light that are asked, about: one for ideal lights.
+    pub fn points(&self, light: &Light) -> u32 {
+        let lattices = self.lattices(&LightSampler::new(light));
+        lattices.of_noise(0).points
+    }
+
+    /// Returns the greatest error that one straight edge can make, as a part of the light: it crosses at most 2 k - 1 of the cells around the points in k rows.
+    pub fn bound(&self, light: &Light) -> f32 {
+        self.lattices(&LightSampler::new(light)).bound()
+    }
+
+    fn lattices(&self, sampler: &LightSampler) -> Lattices {
+        let domain = domain_of(sampler);
+        let rows = if sampler.is_ideal() {
+            1
+        } else {
+            rows_for(self.error, domain)
+        };
+        Lattices::new(domain, rows)
+    }
+}
+
+impl ShadowTechnique for Soft {
+    fn name(&self) -> &'static str {
+        "soft"
+    }
+
+    fn settings(&self) -> String {
+        format!("error {}", self.error)
+    }
+
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        let [least, greatest] = ERRORS;
+        if !(least..=greatest).contains(&self.error) {
+            let why = format!("is {}", self.error);
+            let help = format!("use {least} to {greatest}");
+            return Err(Invalid::new("soft error", why, help).into());
+        }
+        view.validate()?;
+        let Some(geometry) = view.geometry else {
+            return Err(RecipeError::unsupported(
+                "shafts need the scene's triangles, and this view has none",
+            ));
+        };
+        if let Light::Directional {
+            angular_diameter, ..
+        } = view.light
+            && *angular_diameter > MAX_SUN_DEGREES.to_radians()
+        {
+            return Err(RecipeError::unsupported(format!(
+                "suns are served up to {MAX_SUN_DEGREES} degrees across, and this one has {}: use `traced`",
+                angular_diameter.to_degrees()
+            )));
+        }
+        let depth = geometry.bvh().depth();
+        if depth > STACK {
+            let reason = format!(
+                "the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}"
+            );
+            return Err(RecipeError::unsupported(reason));
+        }
+        let kernel = self.kernel(view, geometry);
+        let [nodes, triangles] = geometry.bvh_tables();
+        let sorted = geometry.derived(|_| SortedTriangles::of(triangles));
+        let table = |label: &'static str, rows: &Rows| Table {
+            label,
+            rows: rows.clone(),
+        };
+        Ok(Recipe {
+            images: Vec::new(),
+            tables: vec![
+                table("hierarchy", nodes),
+                table("sorted triangles", &sorted.0),
+                table("light points", &kernel.lattices.table().into()),
+            ],
+            casts: Vec::new(),
+            filters: Vec::new(),
+            receive: Receive {
+                kernel: Arc::new(kernel),
+                inputs: Vec::new(),
+                tables: vec![0, 1, 2],
+            },
+            shade: None,
+            keep_images: false,
+        })
+    }
+}
+
+/// Rows of four words.
+type Rows = Arc<[[u32; 4]]>;
+
+/// The hierarchy's triangles, the corners of each in the order in which functions of edges take them.
+struct SortedTriangles(Rows);
+
+impl SortedTriangles {
+    /// `rows` are three a triangle: a corner, and the triangle's id as the fourth word.
+    fn of(rows: &[[u32; 4]]) -> Self {
+        let mut out = Vec::with_capacity(rows.len());
+        for triangle in rows.chunks_exact(3) {
+            let corners = [0, 1, 2]
+                .map(|i: usize| Vec4::from_array(triangle[i].map(f32::from_bits)).truncate());
+            let id = triangle[0][3];
+            for corner in sorted(corners) {
+                let [x, y, z] = corner.to_array().map(f32::to_bits);
+                out.push([x, y, z, id]);
+            }
+        }
+        Self(out.into())
+    }
+}
+
+/// The errors that are compared.
+const COMPARED: [f32; 3] = [0.04, 0.015, 0.006];
+
+/// The errors that a planner tries: each takes about two fifths more points than the one before.
+const PLANNED: [f32; 9] = [0.1, 0.07, 0.05, 0.035, 0.025, 0.015, 0.01, 0.006, 0.003];
+
+/// From one of them to the next the error falls by at most this, and somewhat more by chance.
+const GAIN_OF_POINTS: f64 = 2.5;
+
+impl ListedTechnique for Soft {
+    const SUMMARY: &'static str =
+        "points of the light behind the casters of a shaft (Haines, Wallace 1991; Wang 2014)";
+
+    fn compared(_: &[u32], _: Fit) -> Vec<Self> {
+        COMPARED.map(|error| Self { error }).to_vec()
+    }
+
+    fn headline(_: &[u32], _: Fit) -> Vec<Self> {
+        vec![Self { error: COMPARED[0] }, Self::default()]
+    }
+
+    fn exhaustive(_: u32) -> Vec<Self> {
+        [0.05, 0.015, 0.002].map(|error| Self { error }).to_vec()
+    }
+
+    fn candidates(_: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
+        // Ideal lights have one point: one ray is as exact, and cheaper.
+        if light.is_ideal() {
+            return Vec::new();
+        }
+        vec![Candidate::Series {
+            settings: PLANNED.map(|error| Self { error }).to_vec(),
+            max_gain: GAIN_OF_POINTS,
+        }]
+    }
+
+    fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
+        Some("hundreds of points of the light for the price of a few rays".to_owned())
+    }
+
+    fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        Some(ClosedFormDemand::new(Self::default(), 0.0))
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![RandomParameter::Count(1..MAX_ROWS as u32 + 1)]
+    }
+
+    fn random(_: ShadowMap, numbers: &[f32]) -> Self {
+        let [least, greatest] = ERRORS;
+        // About as many rows as the number says.
+        let error = 0.42 * numbers[0].powf(-1.5);
+        Self {
+            error: error.clamp(least, greatest),
+        }
+    }
+}
+
+impl Soft {
+    fn kernel(&self, view: &View<'_>, geometry: &Geometry) -> SoftKernel {
+        let eye = view.camera.eye();
+        let light = LightSampler::new(view.light);
+        let slope = match *view.light {
+            Light::Directional {
+                angular_diameter, ..
+            } => (0.5 * f64::from(angular_diameter)).tan() as f32,
+            _ => 0.0,
+        };
+        let lattices = self.lattices(&light);
+        let uniforms = SoftUniforms {
+            light,
+            eye: eye.extend(0.0),
+            spread: spread_of(&light, slope).extend(slope),
+            extent: geometry.max_receiver_extent(),
+            far: longest_ray(view, geometry),
+            shift: lattices.shift,
+            rows: lattices.rows,
+            lattices: LATTICES,
+        };
+        SoftKernel {
+            uniforms,
+            lattices,
+            bvh: geometry.bvh().clone(),
+        }
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`SoftKernel`].
+    pub struct SoftUniforms {
+        /// The light.
+        pub light: LightSampler,
+        /// The camera's position; w is unused.
+        pub eye: Vec4,
+        /// How far the light reaches from its middle along each axis: metres, for suns as a part of the way. Fourth: the tangent of
+        /// half a sun's angular diameter.
+        pub spread: Vec4,
+        /// Greatest extent of a receiving triangle, metres.
+        pub extent: f32,
+        /// Length of rays towards directional lights, metres.
+        pub far: f32,
+        /// Points by which rows of a lattice are shifted, at most.
+        pub shift: f32,
+        /// Rows of a lattice.
+        pub rows: u32,
+        /// The number of lattices.
+        pub lattices: u32,
+    }
+}
+
+/// Points of the light behind the casters of a shaft.
+#[derive(Clone, Debug)]
+pub struct SoftKernel {
+    uniforms: SoftUniforms,
+    lattices: Lattices,
+    bvh: Arc<Bvh>,
+}
+
+impl Kernel for SoftKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![
+            RAY_BOX,
+            SHAFT,
+            LIGHT_SAMPLE,
+            LIGHT_PLANE,
+            LATTICE,
+            FOOTPRINT,
+            HIDDEN,
+            Module {
+                name: "soft",
+                text: include_str!("soft.wgsl"),
+            },
+        ]
+    }
+
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
+    }
+}
+
+impl ReceiveKernel for SoftKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let search = Search {
+            uniforms: &self.uniforms,
+            lattices: &self.lattices,
+            bvh: &self.bvh,
+        };
+        look_up_span(inputs.simd, &search, span, out);
+    }
+
+    fn knows_horizon(&self) -> bool {
+        true
+    }
+
+    /// The horizon is one straight edge.
+    fn horizon_error(&self) -> f32 {
+        if self.uniforms.light.is_ideal() {
+            0.0
+        } else {
+            self.lattices.bound()
+        }
+    }
+
+    /// A walk as long as some rays, and rows of points for some casters.
+    fn cost_per_receiver(&self) -> KernelCost {
+        let rows = self.uniforms.rows;
+        KernelCost::rays(WALK_IN_RAYS + rows / ROWS_A_RAY)
+    }
+}
+
+/// A walk through a shaft costs about as much as so many rays.
+const WALK_IN_RAYS: u32 = 2;
+
+/// So many rows of points cost about as much as a ray.
+const ROWS_A_RAY: u32 = 8;

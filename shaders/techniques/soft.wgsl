@@ -1,0 +1,81 @@
+// Twin of soft.rs: finds the casters in a receiver's shaft through a two-way hierarchy (table_0) over triangles with sorted corners
+// (table_1), and hides points of a lattice over the light (table_2) behind them.
+
+struct SoftUniforms {
+    light: LightSampler,
+    eye: vec4f,
+    spread: vec4f,
+    extent: f32,
+    far: f32,
+    shift: f32,
+    rows: u32,
+    lattices: u32,
+}
+
+const STACK = 64;
+
+fn shaft_from(o: vec3f) -> Shaft {
+    let center = kernel.light.center.xyz;
+    let low = center - kernel.spread.xyz;
+    let high = center + kernel.spread.xyz;
+    if is_lamp() {
+        return shaft_to(o, low - o, high - o);
+    }
+    return shaft_to(o, low * kernel.far, high * kernel.far);
+}
+
+// Hides what casters hide, triangle `skip` apart. Returns whether anything is still open.
+fn search(f: Footprint, plane: LightPlane, lattice: Lattice, skip: u32) -> bool {
+    let shaft = shaft_from(f.start);
+    var stack: array<u32, STACK>;
+    var top = 1;
+    stack[0] = 0u;
+    while top > 0 {
+        top -= 1;
+        let node = stack[top];
+        let head = table_0[2u * node];
+        let tail = table_0[2u * node + 1u];
+        let low = bitcast<vec3f>(head.xyz);
+        let high = bitcast<vec3f>(tail.xyz);
+        if !shaft_enters(shaft, low, high) || !is_part_open(part_of_box(f, low, high)) {
+            continue;
+        }
+        for (var i = head.w; i < head.w + tail.w; i++) {
+            if table_1[3u * i].w != skip {
+                hide(f, plane, lattice, 3u * i);
+            }
+        }
+        if open_rows == 0u {
+            return false;
+        }
+        if tail.w == 0u && head.w > 0u && top + 2 <= STACK {
+            stack[top] = head.w;
+            stack[top + 1] = head.w + 1u;
+            top += 2;
+        }
+    }
+    return true;
+}
+
+fn ray_reach(p: vec3f) -> f32 {
+    let to_eye = abs(kernel.eye.xyz - p);
+    return max(max(max(to_eye.x, to_eye.y), to_eye.z), kernel.extent);
+}
+
+fn receive(r: Receiver) -> f32 {
+    let lift = origin_offset(r.position, ray_reach(r.position));
+    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let plane = light_plane(o);
+    let lattice = lattice_of(r.pixel);
+    if !open_above_horizon(r.normal, plane, lattice) {
+        return 0.0;
+    }
+    if !search(footprint_of(o, plane, lattice), plane, lattice, r.triangle) {
+        return 0.0;
+    }
+    var count = 0u;
+    for (var i = 0u; i < kernel.rows; i++) {
+        count += countOneBits(open[i]);
+    }
+    return f32(count) / f32(lattice.points);
+}

@@ -1,0 +1,454 @@
+//! The CPU half of the kernel: neighbours walk through the hierarchy together, in vector lanes.
+//!
+//! The walk leaves out what shows only where nothing is open any more on the lattice of any of them: so behind casters that hide a lot
+//! it ends soon, and of a fine mesh it looks at those triangles alone that may hide a point.
+
+use super::{
+    SoftUniforms,
+    footprint::{Footprint, Part},
+    hidden::{ALL, Caster, LANES, Open, Seers, Shade, Words, close_below_horizon},
+    lattice::{Lattice, Lattices, MAX_ROWS},
+    light_plane::{LightPlane, is_lamp},
+};
+use umbrage_core::{
+    Aabb, Bvh, NO_TRIANGLE, Simd, SimdTask, Span,
+    bvh::{Shaft, ShaftSearch, Shafts},
+    glam::{Vec3, Vec4},
+    light_sample::{SHORT, origin_offset, seed},
+};
+
+/// What is asked.
+#[derive(Clone, Copy)]
+pub(super) struct Search<'a> {
+    pub(super) uniforms: &'a SoftUniforms,
+    pub(super) lattices: &'a Lattices,
+    pub(super) bvh: &'a Bvh,
+}
+
+/// Fills `out`, as long as the span, with the light's visibility.
+pub(super) fn look_up_span(simd: Simd, search: &Search<'_>, span: &Span<'_>, out: &mut [f32]) {
+    let mut first = 0;
+    while first < out.len() {
+        // Pixels that share a lattice.
+        let x = span.first.x as usize + first;
+        let count = (LANES - x % LANES).min(out.len() - first);
+        let group = Neighbours {
+            search,
+            span,
+            first,
+            out: &mut out[first..first + count],
+        };
+        if is_lamp(&search.uniforms.light) {
+            simd.run_task(LookUp::<true>(group));
+        } else {
+            simd.run_task(LookUp::<false>(group));
+        }
+        first += count;
+    }
+}
+
+/// Some of a span's receivers, and room for their answers.
+struct Neighbours<'a> {
+    search: &'a Search<'a>,
+    span: &'a Span<'a>,
+    first: usize,
+    out: &'a mut [f32],
+}
+
+/// Looks neighbours up; `LAMP`: the light has a position.
+struct LookUp<'a, const LAMP: bool>(Neighbours<'a>);
+
+impl<const LAMP: bool> SimdTask for LookUp<'_, LAMP> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Neighbours {
+            search,
+            span,
+            first,
+            out,
+        } = self.0;
+        let x = span.first.x + first as u32;
+        let noise = seed(x / LANES as u32, span.first.y);
+        let lattice = search.lattices.of_noise(noise);
+        let mut walk = Walk::<LAMP>::begin(search, lattice, span, first, out.len());
+        if let Some(shaft) = walk.shaft {
+            search.bvh.in_shaft(&shaft, &mut walk);
+        }
+        for (lane, out) in out.iter_mut().enumerate() {
+            let mut open = 0;
+            for row in &walk.open[..walk.rows] {
+                open += row[lane].count_ones();
+            }
+            *out = open as f32 / lattice.points as f32;
+        }
+    }
+}
+
+/// A walk of neighbours through the hierarchy.
+struct Walk<'a, const LAMP: bool> {
+    lattice: &'a Lattice,
+    rows: usize,
+    seers: Seers,
+    own: Words,
+    open: Open,
+    /// The points of each row that are open to any of them.
+    open_to_any: [u32; MAX_ROWS],
+    /// All bits for those to whom any point is open, else none.
+    asking: Words,
+    footprint: Footprint,
+    /// Of the triangle that is being looked at.
+    shade: Shade,
+    /// Of all their rays; none if nothing is open.
+    shaft: Option<Shaft>,
+    /// Of the rays of each.
+    shafts: Shafts,
+}
+
+impl<'a, const LAMP: bool> Walk<'a, LAMP> {
+    /// Takes `count` receivers of a span from `first` on. What of the light lies below a receiver's own plane is hidden.
+    #[inline(always)]
+    fn begin(
+        search: &Search<'a>,
+        lattice: &'a Lattice,
+        span: &Span<'_>,
+        first: usize,
+        count: usize,
+    ) -> Self {
+        let u = search.uniforms;
+        let eye = u.eye.truncate();
+        let rows = search.lattices.rows as usize;
+        let mut seers = Seers::NONE;
+        let mut own = [NO_TRIANGLE; LANES];
+        let mut open: Open = [[0; LANES]; MAX_ROWS];
+        let mut origins = [Vec3::ZERO; LANES];
+        let mut planes = [LightPlane::NOWHERE; LANES];
+        for i in 0..count {
+            let place = first + i;
+            let p = span.position(place);
+            let n = span.normal(place);
+            let reach = (eye - p).abs().max_element().max(u.extent);
+            let origin = p + n * origin_offset(p, reach);
+            let plane = LightPlane::seen_from(&u.light, u.spread.w, origin);
+            seers.set(i, origin, n, &plane);
+            own[i] = span.triangle[place];
+            for (open, &bits) in open[..rows].iter_mut().zip(&lattice.bits) {
+                open[i] = bits;
+            }
+            origins[i] = origin;
+            planes[i] = plane;
+        }
+        close_below_horizon(&seers, lattice, rows, &mut open);
+        let mut out = Self {
+            lattice,
+            rows,
+            seers,
+            own,
+            open,
+            open_to_any: [0; MAX_ROWS],
+            asking: [0; LANES],
+            footprint: Footprint::NOTHING,
+            shade: Shade::NONE,
+            shaft: None,
+            shafts: Shafts::all(&shaft_of::<LAMP>(u, &Aabb::around([origins[0]]))),
+        };
+        out.look_at_rows(0..rows);
+        let mut start = Aabb::EMPTY;
+        for (i, &origin) in origins.iter().enumerate() {
+            if out.asking[i] != 0 {
+                let at = Aabb::around([origin]);
+                out.shafts.set(i, &shaft_of::<LAMP>(u, &at));
+                start = start.union(&at);
+            }
+        }
+        if start.is_empty() {
+            return out;
+        }
+        let middle = (start.min + start.max) * 0.5;
+        let reach = (start.max - middle).max(middle - start.min);
+        let plane = LightPlane::seen_from(&u.light, u.spread.w, middle);
+        // Balls turn to each receiver, and a lamp's points lie at a part of the way.
+        let mut shift = if LAMP {
+            reach.max_element() * (1.0 - SHORT)
+        } else {
+            0.0
+        };
+        for other in &planes[..count] {
+            let turn = (other.u - plane.u).abs() + (other.v - plane.v).abs();
+            shift = shift.max(2.0 * turn.max_element());
+        }
+        out.footprint =
+            Footprint::new::<LAMP>(middle, reach, shift, &plane, search.lattices, lattice);
+        out.shaft = Some(shaft_of::<LAMP>(u, &start));
+        out
+    }
+
+    /// Finds what is open, some rows having changed.
+    #[inline(always)]
+    fn look_at_rows(&mut self, rows: std::ops::Range<usize>) {
+        for row in rows {
+            let open = &self.open[row];
+            self.open_to_any[row] = open.iter().fold(0, |all, bits| all | bits);
+        }
+        let mut open_to = [0; LANES];
+        for row in &self.open[..self.rows] {
+            for (all, bits) in open_to.iter_mut().zip(row) {
+                *all |= bits;
+            }
+        }
+        self.asking = open_to.map(|bits| if bits == 0 { 0 } else { ALL });
+    }
+
+    #[inline(always)]
+    fn is_open(&self, part: &Part) -> bool {
+        let rows = &self.open_to_any[part.rows.clone()];
+        rows.iter().any(|open| open & part.places != 0)
+    }
+}
+
+impl<const LAMP: bool> ShaftSearch for Walk<'_, LAMP> {
+    #[inline(always)]
+    fn keep(&mut self, entered: u32, low: [Vec4; 3], high: [Vec4; 3]) -> u32 {
+        let bounds = self.footprint.of_boxes(low, high);
+        let mut rest = entered;
+        let mut kept = 0;
+        while rest != 0 {
+            let which = rest.trailing_zeros();
+            rest &= rest - 1;
+            let part = self.footprint.part(&bounds, which as usize);
+            let corner = |sides: &[Vec4; 3]| {
+                let at = |axis: usize| sides[axis][which as usize];
+                Vec3::new(at(0), at(1), at(2))
+            };
+            let entering = self
+                .shafts
+                .entered(corner(&low), corner(&high), &self.asking);
+            if entering == [0; LANES] {
+                continue;
+            }
+            kept |= u32::from(self.is_open(&part)) << which;
+        }
+        kept
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, id: u32, corners: [Vec3; 3]) -> bool {
+        let [a, b, c] = corners;
+        let asking = self
+            .shafts
+            .entered(a.min(b).min(c), a.max(b).max(c), &self.asking);
+        if asking == [0; LANES] {
+            return false;
+        }
+        let bounds = self.footprint.of_points(
+            Vec4::new(a.x, b.x, c.x, a.x),
+            Vec4::new(a.y, b.y, c.y, a.y),
+            Vec4::new(a.z, b.z, c.z, a.z),
+        );
+        let part = self.footprint.part_of_three(&bounds);
+        if !self.is_open(&part) {
+            return false;
+        }
+        let caster = Caster::new(corners);
+        // Those who lie on it see through it.
+        let mut asking = asking;
+        for (asking, own) in asking.iter_mut().zip(self.own) {
+            *asking = if own == id { 0 } else { *asking };
+        }
+        let step = self.lattice.step;
+        if !(self.shade).find::<LAMP>(&caster, &self.seers, &asking, step) {
+            return false;
+        }
+        for row in part.rows.clone() {
+            self.shade
+                .close::<LAMP>(self.lattice.first_of(row), &mut self.open[row]);
+        }
+        self.look_at_rows(part.rows);
+        self.asking == [0; LANES]
+    }
+}
+
+/// Returns the shaft of all rays from a box to the light.
+#[inline(always)]
+fn shaft_of<const LAMP: bool>(u: &SoftUniforms, start: &Aabb) -> Shaft {
+    let center = u.light.center.truncate();
+    let spread = u.spread.truncate();
+    let [low, high] = [center - spread, center + spread];
+    if LAMP {
+        Shaft::between(
+            start,
+            &Aabb {
+                min: low,
+                max: high,
+            },
+        )
+    } else {
+        Shaft::along(start, low * u.far, high * u.far)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::techniques::soft::Soft;
+    use umbrage_core::{
+        Camera, Geometry, Instance, Light, Mesh, Scene, View,
+        glam::{Affine3A, UVec2},
+        light_sample::hash,
+    };
+
+    /// A deterministic number from -1 to 1.
+    fn noise(state: &mut u32) -> f32 {
+        *state = hash(*state);
+        *state as f32 / 2_147_483_648.0 - 1.0
+    }
+
+    fn vector(state: &mut u32) -> Vec3 {
+        Vec3::new(noise(state), noise(state), noise(state))
+    }
+
+    /// Triangles of all sizes in a ball, among them thin ones and some with common corners.
+    fn soup(state: &mut u32, scale: f32) -> Geometry {
+        let mut positions = Vec::new();
+        for i in 0..400 {
+            let at = vector(state) * scale;
+            let size = scale * [0.3, 0.05, 0.005][i % 3];
+            let side = vector(state) * size;
+            let thin = if i % 4 == 0 { 0.02 } else { 1.0 };
+            let last = positions.last().copied().unwrap_or(at);
+            let first = if i % 5 == 0 { last } else { at };
+            positions.extend([first, first + side, first + vector(state) * size * thin]);
+        }
+        let triangles = (0..400).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let scene = Scene {
+            meshes: vec![Mesh::new("soup", positions, triangles).expect("valid")],
+            instances: vec![Instance::new(0, Affine3A::IDENTITY)],
+            ..Scene::default()
+        };
+        Geometry::bake(&scene).expect("valid")
+    }
+
+    fn lights(state: &mut u32, scale: f32) -> Vec<Light> {
+        let place = vector(state).normalize() * 2.0 * scale;
+        let inside = vector(state) * 0.5 * scale;
+        let axis = vector(state);
+        vec![
+            Light::Directional {
+                direction: axis,
+                angular_diameter: 0.05,
+            },
+            Light::Directional {
+                direction: axis,
+                angular_diameter: 0.0,
+            },
+            Light::Point {
+                position: place,
+                radius: 0.2 * scale,
+            },
+            Light::Point {
+                position: inside,
+                radius: 0.05 * scale,
+            },
+            Light::Rect {
+                center: place,
+                half_u: axis.any_orthogonal_vector() * 0.2 * scale,
+                half_v: axis.cross(axis.any_orthogonal_vector()) * 0.1 * scale,
+            },
+            Light::Disc {
+                center: inside,
+                normal: axis,
+                radius: 0.3 * scale,
+            },
+        ]
+    }
+
+    /// Answers of all casters in turn, every row of each: no hierarchy, no shaft, no footprint.
+    fn one_by_one<const LAMP: bool>(geometry: &Geometry, walk: &Walk<'_, LAMP>, open: &mut Open) {
+        let mut shade = Shade::NONE;
+        for id in geometry.casters() {
+            let asking = walk.own.map(|own| if own == id { 0 } else { ALL });
+            let caster = Caster::new(geometry.corners(id));
+            let step = walk.lattice.step;
+            if shade.find::<LAMP>(&caster, &walk.seers, &asking, step) {
+                for (row, open) in open[..walk.rows].iter_mut().enumerate() {
+                    shade.close::<LAMP>(walk.lattice.first_of(row), open);
+                }
+            }
+        }
+    }
+
+    /// Compares the walk of eight random receivers with all casters in turn. Returns how many points are hidden.
+    fn compare<const LAMP: bool>(state: &mut u32, search: &Search<'_>, geometry: &Geometry) -> u32 {
+        let scale = geometry.bounds().diagonal() * 0.3;
+        // Close together, as neighbours are, or far apart, as over an edge.
+        let spread = scale * [0.01, 0.1, 1.0][*state as usize % 3];
+        let middle = vector(state) * scale;
+        let normal = vector(state).normalize();
+        let mut values: [Vec<f32>; 6] = Default::default();
+        for _ in 0..LANES {
+            let p = middle + vector(state) * spread;
+            let n = (normal + vector(state) * 0.1).normalize();
+            for (values, value) in values.iter_mut().zip([p.x, p.y, p.z, n.x, n.y, n.z]) {
+                values.push(value);
+            }
+        }
+        let [x, y, z, nx, ny, nz] = &values;
+        let triangle: Vec<u32> = (0..LANES as u32).map(|i| i * 7 % 400).collect();
+        let span = Span {
+            first: UVec2::new(8, 3),
+            x,
+            y,
+            z,
+            nx,
+            ny,
+            nz,
+            triangle: &triangle,
+        };
+        let lattice = search.lattices.of_noise(*state);
+        let mut walk = Walk::<LAMP>::begin(search, lattice, &span, 0, LANES);
+        let before = walk.open;
+        let mut expected = before;
+        one_by_one(geometry, &walk, &mut expected);
+        if let Some(shaft) = walk.shaft {
+            search.bvh.in_shaft(&shaft, &mut walk);
+        }
+        let count = |open: &Open| -> u32 { open.iter().flatten().map(|b| b.count_ones()).sum() };
+        // A walk that ends early knows that nothing is open.
+        assert_eq!(walk.open, expected, "{LAMP}, spread {spread}");
+        count(&before) - count(&expected)
+    }
+
+    #[test]
+    fn walks_leave_nothing_out() {
+        let mut state = 3;
+        let mut hidden = 0;
+        for round in 0..60 {
+            let scale = [1.0, 1e-3, 1e4][round % 3];
+            let geometry = soup(&mut state, scale);
+            for light in lights(&mut state, scale) {
+                let error = [0.05, 0.01, 0.002][round / 3 % 3];
+                let near_far = [scale, 10.0 * scale];
+                let eye = Vec3::splat(2.0 * scale);
+                let camera =
+                    Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 1.0, near_far, UVec2::ONE)
+                        .expect("valid");
+                let view = View::new(&camera, &light, &geometry);
+                let kernel = Soft { error }.kernel(&view, &geometry);
+                let search = Search {
+                    uniforms: &kernel.uniforms,
+                    lattices: &kernel.lattices,
+                    bvh: &kernel.bvh,
+                };
+                for _ in 0..20 {
+                    hidden += if is_lamp(&kernel.uniforms.light) {
+                        compare::<true>(&mut state, &search, &geometry)
+                    } else {
+                        compare::<false>(&mut state, &search, &geometry)
+                    };
+                }
+            }
+        }
+        assert!(hidden > 100_000, "the test tells little: {hidden}");
+    }
+}
