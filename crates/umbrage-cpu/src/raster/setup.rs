@@ -137,7 +137,13 @@ impl Group {
     /// The same for pieces of one triangle, whose plane is known.
     #[cold]
     pub(crate) fn flush_pieces(&mut self, whole: &Whole, rules: &SetupRules, out: &mut Bins) {
-        self.set_up(rules);
+        // Without an area it shows neither of its faces.
+        let cull = if whole.has_area() {
+            rules.cull
+        } else {
+            Cull::None
+        };
+        self.set_up(&SetupRules { cull, ..*rules });
         let plane = whole.depth();
         let slope = plane.dx.abs().max(plane.dy.abs());
         let offset = rules.offset(whole.greatest_depth(), slope);

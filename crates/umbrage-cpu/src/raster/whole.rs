@@ -80,8 +80,13 @@ impl Whole {
             )
         });
         let turns_alike = area * self.turn > 0.0;
-        let may_be_drawn = self.turn == 0.0 && self.draws_without_area;
+        let may_be_drawn = !self.has_area() && self.draws_without_area;
         (turns_alike || may_be_drawn).then_some(placed)
+    }
+
+    /// Whether the triangle has an area on the grid. If not, devices may take it for either face (SwiftShader draws it whatever is culled).
+    pub(crate) fn has_area(&self) -> bool {
+        self.turn != 0.0
     }
 
     /// The plane as records hold it. Pieces may be too thin to find it from their corners.
