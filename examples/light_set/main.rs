@@ -1,11 +1,13 @@
 //! A forward renderer with three spots and a sun in one light set: `cargo run --release --example light_set`. Writes `light_set.png`.
 //!
 //! With `--compare` it plays the same picture in turn with a program that was written by hand for exactly that, and prints how long
-//! frames take beside its; with `--casters` it prints what preparing 10,000 casters takes.
+//! frames take beside its; with `--casters` it prints what preparing 10,000 casters takes; with `--lists [SCENE]...` what lists of all casters take,
+//! made anew by the device, beside a map.
 
 mod by_hand;
 mod compare;
 mod deferred;
+mod lists;
 mod scene;
 
 use anyhow::Result;
@@ -17,8 +19,12 @@ fn main() -> Result<()> {
         None => picture(),
         Some("--compare") => compare::frames(),
         Some("--casters") => compare::casters(),
+        Some("--lists") => {
+            let names: Vec<String> = std::env::args().skip(2).collect();
+            lists::lists(&names)
+        }
         Some(other) => {
-            anyhow::bail!("`{other}` is no option; use `--compare`, `--casters` or none")
+            anyhow::bail!("`{other}` is no option; use `--compare`, `--casters`, `--lists` or none")
         }
     }
 }

@@ -41,7 +41,15 @@ impl Device {
         let options = wgpu::RequestAdapterOptions::default();
         let adapter = pollster::block_on(instance.request_adapter(&options))
             .context("no graphics adapter: install a Vulkan driver")?;
-        let desc = wgpu::DeviceDescriptor::default();
+        // Lists of many triangles are long.
+        let desc = wgpu::DeviceDescriptor {
+            required_limits: wgpu::Limits {
+                max_storage_buffer_binding_size: adapter.limits().max_storage_buffer_binding_size,
+                max_buffer_size: adapter.limits().max_buffer_size,
+                ..wgpu::Limits::default()
+            },
+            ..wgpu::DeviceDescriptor::default()
+        };
         let (device, queue) = pollster::block_on(adapter.request_device(&desc))?;
         Ok(Self {
             name: adapter.get_info().name,
@@ -58,6 +66,34 @@ impl Device {
             usage,
         };
         self.device.create_buffer_init(&desc)
+    }
+
+    /// Returns a texture with these texels, to be read.
+    pub(crate) fn upload(
+        &self,
+        size: UVec2,
+        format: wgpu::TextureFormat,
+        texels: &[u8],
+    ) -> wgpu::TextureView {
+        let desc = wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        };
+        let order = wgpu::util::TextureDataOrder::LayerMajor;
+        let texture = self
+            .device
+            .create_texture_with_data(&self.queue, &desc, order, texels);
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     pub(crate) fn shader(&self, text: String) -> wgpu::ShaderModule {

@@ -238,6 +238,13 @@ fn shadow_origin_offset(p: vec3f, reach: f32) -> f32 {
     return max(max(max(abs(p.x), abs(p.y)), abs(p.z)), reach) * shadow_LIGHT_LIFT;
 }
 
+fn shadow_ray_origin(p: vec3f, n: vec3f, eye: vec3f, extent: f32) -> vec3f {
+    let to_eye = abs(eye - p);
+    let reach = max(max(max(to_eye.x, to_eye.y), to_eye.z), extent);
+    let lift = shadow_origin_offset(p, reach);
+    return vec3f(p.x + n.x * lift, p.y + n.y * lift, p.z + n.z * lift);
+}
+
 fn shadow_hash(word: u32) -> u32 {
     var x = word;
     x ^= x >> 16u;
@@ -282,6 +289,16 @@ fn shadow_unit_square(i: u32, shadow_seed: u32) -> vec2f {
     return vec2f(f32(x >> 8u), f32(y >> 8u)) * (1.0 / 16777216.0);
 }
 
+// ---- item_key.wgsl
+// Twin of item_key.rs: the word beside an item's caster.
+
+const shadow_FIELD = 6u;
+const shadow_LAST = 31u;
+const shadow_KEY_STEPS_LOG2 = 5u;
+const shadow_KEY_STEPS = 32.0;
+const shadow_GUARDS = 0x20820820u;
+const shadow_DEPTH_GUARD = 0x20000000u;
+
 // ---- exact.wgsl
 // Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items (table_2), the casters' corners (table_3).
 
@@ -296,13 +313,6 @@ struct shadow_ExactUniforms {
     tiles: vec4u,
     far: f32,
 }
-
-// As exact/item_key.rs has them.
-const shadow_FIELD = 6u;
-const shadow_LAST = 31u;
-const shadow_KEY_STEPS = 32.0;
-const shadow_GUARDS = 0x20820820u;
-const shadow_DEPTH_GUARD = 0x20000000u;
 
 // The greatest number below 1.
 const shadow_BELOW_ONE = 0.99999994;
@@ -363,6 +373,8 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     let least = step.x | (step.y << shadow_FIELD);
     let greatest = ((shadow_LAST - step.x) << (2u * shadow_FIELD)) | ((shadow_LAST - step.y) << (3u * shadow_FIELD));
     let asking = least | greatest | (depth << (4u * shadow_FIELD)) | shadow_GUARDS;
+    // Ids that the caller knows are those of other triangles than a device lists.
+    let left_out = select(own, 0xffffffffu, shadow_kernel.tiles.w == 1u);
     let end = shadow_table_1[cell_number + 1u].x;
     for (var i = cell.x; i < end; i++) {
         let items = shadow_table_2[i / 2u];
@@ -371,7 +383,7 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
         if (fields & shadow_DEPTH_GUARD) == 0u {
             return false;
         }
-        if item.x == own || fields != shadow_GUARDS {
+        if item.x == left_out || fields != shadow_GUARDS {
             continue;
         }
         let row = 3u * item.x;
@@ -382,14 +394,8 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     return false;
 }
 
-fn shadow_ray_reach(p: vec3f) -> f32 {
-    let to_eye = abs(shadow_kernel.eye.xyz - p);
-    return max(max(max(to_eye.x, to_eye.y), to_eye.z), shadow_kernel.grid.w);
-}
-
 fn shadow_receive(r: shadow_Receiver) -> f32 {
-    let lift = shadow_origin_offset(r.position, shadow_ray_reach(r.position));
-    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let o = shadow_ray_origin(r.position, r.normal, shadow_kernel.eye.xyz, shadow_kernel.grid.w);
     let d = shadow_segment(shadow_kernel.light, o, vec2f(0.0), shadow_kernel.far);
     let is_lit = shadow_dot3(r.normal, d) > 0.0 && !shadow_is_shadowed(o, d, r.triangle);
     return select(0.0, 1.0, is_lit);

@@ -223,6 +223,13 @@ fn shadow_origin_offset(p: vec3f, reach: f32) -> f32 {
     return max(max(max(abs(p.x), abs(p.y)), abs(p.z)), reach) * shadow_LIGHT_LIFT;
 }
 
+fn shadow_ray_origin(p: vec3f, n: vec3f, eye: vec3f, extent: f32) -> vec3f {
+    let to_eye = abs(eye - p);
+    let reach = max(max(max(to_eye.x, to_eye.y), to_eye.z), extent);
+    let lift = shadow_origin_offset(p, reach);
+    return vec3f(p.x + n.x * lift, p.y + n.y * lift, p.z + n.z * lift);
+}
+
 fn shadow_hash(word: u32) -> u32 {
     var x = word;
     x ^= x >> 16u;
@@ -622,14 +629,8 @@ fn shadow_search(f: shadow_Footprint, plane: shadow_LightPlane, lattice: shadow_
     return true;
 }
 
-fn shadow_ray_reach(p: vec3f) -> f32 {
-    let to_eye = abs(shadow_kernel.eye.xyz - p);
-    return max(max(max(to_eye.x, to_eye.y), to_eye.z), shadow_kernel.extent);
-}
-
 fn shadow_receive(r: shadow_Receiver) -> f32 {
-    let lift = shadow_origin_offset(r.position, shadow_ray_reach(r.position));
-    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let o = shadow_ray_origin(r.position, r.normal, shadow_kernel.eye.xyz, shadow_kernel.extent);
     let plane = shadow_light_plane(o);
     let lattice = shadow_lattice_of(r.pixel);
     if !shadow_open_above_horizon(r.normal, plane, lattice) {

@@ -236,6 +236,13 @@ fn shadow_origin_offset(p: vec3f, reach: f32) -> f32 {
     return max(max(max(abs(p.x), abs(p.y)), abs(p.z)), reach) * shadow_LIGHT_LIFT;
 }
 
+fn shadow_ray_origin(p: vec3f, n: vec3f, eye: vec3f, extent: f32) -> vec3f {
+    let to_eye = abs(eye - p);
+    let reach = max(max(max(to_eye.x, to_eye.y), to_eye.z), extent);
+    let lift = shadow_origin_offset(p, reach);
+    return vec3f(p.x + n.x * lift, p.y + n.y * lift, p.z + n.z * lift);
+}
+
 fn shadow_hash(word: u32) -> u32 {
     var x = word;
     x ^= x >> 16u;
@@ -331,14 +338,8 @@ fn shadow_occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
     return false;
 }
 
-fn shadow_ray_reach(p: vec3f) -> f32 {
-    let to_eye = abs(shadow_kernel.eye.xyz - p);
-    return max(max(max(to_eye.x, to_eye.y), to_eye.z), shadow_kernel.extent);
-}
-
 fn shadow_receive(r: shadow_Receiver) -> f32 {
-    let lift = shadow_origin_offset(r.position, shadow_ray_reach(r.position));
-    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let o = shadow_ray_origin(r.position, r.normal, shadow_kernel.eye.xyz, shadow_kernel.extent);
     let scramble = shadow_seed(r.pixel.x, r.pixel.y);
     var seen = 0u;
     for (var i = 0u; i < shadow_kernel.samples; i++) {

@@ -376,7 +376,7 @@ fn clamp_to(x: f32, last: f32) -> f32 {
 /// Adding 1.5 * 2^23 leaves no bits for a fraction, so the sum is rounded to the nearest whole number.
 /// `f32::floor` is a call on processors without such an instruction, and calls do not vectorise.
 #[inline(always)]
-fn floor(x: f32) -> f32 {
+pub(crate) fn floor(x: f32) -> f32 {
     let nearest = (x + 1.5 * TWO_POW_23) - 1.5 * TWO_POW_23;
     if nearest > x { nearest - 1.0 } else { nearest }
 }
@@ -385,7 +385,7 @@ fn floor(x: f32) -> f32 {
 ///
 /// Not by `as`, which saturates and does not vectorise.
 #[inline(always)]
-fn whole_to_u32(x: f32) -> u32 {
+pub(crate) fn whole_to_u32(x: f32) -> u32 {
     (x + TWO_POW_23)
         .to_bits()
         .wrapping_sub(TWO_POW_23.to_bits())

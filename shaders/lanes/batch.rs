@@ -137,18 +137,18 @@ pub(crate) type Lanes<T> = [T; BATCH];
 /// The places on the map of up to [`BATCH`] receivers, with an array for each field of [`ShadowCoord`].
 #[derive(Clone, Debug)]
 pub struct Batch {
-    x: Lanes<f32>,
-    y: Lanes<f32>,
-    depth: Lanes<f32>,
-    deepest: Lanes<f32>,
+    pub(crate) x: Lanes<f32>,
+    pub(crate) y: Lanes<f32>,
+    pub(crate) depth: Lanes<f32>,
+    pub(crate) deepest: Lanes<f32>,
     right: Lanes<f32>,
     down: Lanes<f32>,
-    layer: Lanes<i32>,
-    covered: Lanes<bool>,
+    pub(crate) layer: Lanes<i32>,
+    pub(crate) covered: Lanes<bool>,
 }
 
 impl Batch {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let zero = [0.0; BATCH];
         Self {
             x: zero,
@@ -173,6 +173,17 @@ impl Batch {
             layer: self.layer[i],
             covered: self.covered[i],
         }
+    }
+
+    /// Returns whether no receiver's depth changes over the map.
+    #[inline(always)]
+    pub(crate) fn is_level(&self) -> bool {
+        let mut is_level = true;
+        // No early return, so that this is one loop over lanes.
+        for i in 0..BATCH {
+            is_level &= (self.right[i] == 0.0) & (self.down[i] == 0.0);
+        }
+        is_level
     }
 
     /// Takes over the lookups in one layer from a batch of which every receiver was looked up there.

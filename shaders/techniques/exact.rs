@@ -16,6 +16,7 @@ mod item_key;
 mod light_frame;
 mod lists;
 mod lookup;
+mod on_device;
 mod outline;
 mod tile;
 mod touches;
@@ -27,21 +28,31 @@ use crate::{
 };
 use lists::{Lists, Rows};
 use lookup::{cells_of_span, look_up_span};
+pub use on_device::ListsGrid;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Fit, Geometry, Inputs, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel, Recipe,
-    RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    DeviceRecipe, Fit, Geometry, Inputs, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel,
+    Receivers, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     glam::{UVec4, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler},
     uniforms,
 };
 
-/// A lookup takes about as long as the square root of the casters over 40 taps: in six frames with 164 thousand to 2.4 million casters
-/// within a factor of 1.3 on the CPU by the built-in prices, and of 1.4 on wgpu in five (3.1 in `valley`). The more casters, the more of
-/// the lists comes from far memory.
-const CASTERS_A_TAP: f32 = 40.0;
+/// What item_key.rs and shaders know of items.
+const ITEM_KEY: Module = Module {
+    name: "item_key",
+    text: include_str!("exact/item_key.wgsl"),
+};
+
+/// A lookup takes at least as long as the square root of the casters over 30 taps: the more casters, the more of the lists comes from far
+/// memory. And at least as long as a tap for each caster of its list. In six frames with 164 thousand to 2.4 million casters, the greater of the two
+/// is within a factor of 1.5 of what lookups take on the CPU and on lavapipe.
+const CASTERS_A_TAP: f32 = 30.0;
+
+/// Receivers whose lists are looked at to find their mean length, about.
+const SAMPLED_RECEIVERS: usize = 2048;
 
 /// Lists of casters in the light's cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -65,29 +76,38 @@ impl ShadowTechnique for Exact {
             ));
         };
         let lists = Lists::of(view.light, geometry);
-        let table = |label: &'static str, rows: &Rows| Table {
-            label,
-            rows: rows.clone(),
-        };
-        let tables = vec![
-            table("tiles", &lists.tiles),
-            table("cells", &lists.cells),
-            table("items", &lists.items),
-            table("corners", &lists.corners),
-        ];
-        Ok(Recipe {
-            images: Vec::new(),
-            receive: Receive {
-                kernel: Arc::new(ExactKernel::new(view, geometry, lists)),
-                inputs: Vec::new(),
-                tables: (0..tables.len()).collect(),
-            },
-            tables,
-            casts: Vec::new(),
-            filters: Vec::new(),
-            shade: None,
-            keep_images: false,
-        })
+        let kernel = ExactKernel::new(view, geometry, lists.clone());
+        Ok(recipe_of(kernel, &lists))
+    }
+
+    fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
+        Some(on_device::device_recipe(view))
+    }
+}
+
+fn recipe_of(kernel: ExactKernel, lists: &Lists) -> Recipe {
+    let table = |label: &'static str, rows: &Rows| Table {
+        label,
+        rows: rows.clone(),
+    };
+    let tables = vec![
+        table("tiles", &lists.tiles),
+        table("cells", &lists.cells),
+        table("items", &lists.items),
+        table("corners", &lists.corners),
+    ];
+    Recipe {
+        images: Vec::new(),
+        receive: Receive {
+            kernel: Arc::new(kernel),
+            inputs: Vec::new(),
+            tables: (0..tables.len()).collect(),
+        },
+        tables,
+        casts: Vec::new(),
+        filters: Vec::new(),
+        shade: None,
+        keep_images: false,
     }
 }
 
@@ -168,7 +188,7 @@ uniforms! {
         pub origin: Vec4,
         /// Half the size of a face, across and down; tiles a unit of a direction; the greatest extent of a receiving triangle, metres.
         pub grid: Vec4,
-        /// Tiles of a face, across and down; whether the light is a lamp.
+        /// Tiles of a face, across and down; whether the light is a lamp; whether a device lists casters that it counts itself.
         pub tiles: UVec4,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
@@ -184,10 +204,15 @@ pub struct ExactKernel {
 
 impl ExactKernel {
     fn new(view: &View<'_>, geometry: &Geometry, lists: Arc<Lists>) -> Self {
+        let extent = geometry.max_receiver_extent();
+        let far = longest_ray(view, geometry);
+        Self::of_lists(view, lists, extent, far)
+    }
+
+    fn of_lists(view: &View<'_>, lists: Arc<Lists>, extent: f32, far: f32) -> Self {
         let eye = view.camera.eye();
         let frame = &lists.frame;
         let [across, down, away] = frame.rows;
-        let extent = geometry.max_receiver_extent();
         let uniforms = ExactUniforms {
             light: LightSampler::new(&view.light.without_extent()),
             eye: eye.extend(0.0),
@@ -197,9 +222,46 @@ impl ExactKernel {
             origin: frame.origin.extend(0.0),
             grid: Vec4::new(frame.half.x, frame.half.y, frame.tiles_a_unit, extent),
             tiles: UVec4::new(frame.tiles.x, frame.tiles.y, u32::from(frame.is_lamp), 0),
-            far: longest_ray(view, geometry),
+            far,
         };
         Self { uniforms, lists }
+    }
+
+    fn taps_from_memory(&self) -> f32 {
+        (self.lists.casters() as f32).sqrt() / CASTERS_A_TAP
+    }
+
+    /// Returns how long the lists of some receivers are in the mean, 0 where none is asked.
+    fn mean_length(&self, receivers: &Receivers) -> f32 {
+        let chunk = 64_usize.min(receivers.len().max(1));
+        let chunks = (SAMPLED_RECEIVERS / chunk).max(1);
+        let step = (receivers.len() / chunks).max(chunk);
+        let mut cells = vec![None; chunk];
+        let mut looked_at = 0_u32;
+        let mut items = 0_u64;
+        for first in (0..receivers.len()).step_by(step) {
+            let count = chunk.min(receivers.len() - first);
+            let span = receivers.span(first, count);
+            let cells = &mut cells[..count];
+            cells_of_span(&self.uniforms, &self.lists, &span, cells);
+            for (i, cell) in cells.iter().enumerate() {
+                if !receivers.receives[first + i] {
+                    continue;
+                }
+                looked_at += 1;
+                let asked = cell.filter(|cell| !cell.is_covered);
+                items += asked.map_or(0, |cell| u64::from(cell.length));
+            }
+        }
+        items as f32 / looked_at.max(1) as f32
+    }
+}
+
+impl ExactKernel {
+    /// The same, for lists that a device makes.
+    fn on_device(mut self) -> Self {
+        self.uniforms.tiles.w = 1;
+        self
     }
 }
 
@@ -209,6 +271,7 @@ impl Kernel for ExactKernel {
             RAY_BOX,
             RAY_TRIANGLE,
             LIGHT_SAMPLE,
+            ITEM_KEY,
             Module {
                 name: "exact",
                 text: include_str!("exact.wgsl"),
@@ -228,8 +291,12 @@ impl ReceiveKernel for ExactKernel {
 
     /// A cell, and some of the casters in its list.
     fn cost_per_receiver(&self) -> KernelCost {
-        let casters = self.lists.casters() as f32;
-        KernelCost::taps((casters.sqrt() / CASTERS_A_TAP).ceil() as u32)
+        KernelCost::taps(self.taps_from_memory().ceil() as u32)
+    }
+
+    fn cost_for(&self, receivers: &Receivers) -> KernelCost {
+        let taps = self.taps_from_memory().max(self.mean_length(receivers));
+        KernelCost::taps(taps.ceil() as u32)
     }
 
     fn triangles_listed(&self) -> u64 {

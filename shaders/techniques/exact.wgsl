@@ -12,13 +12,6 @@ struct ExactUniforms {
     far: f32,
 }
 
-// As exact/item_key.rs has them.
-const FIELD = 6u;
-const LAST = 31u;
-const KEY_STEPS = 32.0;
-const GUARDS = 0x20820820u;
-const DEPTH_GUARD = 0x20000000u;
-
 // The greatest number below 1.
 const BELOW_ONE = 0.99999994;
 
@@ -78,6 +71,8 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     let least = step.x | (step.y << FIELD);
     let greatest = ((LAST - step.x) << (2u * FIELD)) | ((LAST - step.y) << (3u * FIELD));
     let asking = least | greatest | (depth << (4u * FIELD)) | GUARDS;
+    // Ids that the caller knows are those of other triangles than a device lists.
+    let left_out = select(own, 0xffffffffu, kernel.tiles.w == 1u);
     let end = table_1[cell_number + 1u].x;
     for (var i = cell.x; i < end; i++) {
         let items = table_2[i / 2u];
@@ -86,7 +81,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
         if (fields & DEPTH_GUARD) == 0u {
             return false;
         }
-        if item.x == own || fields != GUARDS {
+        if item.x == left_out || fields != GUARDS {
             continue;
         }
         let row = 3u * item.x;
@@ -97,14 +92,8 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     return false;
 }
 
-fn ray_reach(p: vec3f) -> f32 {
-    let to_eye = abs(kernel.eye.xyz - p);
-    return max(max(max(to_eye.x, to_eye.y), to_eye.z), kernel.grid.w);
-}
-
 fn receive(r: Receiver) -> f32 {
-    let lift = origin_offset(r.position, ray_reach(r.position));
-    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.grid.w);
     let d = segment(kernel.light, o, vec2f(0.0), kernel.far);
     let is_lit = dot3(r.normal, d) > 0.0 && !is_shadowed(o, d, r.triangle);
     return select(0.0, 1.0, is_lit);

@@ -8,7 +8,7 @@
 
 use crate::{
     lanes::{
-        batch::{Taps, look_up_span},
+        batch::{Batch, BatchTaps, look_up_span},
         square,
     },
     listing::{Candidate, ListedTechnique, RandomParameter, sweeps},
@@ -253,13 +253,17 @@ impl ReceiveKernel for PcfKernel {
 
     fn cost_per_receiver(&self) -> KernelCost {
         let side = 2 * self.0.radius.unsigned_abs() + 1;
-        KernelCost::taps(side * side)
+        KernelCost::taps(side * side.div_ceil(NEIGHBOURS_A_TAP))
     }
 
     fn layer(&self, position: Vec3) -> Option<u32> {
         self.0.lookup.layer_of(position)
     }
 }
+
+/// Taps that lie side by side in a row take as long as one tap elsewhere: from 3x3 to 7x7, a tap takes .35 ns more on the CPU and 2.1 ns on
+/// lavapipe, in the disc of `pcf_disc` 1.2 and 5.6 ns (`recorded.csv` of `umbrage-plan`).
+const NEIGHBOURS_A_TAP: u32 = 3;
 
 /// `SIDE` and `LANES` as in [`square::square`]; 0 for any side.
 struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
@@ -268,9 +272,53 @@ struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
     count: f32,
 }
 
-impl<const SIDE: usize, const LANES: usize> Taps for SquareOfTaps<'_, SIDE, LANES> {
+impl<const SIDE: usize, const LANES: usize> BatchTaps for SquareOfTaps<'_, SIDE, LANES> {
     #[inline(always)]
-    fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
+    fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
+        if SIDE == 0 || self.map.packed || !batch.is_level() {
+            self.one_by_one(batch, out);
+            return;
+        }
+        let taps = square::level_squares::<SIDE, LANES>(&self.map, batch);
+        let mut is_complete = true;
+        for (i, out) in out.iter_mut().enumerate() {
+            let is_known = taps.is_known[i];
+            *out = if is_known {
+                taps.lit[i] / self.count
+            } else {
+                1.0
+            };
+            is_complete &= is_known | !batch.covered[i];
+        }
+        if !is_complete {
+            self.complete(batch, &taps.is_known, out);
+        }
+    }
+}
+
+impl<const SIDE: usize, const LANES: usize> SquareOfTaps<'_, SIDE, LANES> {
+    #[inline(always)]
+    fn one_by_one(&self, batch: &Batch, out: &mut [f32]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            let l = batch.lookup(i);
+            *out = if l.covered { self.visibility(&l) } else { 1.0 };
+        }
+    }
+
+    /// Answers for receivers whose squares reach beyond the map.
+    #[inline(never)]
+    fn complete(&self, batch: &Batch, is_known: &[bool], out: &mut [f32]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            let l = batch.lookup(i);
+            if l.covered && !is_known[i] {
+                *out = self.visibility(&l);
+            }
+        }
+    }
+
+    /// Returns the answer for a covered receiver.
+    #[inline(always)]
+    fn visibility(&self, l: &ShadowCoord) -> f32 {
         let x = l.texel.x.floor() as i32 - self.radius;
         let y = l.texel.y.floor() as i32 - self.radius;
         let in_lanes = if SIDE > 0 {

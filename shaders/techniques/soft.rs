@@ -26,7 +26,7 @@ pub mod search;
 use crate::{
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter},
     shadow_map::ShadowMap,
-    techniques::traced::longest_ray,
+    techniques::traced::{check_stack, longest_ray},
 };
 use footprint::FOOTPRINT;
 use hidden::{HIDDEN, sorted};
@@ -44,20 +44,17 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Nodes that the shader can keep for later: `STACK` in soft.wgsl. Each level of the hierarchy leaves one.
-const STACK: usize = 64;
-
 /// The widest sun that is served, degrees across: there the points at its rim are a tenth too thin.
 pub const MAX_SUN_DEGREES: f32 = 30.0;
 
 /// The range of [`Soft::error`].
-pub const ERRORS: [f32; 2] = [0.002, 0.2];
+pub const SOFT_ERRORS: [f32; 2] = [0.002, 0.2];
 
 /// Light points behind the casters of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Soft {
-    /// The root mean square error at straight edges, as a part of the light, within [`ERRORS`]: it chooses the number of points.
+    /// The root mean square error at straight edges, as a part of the light, within [`SOFT_ERRORS`]: it chooses the number of points.
     pub error: f32,
 }
 
@@ -100,7 +97,7 @@ impl ShadowTechnique for Soft {
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        let [least, greatest] = ERRORS;
+        let [least, greatest] = SOFT_ERRORS;
         if !(least..=greatest).contains(&self.error) {
             let why = format!("is {}", self.error);
             let help = format!("use {least} to {greatest}");
@@ -122,13 +119,7 @@ impl ShadowTechnique for Soft {
                 angular_diameter.to_degrees()
             )));
         }
-        let depth = geometry.bvh().depth();
-        if depth > STACK {
-            let reason = format!(
-                "the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}"
-            );
-            return Err(RecipeError::unsupported(reason));
-        }
+        check_stack(geometry)?;
         let kernel = self.kernel(view, geometry);
         let [nodes, triangles] = geometry.bvh_tables();
         let sorted = geometry.derived(|_| SortedTriangles::of(triangles));
@@ -182,10 +173,10 @@ impl SortedTriangles {
 /// The errors that are compared.
 const COMPARED: [f32; 3] = [0.04, 0.015, 0.006];
 
-/// The errors that a planner tries: each takes about two fifths more points than the one before.
+/// The errors that a planner tries: each takes 1.6 to 2.5 times the points of the one before.
 const PLANNED: [f32; 9] = [0.1, 0.07, 0.05, 0.035, 0.025, 0.015, 0.01, 0.006, 0.003];
 
-/// From one of them to the next the error falls by at most this, and somewhat more by chance.
+/// From one of them to the next the error is divided by at most 2, and by somewhat more by chance.
 const GAIN_OF_POINTS: f64 = 2.5;
 
 impl ListedTechnique for Soft {
@@ -228,8 +219,8 @@ impl ListedTechnique for Soft {
     }
 
     fn random(_: ShadowMap, numbers: &[f32]) -> Self {
-        let [least, greatest] = ERRORS;
-        // About as many rows as the number says.
+        let [least, greatest] = SOFT_ERRORS;
+        // As many rows as the number says, about: what `rows_for` makes of discs, the other way round.
         let error = 0.42 * numbers[0].powf(-1.5);
         Self {
             error: error.clamp(least, greatest),

@@ -57,14 +57,8 @@ fn search(f: Footprint, plane: LightPlane, lattice: Lattice, skip: u32) -> bool 
     return true;
 }
 
-fn ray_reach(p: vec3f) -> f32 {
-    let to_eye = abs(kernel.eye.xyz - p);
-    return max(max(max(to_eye.x, to_eye.y), to_eye.z), kernel.extent);
-}
-
 fn receive(r: Receiver) -> f32 {
-    let lift = origin_offset(r.position, ray_reach(r.position));
-    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.extent);
     let plane = light_plane(o);
     let lattice = lattice_of(r.pixel);
     if !open_above_horizon(r.normal, plane, lattice) {

@@ -15,8 +15,8 @@ use umbrage_core::{
     Aabb, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
     ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
-    glam::{Vec3, Vec4},
-    light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
+    glam::Vec4,
+    light_sample::{LIGHT_SAMPLE, LightSampler, ray_origin, seed, segment, unit_square},
     math::dot3,
     uniforms,
 };
@@ -24,7 +24,7 @@ use umbrage_core::{
 /// Most samples accepted a receiver.
 pub const MAX_SAMPLES: u32 = 65_536;
 
-/// Nodes that the shader can keep for later: `STACK` in traced.wgsl. Each level of the hierarchy leaves one.
+/// Nodes that shaders can keep for later: `STACK` in traced.wgsl and soft.wgsl. Each level of the hierarchy leaves one.
 const STACK: usize = 64;
 
 /// Greatest length of rays towards directional lights, metres: what is within the range of 32 bits after a division.
@@ -66,13 +66,7 @@ impl ShadowTechnique for Traced {
                 "rays need the scene's triangles, and this view has none",
             ));
         };
-        let depth = geometry.bvh().depth();
-        if depth > STACK {
-            let reason = format!(
-                "the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}"
-            );
-            return Err(RecipeError::unsupported(reason));
-        }
+        check_stack(geometry)?;
         let [nodes, triangles] = geometry.bvh_tables();
         Ok(Recipe {
             images: Vec::new(),
@@ -174,6 +168,17 @@ impl Traced {
     }
 }
 
+/// Errors if the scene's hierarchy is deeper than a shader's stack.
+pub(super) fn check_stack(geometry: &Geometry) -> Result<(), RecipeError> {
+    let depth = geometry.bvh().depth();
+    if depth <= STACK {
+        return Ok(());
+    }
+    Err(RecipeError::unsupported(format!(
+        "the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}"
+    )))
+}
+
 /// Returns the length of rays towards directional lights, metres: from the eye or any triangle they leave the scene.
 pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
     let all = geometry.bounds().union(&Aabb::around([view.camera.eye()]));
@@ -193,16 +198,6 @@ uniforms! {
         pub far: f32,
         /// Rays a receiver.
         pub samples: u32,
-    }
-}
-
-impl TracedUniforms {
-    /// Returns the greatest length that went into a receiver's position beside its coordinates, metres: positions are rounded, and
-    /// ray origins are lifted, in proportion.
-    #[inline(always)]
-    fn reach(&self, p: Vec3) -> f32 {
-        let to_eye = (self.eye.truncate() - p).abs();
-        to_eye.max_element().max(self.extent)
     }
 }
 
@@ -237,7 +232,7 @@ impl ReceiveKernel for TracedKernel {
         for (i, out) in out.iter_mut().enumerate() {
             let p = span.position(i);
             let n = span.normal(i);
-            let origin = p + n * origin_offset(p, u.reach(p));
+            let origin = ray_origin(p, n, u.eye.truncate(), u.extent);
             let scramble = seed(span.first.x + i as u32, span.first.y);
             let mut seen = 0_u32;
             for sample in 0..u.samples {

@@ -48,14 +48,8 @@ fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
     return false;
 }
 
-fn ray_reach(p: vec3f) -> f32 {
-    let to_eye = abs(kernel.eye.xyz - p);
-    return max(max(max(to_eye.x, to_eye.y), to_eye.z), kernel.extent);
-}
-
 fn receive(r: Receiver) -> f32 {
-    let lift = origin_offset(r.position, ray_reach(r.position));
-    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.extent);
     let scramble = seed(r.pixel.x, r.pixel.y);
     var seen = 0u;
     for (var i = 0u; i < kernel.samples; i++) {

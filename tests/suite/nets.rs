@@ -1,6 +1,7 @@
 //! The nets that play recipes on both backends, and what is known of shadows from formulas.
 
 mod agreement;
+mod anchor;
 mod cascades;
 mod causes;
 mod closed_form;

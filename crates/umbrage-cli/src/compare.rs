@@ -406,6 +406,9 @@ fn set_common(
     out.registry = program.techniques.clone();
     out.techniques.clone_from(&arguments.techniques);
     out.presets = presets::read(program, &arguments.presets)?;
+    if let Some(error) = arguments.max_error {
+        presets::add_soft(&mut out.presets, error)?;
+    }
     out.color = arguments.color;
     out.size = arguments.size.map(UVec2::from_array).or(out.size);
     out.runs = if arguments.deterministic {

@@ -4,6 +4,7 @@ use crate::{program::Program, usage::Usage};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use umbrage_lab::compare::NamedPreset;
+use umbrage_techniques::{Soft, TechniquePreset};
 
 /// Reads the presets in some files; each is called as its file without `.preset.toml` or `.toml`, or by the whole file name if a
 /// technique has that name.
@@ -20,6 +21,20 @@ pub(crate) fn read(program: &Program, files: &[PathBuf]) -> Result<Vec<NamedPres
         out.push(preset);
     }
     Ok(out)
+}
+
+/// Adds `soft` with this error. It is called `soft-E`.
+pub(crate) fn add_soft(presets: &mut Vec<NamedPreset>, error: f32) -> Result<()> {
+    let name = format!("soft-{error}");
+    if presets.iter().any(|other| other.name == name) {
+        let why = format!(
+            "--max-error {error}: a file of --preset is called `{name}`, too; rename the file"
+        );
+        return Err(Usage(why).into());
+    }
+    let preset = TechniquePreset::from(Soft { error });
+    presets.push(NamedPreset { name, preset });
+    Ok(())
 }
 
 fn one(program: &Program, file: &Path) -> Result<NamedPreset> {
@@ -82,6 +97,18 @@ mod tests {
         let presets = read(&program(), &[file]).expect("a preset");
         assert_eq!(presets[0].name, "wide");
         assert_eq!(presets[0].preset.technique().name(), "pcf");
+    }
+
+    #[test]
+    fn soft_is_played_with_the_error_that_is_asked_for() {
+        let (_dir, file) = written("soft-0.02.toml", "technique = 'pcf'");
+        let mut presets = read(&program(), &[file]).expect("a preset");
+        add_soft(&mut presets, 0.05).expect("another name");
+        let soft = presets[1].preset.get::<Soft>();
+        assert_eq!(soft, Some(&Soft { error: 0.05 }));
+        assert_eq!(presets[1].name, "soft-0.05");
+        let twice = add_soft(&mut presets, 0.02).expect_err("a file has its name");
+        assert!(twice.is::<Usage>() && twice.to_string().contains("rename the file"));
     }
 
     #[test]

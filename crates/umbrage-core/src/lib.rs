@@ -49,6 +49,7 @@ pub use light_space::{
     layers::{Arrangement, CascadePick, LayerPicker, Layout, LightSpaces},
 };
 pub use math::MATH;
+pub use recipe::device_lists::{DeviceLists, DeviceRecipe};
 #[cfg(feature = "testing")]
 pub use recipe::twin::{Twin, Words};
 pub use recipe::{
@@ -62,6 +63,7 @@ pub use recipe::{
 pub use recipe_error::RecipeError;
 pub use scene::{
     Instance, MAX_NAME_BYTES, Mesh, Scene,
+    anchor::Anchor,
     camera::{Camera, CameraRays, MAX_SIDE},
     light::Light,
     light_marker::LightMarker,

@@ -33,6 +33,19 @@ pub fn cross3(a: Vec3, b: Vec3) -> Vec3 {
     )
 }
 
+/// Returns the greater of two numbers as vector instructions have it: the second where one is not a number. Loops with it become such
+/// instructions, where `f32::max`, which has another rule, takes several.
+#[inline(always)]
+pub fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Returns the lesser of two numbers, likewise.
+#[inline(always)]
+pub fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 /// `v` over its length; not finite for the zero vector.
 #[inline(always)]
 pub fn unit3(v: Vec3) -> Vec3 {

@@ -1,6 +1,6 @@
 //! The trait that a shadow technique implements.
 
-use crate::{Light, Recipe, RecipeError, View};
+use crate::{DeviceRecipe, Light, Recipe, RecipeError, View};
 use std::fmt::Debug;
 
 /// A way to make shadows: a pure function from what is seen to a recipe. Its parameters are its public fields.
@@ -16,6 +16,13 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     /// # Errors
     /// Errors with `Unsupported` if it can't serve this light or scene, with the reason; with `Invalid` for bad parameters.
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError>;
+
+    /// Returns the recipe for a renderer that has the casters' vertices on the device alone, for techniques that ask lists of casters,
+    /// which the device then makes itself. None for all others, which need no list or can't do with such ones.
+    fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
+        let _ = view;
+        None
+    }
 
     /// Returns how far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one
     /// texel, 1 for the 3 x 3 around it. None where no map of what the light sees is looked up, and where that isn't known:

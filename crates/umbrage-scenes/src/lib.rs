@@ -31,6 +31,7 @@
 //! | key | unit or type | default |
 //! |---|---|---|
 //! | `name` | text of at most 200 bytes | the file's name without `.toml` |
+//! | `anchor` | `[x, y, z]` metres: places (`eye`, `target`, `position`, `center`, `translate`, a `matrix`) are read as 64-bit numbers, and become relative to the multiple of 1,024 m nearest to this point ([`Anchor`](umbrage_core::Anchor)); for scenes far from the origin | the origin |
 //! | **`[camera]`** | row 0 is the top row, rays go through pixel centres | frames everything from right, above and in front |
 //! | `eye`, `target` | `[x, y, z]` metres | needed |
 //! | `up` | `[x, y, z]`, any length; may be parallel to the view | `[0, 1, 0]` |
@@ -54,7 +55,7 @@
 //! | `matrix` | four rows of four, world from local for column vectors; the last row is `[0, 0, 0, 1]` | identity |
 //! | `scale` | one number, or `[x, y, z]`; negative ones mirror; placed objects are 1e-6 to 1e8 m across | 1 |
 //! | `rotate_degrees` | `[x, y, z]`: about the x axis, then y, then z, after scaling | `[0, 0, 0]` |
-//! | `translate` | `[x, y, z]` metres, after turning; at most 1e8 from the origin | `[0, 0, 0]` |
+//! | `translate` | `[x, y, z]` metres, after turning; at most 1e8 from the origin, or the anchor | `[0, 0, 0]` |
 //! | `casts`, `receives` | whether it throws shadows, and whether they fall on it | `true` |
 //! | `color` | `[r, g, b]`, linear (not sRGB), 0 to 1; multiplied with the texture | grey 0.5; white with a texture |
 //! | `texture` | a `.png` file of colours in sRGB, relative to the scene file | none |

@@ -39,6 +39,8 @@ pub use device::{
 };
 pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexLayout};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
+#[cfg(feature = "testing")]
+pub use light_set::Listing;
 pub use light_set::{
     CasterId, CasterMesh, FrameGeometry, LightId, LightSet, LightSetOptions, MaskFormat,
     MaskInputs, MeshId, NormalCoding, PassCasters, SetBudget, SetFrame, SetLight, SetNormals,

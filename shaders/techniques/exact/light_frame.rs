@@ -20,7 +20,7 @@ use umbrage_core::{
 
 /// Least margin, in units of frame space across the rays: 64 roundings of 1, the most that coordinates and the functions of
 /// outlines are wrong by (some eight of them).
-const LEAST_MARGIN: f32 = 1.0 / 262_144.0;
+pub(super) const LEAST_MARGIN: f32 = 1.0 / 262_144.0;
 
 /// What the triangle test of rays is wrong by at most, as a fraction of the farthest distance in the scene: 32 roundings of 2^-24, four times
 /// what `ray_triangle.rs` shows.
@@ -82,15 +82,24 @@ impl LightFrame {
             casters = Aabb::around([Vec3::ZERO]);
         }
         let tiles = tiles_along(geometry.casters().len());
-        let everything = geometry.bounds();
+        Self::around(light, &casters, &geometry.bounds(), tiles)
+    }
+
+    /// Returns the frame of a light around casters in a box. `everything` is the box around all that rays start from, too; `tiles`
+    /// are those along a sun's longer side.
+    pub(super) fn around(light: &Light, casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
         match light.position() {
-            Some(lamp) => Self::around_lamp(lamp, &everything, tiles),
-            None => Self::along_sun(
-                light.direction_from(Vec3::ZERO),
-                &casters,
-                &everything,
-                tiles,
-            ),
+            Some(lamp) => Self::around_lamp(lamp, everything, tiles),
+            None => Self::along_sun(light.direction_from(Vec3::ZERO), casters, everything, tiles),
+        }
+    }
+
+    /// Returns the distance from a lamp within which casters may be anywhere.
+    pub(super) fn at_lamp(&self) -> f32 {
+        if self.is_lamp {
+            self.reach * AT_LAMP
+        } else {
+            0.0
         }
     }
 
@@ -229,7 +238,7 @@ impl LightFrame {
 
     /// Returns whether a ray may end before it meets a caster at this distance from the lamp, metres.
     pub(super) fn is_at_lamp(&self, distance: f32) -> bool {
-        self.is_lamp && distance < self.reach * AT_LAMP
+        distance < self.at_lamp()
     }
 
     /// Returns the margin in depth: in units of frame space for a sun, as a fraction of the depth for a lamp.

@@ -93,6 +93,19 @@ impl Lists {
         made
     }
 
+    /// Returns the lists of no casters: for what knows them elsewhere.
+    pub(super) fn without_casters(frame: LightFrame) -> Self {
+        let tile_rows = frame.tile_count().div_ceil(TILES_A_ROW);
+        let nothing_covers = [0, f32::INFINITY.to_bits(), f32::INFINITY.to_bits(), 0];
+        Self {
+            frame,
+            tiles: zeros(tile_rows),
+            cells: Arc::new([nothing_covers; 2]),
+            items: zeros(1),
+            corners: zeros(3),
+        }
+    }
+
     /// Returns how many triangles were placed on the grid and in lists, each as often as it was.
     pub(super) fn triangles_listed(&self) -> u64 {
         let items = self.items.len() * ITEMS_A_ROW;

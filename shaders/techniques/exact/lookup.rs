@@ -6,17 +6,14 @@ use super::{
     light_frame::LightFrame,
     lists::Lists,
 };
-use crate::lanes::{
-    batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch},
-    order::{greater, lesser},
-};
+use crate::lanes::batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch};
 use std::ops::Range;
 use umbrage_core::{
     NO_TRIANGLE, Simd, SimdTask, Span,
     bvh::{SEGMENT_LANES, SegmentArrays, longest_axis},
     glam::{Vec2, Vec3, Vec4},
-    light_sample::{SHORT, origin_offset, segment},
-    math::dot3,
+    light_sample::{SHORT, ray_origin, segment},
+    math::{dot3, greater, lesser},
 };
 
 /// Fills `out`, as long as the span, with the light's visibility.
@@ -167,9 +164,7 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
         for i in 0..BATCH {
             let p = receivers.position(i);
             let n = receivers.normal(i);
-            let to_eye = (eye - p).abs();
-            let reach = greater(greater(to_eye.x, to_eye.y), greater(to_eye.z, u.grid.w));
-            let o = p + n * origin_offset(p, reach);
+            let o = ray_origin(p, n, eye, u.grid.w);
             // As `segment` has it of a point.
             let d = if LAMP { (lamp - o) * SHORT } else { sun };
             // Receivers of a cell share the longest axis of their rays.

@@ -4,10 +4,10 @@ use super::{
     light_frame::LightFrame,
     outline::{distance_to_origin, outline_of},
 };
-use crate::lanes::order::{greater, lesser};
 use umbrage_core::{
     Geometry,
     glam::{IVec2, UVec2, Vec2, Vec3, Vec4},
+    math::{greater, lesser},
 };
 
 /// Steps along a tile's side in which boxes are kept, as a power of two.

@@ -20,11 +20,10 @@ use super::{
     lattice::{Lattice, MAX_ROWS},
     light_plane::LightPlane,
 };
-use crate::lanes::order::{greater, lesser};
 use umbrage_core::{
     Module,
     glam::{Vec2, Vec3},
-    math::{cross3, dot3},
+    math::{cross3, dot3, greater, lesser},
 };
 
 /// The WGSL half.

@@ -14,7 +14,7 @@ use umbrage_core::{
     Aabb, Bvh, NO_TRIANGLE, Simd, SimdTask, Span,
     bvh::{Shaft, ShaftSearch, Shafts},
     glam::{Vec3, Vec4},
-    light_sample::{SHORT, origin_offset, seed},
+    light_sample::{SHORT, ray_origin, seed},
 };
 
 /// What is asked.
@@ -128,8 +128,7 @@ impl<'a, const LAMP: bool> Walk<'a, LAMP> {
             let place = first + i;
             let p = span.position(place);
             let n = span.normal(place);
-            let reach = (eye - p).abs().max_element().max(u.extent);
-            let origin = p + n * origin_offset(p, reach);
+            let origin = ray_origin(p, n, eye, u.extent);
             let plane = LightPlane::seen_from(&u.light, u.spread.w, origin);
             seers.set(i, origin, n, &plane);
             own[i] = span.triangle[place];

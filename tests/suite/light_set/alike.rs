@@ -27,16 +27,21 @@ const SCENES: [&str; 4] = ["cubes", "teapot-lamp", "lamp-in-room", "two-blockers
 const REFUSED: [&str; 2] = ["planar", "volumes"];
 
 /// A scene whose casters are one mesh of a set.
-struct World {
-    scene: Scene,
-    geometry: Geometry,
-    receivers: Receivers,
-    program: ForwardProgram,
+pub(super) struct World {
+    pub(super) scene: Scene,
+    pub(super) geometry: Geometry,
+    pub(super) receivers: Receivers,
+    pub(super) program: ForwardProgram,
 }
 
 impl World {
-    fn new(name: &str) -> Self {
-        let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
+    pub(super) fn new(name: &str) -> Self {
+        Self::of((umbrage_scenes::find(name)
+            .expect("a built-in scene")
+            .build)())
+    }
+
+    pub(super) fn of(mut scene: Scene) -> Self {
         scene.cameras[0] = scene.cameras[0].resized(UVec2::new(160, 120));
         let geometry = Geometry::bake(&scene).expect("valid");
         let receivers = Cpu::new()
@@ -61,7 +66,7 @@ impl World {
         }
     }
 
-    fn set(&self) -> LightSet {
+    pub(super) fn set(&self) -> LightSet {
         let d = self.program.d;
         let mut set = self.program.set(SetBudget::default(), StillLayers::Auto);
         let positions: Vec<[f32; 3]> = self
@@ -70,9 +75,11 @@ impl World {
             .iter()
             .map(|p| p.to_array())
             .collect();
+        // Lists are made by compute shaders.
+        let storage = BufferUsages::STORAGE;
         let casters = self.geometry.run(&self.geometry.casters());
-        let vertices = foreign::buffer(d, BufferUsages::VERTEX, cast_slice(&positions));
-        let indices = foreign::buffer(d, BufferUsages::INDEX, cast_slice(casters));
+        let vertices = foreign::buffer(d, storage | BufferUsages::VERTEX, cast_slice(&positions));
+        let indices = foreign::buffer(d, storage | BufferUsages::INDEX, cast_slice(casters));
         let mesh = CasterMesh {
             label: "casters",
             vertices: &vertices,
@@ -140,7 +147,7 @@ fn small(entry: &TechniqueEntry) -> Arc<dyn ShadowTechnique> {
     preset.technique()
 }
 
-fn differing(a: &[f32], b: &[f32]) -> usize {
+pub(super) fn differing(a: &[f32], b: &[f32]) -> usize {
     assert_eq!(a.len(), b.len());
     a.iter()
         .zip(b)

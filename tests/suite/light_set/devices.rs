@@ -1,13 +1,16 @@
 //! What a set asks of a device, and what devices tell it.
 
+use std::sync::Arc;
+use umbrage_core::{Geometry, ShadowTechnique, View};
+use umbrage_techniques::Traced;
 use umbrage_tests::{
     adapter::{TestDevice, open_with},
     foreign,
-    light_stage::{LAYER, Stage, at},
+    light_stage::{LAYER, Stage, at, spot},
 };
 use umbrage_wgpu::{
-    LightSet, MaskFormat, MaskInputs, PassCasters, SetBudget, SetFrame, SetPass, SetReceivers,
-    SetTimestamps, StillLayers, TimedPass,
+    FrameGeometry, LightSet, MaskFormat, MaskInputs, PassCasters, SetBudget, SetFrame, SetLight,
+    SetPass, SetReceivers, SetTimestamps, StillLayers, TimedPass, Unserved,
 };
 use wgpu::{BufferUsages, DeviceDescriptor, Features, Limits, PollType};
 
@@ -20,6 +23,46 @@ fn device(features: Features, limits: Limits) -> &'static TestDevice {
         ..DeviceDescriptor::default()
     };
     Box::leak(Box::new(open_with(&desc).expect("a device")))
+}
+
+/// Tables that a shader can't bind leave their light unserved, and the others as they are.
+#[test]
+fn tables_beyond_a_binding_are_refused() {
+    let scene = umbrage_scenes::by_argument("cubes").expect("built in");
+    let geometry = Geometry::bake(&scene).expect("valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let recipe = Traced { samples: 1 }.recipe(&view).expect("serves a sun");
+    // Each of the tables fits, and all of them don't.
+    let bytes = recipe.table_bytes();
+    let limits = Limits {
+        max_storage_buffer_binding_size: bytes - 16,
+        ..LightSet::REQUIRED_LIMITS
+    };
+    let d = device(LightSet::REQUIRED_FEATURES, limits);
+    let mut stage = Stage::on(d, SetBudget::default(), StillLayers::Auto, &PLACES);
+    // Has a map, and no tables.
+    stage.light(PLACES[0], 1.0);
+    let traced = stage.set.add_light(SetLight {
+        light: spot(PLACES[1]),
+        technique: Arc::new(Traced { samples: 1 }),
+        priority: 2.0,
+    });
+    let traced = traced.expect("valid");
+    let frame = SetFrame {
+        camera: &stage.camera,
+        geometry: Some(FrameGeometry {
+            triangles: &geometry,
+            revision: 0,
+        }),
+    };
+    stage.program.update(&mut stage.set, &frame);
+    let unserved: Vec<_> = stage.set.unserved().collect();
+    let [(id, Unserved::Refused(why))] = &unserved[..] else {
+        panic!("{unserved:?}");
+    };
+    assert_eq!(*id, traced);
+    let why = why.to_string();
+    assert!(why.contains("max_storage_buffer_binding_size"), "{why}");
 }
 
 /// Few lights, whose numbers a uniform buffer holds, and many.

@@ -1,11 +1,11 @@
 //! Whatever happens to a set, its shadows are those of a set that was made anew: nothing that is kept is ever stale.
 
 use bytemuck::cast_slice;
-use glam::{Affine3A, EulerRot, Quat, UVec2, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, EulerRot, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
-use umbrage_core::{Aabb, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
-use umbrage_techniques::{Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
+use umbrage_core::{Aabb, Anchor, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
+use umbrage_techniques::{Exact, Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
 use umbrage_tests::{
     adapter::device,
     foreign,
@@ -39,6 +39,8 @@ enum Edit {
     ChangeTechnique(prop::sample::Index, usize),
     RemoveLight(prop::sample::Index),
     MoveCamera(f32),
+    /// Everything is placed relative to the anchor so many steps away along x.
+    Hop(i32),
     /// A frame that is submitted.
     Frame,
     /// A frame whose encoder is thrown away.
@@ -73,13 +75,14 @@ fn edit() -> impl Strategy<Value = Edit> {
         1 => (any(), 0..TECHNIQUES).prop_map(|(i, to)| Edit::ChangeTechnique(i, to)),
         1 => any().prop_map(Edit::RemoveLight),
         1 => (-1.0_f32..1.0).prop_map(Edit::MoveCamera),
+        1 => (-1..2).prop_map(Edit::Hop),
         3 => Just(Edit::Frame),
         1 => Just(Edit::DroppedFrame),
         1 => Just(Edit::PreparedFrame),
     ]
 }
 
-const TECHNIQUES: usize = 7;
+const TECHNIQUES: usize = 8;
 /// What a model begins with.
 const FIRST_LAMP: Lamp = Lamp {
     kind: 1,
@@ -87,7 +90,8 @@ const FIRST_LAMP: Lamp = Lamp {
     technique: 0,
 };
 
-/// Maps of two sizes, filtered ones, one that is compared by the sampler, and for suns cascades, which follow the camera.
+/// Maps of two sizes, filtered ones, one that is compared by the sampler, for suns cascades, which follow the camera, and lists that
+/// the device makes.
 fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let map = |size| ShadowMap {
         size,
@@ -120,6 +124,7 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
             map: map(64),
             ..Midpoint::default()
         }),
+        6 => Arc::new(Exact::default()),
         4 if is_sun => Arc::new(cascades(Fit::Stable { range: 30.0 })),
         5 if is_sun => Arc::new(cascades(Fit::AroundCamera { range: 30.0 })),
         _ => Arc::new(Pcss {
@@ -129,22 +134,23 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     }
 }
 
-fn light(lamp: &Lamp) -> Light {
+fn light(lamp: &Lamp, anchor: Anchor) -> Light {
     let place = lamp.place;
+    let position = anchor.position(place.as_dvec3());
     match lamp.kind {
         0 => Light::Directional {
             direction: -place,
             angular_diameter: 0.02,
         },
         1 => Light::Spot {
-            position: place,
+            position,
             direction: Vec3::new(-0.1 * place.x, -1.0, -0.1 * place.z),
             inner: 0.5,
             outer: 0.7,
             radius: 0.1,
         },
         _ => Light::Point {
-            position: place,
+            position,
             radius: 0.1,
         },
     }
@@ -161,7 +167,7 @@ struct Meshes {
 impl Meshes {
     fn new(program: &ForwardProgram) -> Self {
         let d = program.d;
-        let vertex = BufferUsages::VERTEX;
+        let vertex = BufferUsages::VERTEX | BufferUsages::STORAGE;
         // A tetrahedron, as four triangles.
         let corners = [
             [1.0_f32, 1.0, 1.0],
@@ -186,7 +192,11 @@ impl Meshes {
             floats: foreign::buffer(d, vertex | BufferUsages::COPY_DST, cast_slice(&floats)),
             halves: foreign::buffer(d, vertex, cast_slice(&packed(half))),
             snorms: foreign::buffer(d, vertex, cast_slice(&packed(snorm))),
-            indices: foreign::buffer(d, BufferUsages::INDEX, cast_slice(&faces)),
+            indices: foreign::buffer(
+                d,
+                BufferUsages::INDEX | BufferUsages::STORAGE,
+                cast_slice(&faces),
+            ),
         }
     }
 
@@ -233,44 +243,59 @@ struct Model<'a> {
     mesh_ids: [MeshId; 3],
     casters: Vec<(CasterId, Caster)>,
     lights: Vec<(LightId, Lamp)>,
-    camera: Camera,
+    turn: f32,
+    /// What the set's numbers are relative to.
+    anchor: Anchor,
 }
 
-fn camera(turn: f32) -> Camera {
-    let eye = Vec3::new(6.0 * turn, 5.0, 12.0);
+fn camera(turn: f32, anchor: Anchor) -> Camera {
+    let eye = anchor.position(DVec3::new(6.0 * f64::from(turn), 5.0, 12.0));
+    let target = anchor.position(DVec3::ZERO);
     let size = UVec2::new(64, 48);
-    Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid")
+    Camera::perspective(eye, target, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid")
 }
+
+fn relative(place: &Affine3A, anchor: Anchor) -> Affine3A {
+    let world_from_local = DAffine3 {
+        matrix3: place.matrix3.as_dmat3(),
+        translation: place.translation.as_dvec3(),
+    };
+    anchor.placement(&world_from_local)
+}
+
+/// Two that stay in the corners of the box around all casters: else every move changes the box, and with it all maps.
+const CORNERS: [Vec3; 2] = [Vec3::new(-9.0, -2.0, -8.0), Vec3::new(9.0, 6.0, 8.0)];
 
 impl<'a> Model<'a> {
     fn new(program: &'a ForwardProgram, meshes: &'a Meshes, still_layers: StillLayers) -> Self {
         let mut set = program.set(SetBudget::default(), still_layers);
         let mesh_ids = meshes.add(&mut set);
-        // Two that stay in the corners of the box around all casters: else every move changes the box, and with it all maps.
-        for corner in [Vec3::new(-9.0, -2.0, -8.0), Vec3::new(9.0, 6.0, 8.0)] {
-            let place = Affine3A::from_translation(corner);
-            set.add_caster(mesh_ids[0], place).expect("valid");
-        }
-        Self {
+        let mut model = Self {
             program,
             meshes,
             set,
             mesh_ids,
             casters: Vec::new(),
             lights: Vec::new(),
-            camera: camera(0.0),
+            turn: 0.0,
+            anchor: Anchor::ORIGIN,
+        };
+        for corner in CORNERS {
+            model.add_caster((0, Affine3A::from_translation(corner)));
         }
+        model
     }
 
     fn add_caster(&mut self, caster: Caster) {
         let (mesh, place) = caster;
+        let place = relative(&place, self.anchor);
         let id = self.set.add_caster(self.mesh_ids[mesh], place);
         self.casters.push((id.expect("valid"), caster));
     }
 
     fn add_light(&mut self, lamp: Lamp) {
         let id = self.set.add_light(SetLight {
-            light: light(&lamp),
+            light: light(&lamp, self.anchor),
             technique: technique(&lamp),
             priority: 1.0,
         });
@@ -280,20 +305,23 @@ impl<'a> Model<'a> {
     fn edit(&mut self, edit: &Edit) {
         match edit {
             Edit::AddCaster(caster) => self.add_caster(*caster),
-            Edit::MoveCaster(i, to) if !self.casters.is_empty() => {
-                let (id, caster) = i.get_mut(&mut self.casters);
+            Edit::MoveCaster(i, to) if self.casters.len() > CORNERS.len() => {
+                let (id, caster) = i.get_mut(&mut self.casters[CORNERS.len()..]);
                 caster.1 = *to;
-                self.set.move_caster(*id, *to).expect("is there");
+                let place = relative(to, self.anchor);
+                self.set.move_caster(*id, place).expect("is there");
             }
-            Edit::RemoveCaster(i) if !self.casters.is_empty() => {
-                let (id, _) = self.casters.remove(i.index(self.casters.len()));
+            Edit::RemoveCaster(i) if self.casters.len() > CORNERS.len() => {
+                let index = CORNERS.len() + i.index(self.casters.len() - CORNERS.len());
+                let (id, _) = self.casters.remove(index);
                 self.set.remove_caster(id).expect("is there");
             }
             Edit::AddLight(lamp) if self.lights.len() < 6 => self.add_light(*lamp),
             Edit::MoveLight(i, to) if !self.lights.is_empty() => {
                 let (id, lamp) = i.get_mut(&mut self.lights);
                 lamp.place = *to;
-                self.set.set_light(*id, light(lamp)).expect("is there");
+                let light = light(lamp, self.anchor);
+                self.set.set_light(*id, light).expect("is there");
             }
             Edit::ChangeTechnique(i, to) if !self.lights.is_empty() => {
                 let (id, lamp) = i.get_mut(&mut self.lights);
@@ -306,7 +334,8 @@ impl<'a> Model<'a> {
                 let (id, _) = self.lights.remove(i.index(self.lights.len()));
                 self.set.remove_light(id).expect("is there");
             }
-            Edit::MoveCamera(turn) => self.camera = camera(*turn),
+            Edit::MoveCamera(turn) => self.turn = *turn,
+            Edit::Hop(steps) => self.hop(*steps),
             Edit::Frame => self.frame(),
             Edit::DroppedFrame => {
                 self.prepare();
@@ -318,9 +347,22 @@ impl<'a> Model<'a> {
         }
     }
 
+    fn hop(&mut self, steps: i32) {
+        let eye = DVec3::new(f64::from(steps) * Anchor::STEP, 0.0, 0.0);
+        self.anchor = Anchor::near(eye).expect("valid");
+        for (id, (_, place)) in &self.casters {
+            let place = relative(place, self.anchor);
+            self.set.rebase_caster(*id, place).expect("is there");
+        }
+        for (id, lamp) in &self.lights {
+            let light = light(lamp, self.anchor);
+            self.set.set_light(*id, light).expect("is there");
+        }
+    }
+
     fn prepare(&mut self) {
         let frame = SetFrame {
-            camera: &self.camera,
+            camera: &camera(self.turn, self.anchor),
             geometry: None,
         };
         let d = self.program.d;
@@ -331,17 +373,17 @@ impl<'a> Model<'a> {
 
     fn frame(&mut self) {
         let frame = SetFrame {
-            camera: &self.camera,
+            camera: &camera(self.turn, self.anchor),
             geometry: None,
         };
         self.program.update(&mut self.set, &frame);
     }
 
-    /// Returns a set that was made anew and holds the same.
+    /// Returns a set that was made anew and holds the same, relative to the origin.
     fn anew(&self) -> Self {
         let mut other = Self::new(self.program, self.meshes, StillLayers::Never);
-        other.camera = self.camera;
-        for &(_, caster) in &self.casters {
+        other.turn = self.turn;
+        for &(_, caster) in &self.casters[CORNERS.len()..] {
             other.add_caster(caster);
         }
         for &(_, lamp) in &self.lights {
@@ -350,7 +392,7 @@ impl<'a> Model<'a> {
         other
     }
 
-    /// Returns the mask of each light.
+    /// Returns the mask of each light, on the floor around the anchor.
     fn masks(&mut self) -> Vec<Vec<f32>> {
         self.frame();
         let unserved: Vec<_> = self.set.unserved().collect();
@@ -385,6 +427,10 @@ fn a_set_never_shows_what_is_stale() {
         model.add_light(FIRST_LAMP);
         for edit in &edits {
             model.edit(edit);
+        }
+        // The floor that is looked at lies around the origin.
+        if model.anchor != Anchor::ORIGIN {
+            model.hop(0);
         }
         let kept = model.masks();
         let fresh = model.anew().masks();

@@ -2,7 +2,9 @@
 
 mod alike;
 mod budget;
+mod device_lists;
 mod devices;
 mod edits;
+mod hops;
 mod masks;
 mod turning;

@@ -3,6 +3,7 @@
 use super::{Backend, Shard, merge::parse_shard, parse_size};
 use clap::Args;
 use std::path::PathBuf;
+use umbrage_techniques::SOFT_ERRORS;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
@@ -13,6 +14,7 @@ use std::path::PathBuf;
   cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
   cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
   cargo xtask compare cubes --preset mine.toml               settings of your own, or of `plan`
+  cargo xtask compare nave-soft --max-error 0.02             `soft` with an error of your own
   cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report
   cargo xtask compare figure --color --map-sizes 1024        with shaded pictures
   cargo xtask compare --deterministic --shard 2/8 --out s2   an eighth of the suite, for `cargo xtask merge`
@@ -29,6 +31,9 @@ pub(crate) struct CompareArguments {
     /// repeated. `--technique none,hard` leaves these beside it
     #[arg(long = "preset", value_name = "FILE")]
     pub(crate) presets: Vec<PathBuf>,
+    /// `soft` with this root mean square error at straight edges, 0.002 to 0.2, played beside the others as `soft-E`
+    #[arg(long, value_name = "E", value_parser = parse_soft_error)]
+    pub(crate) max_error: Option<f32>,
     /// Which backends play
     #[arg(long, value_name = "NAME", default_value = "available")]
     pub(crate) backend: Backend,
@@ -99,4 +104,12 @@ pub(crate) struct CompareArguments {
     /// List scenes and techniques, and end
     #[arg(long)]
     pub(crate) list: bool,
+}
+
+fn parse_soft_error(text: &str) -> Result<f32, String> {
+    let [least, greatest] = SOFT_ERRORS;
+    let error = text.parse().ok();
+    error
+        .filter(|error| (least..=greatest).contains(error))
+        .ok_or_else(|| format!("use {least} to {greatest}"))
 }

@@ -135,7 +135,7 @@ mod tests {
     /// What wrong usage says.
     #[test]
     fn usage_errors() {
-        let wrong: [&[&str]; 17] = [
+        let wrong: [&[&str]; 19] = [
             &[],
             &["compere"],
             &["compare", "--size", "640"],
@@ -143,6 +143,8 @@ mod tests {
             &["compare", "--map-sizes", "512,0"],
             &["compare", "--backend", "cuda"],
             &["compare", "--runs", "0"],
+            &["compare", "cubes", "--max-error", "0.001"],
+            &["compare", "cubes", "--max-error", "nan"],
             &["plan"],
             &["plan", "cubes", "--max-error", "nan"],
             &["plan", "cubes", "--max-time", "-1"],

@@ -9,6 +9,7 @@
 use crate::{
     Aabb, Module,
     geometry::ray_box::{EXIT_SLACK, slab_inverse},
+    math::{greater, lesser},
 };
 use glam::{Vec3, Vec4};
 
@@ -69,7 +70,7 @@ pub trait ShaftSearch {
 /// The greatest side of the box is reached by the shaft's least corner: from then on, if that corner comes from beyond it, and else
 /// until then. Likewise the least side by the greatest corner.
 ///
-/// What [`ShaftLanes`] says of four boxes, and the shader of one.
+/// What the shader says, and [`ShaftLanes`] of four boxes, and [`Shafts`] of many shafts.
 #[cfg(any(test, feature = "testing"))]
 fn enters(shaft: &Shaft, low: Vec3, high: Vec3) -> bool {
     let at_high = (high - shaft.low) * shaft.low_inverse;
@@ -165,18 +166,6 @@ impl Shafts {
         }
         out
     }
-}
-
-/// The greater of two numbers as vector instructions have it.
-#[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// The lesser of two numbers, likewise.
-#[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }
 
 /// A shaft, for the test of four boxes at once.

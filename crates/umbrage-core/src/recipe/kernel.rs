@@ -1,6 +1,6 @@
 //! Kernels: one function written twice. A kernel cannot exist on one side only, since its trait asks for both halves.
 
-use crate::{ImageView, KernelCost, Module, Simd, Span, UniformBlock};
+use crate::{ImageView, KernelCost, Module, Receivers, Simd, Span, UniformBlock};
 use glam::{UVec2, Vec3};
 use std::fmt::Debug;
 
@@ -45,6 +45,12 @@ pub trait ReceiveKernel: Kernel {
     /// What it does for one receiver, at most: for [`Work`](crate::Work), which the price of a technique is made of.
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::default()
+    }
+
+    /// The same for these receivers, where it depends on them.
+    fn cost_for(&self, receivers: &Receivers) -> KernelCost {
+        let _ = receivers;
+        self.cost_per_receiver()
     }
 
     /// How many triangles its tables were made of, each as often as it stands in them: tables that follow the light or the casters

@@ -1,5 +1,6 @@
 //! Recipes: a shadow algorithm as plain data, which any backend can run.
 
+pub(crate) mod device_lists;
 pub(crate) mod image;
 pub(crate) mod kernel;
 pub(crate) mod shader;

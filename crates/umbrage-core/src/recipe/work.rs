@@ -12,7 +12,7 @@ type ClipPolygon = Polygon<DVec4, 9>;
 /// What a kernel reads for one receiver, at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct KernelCost {
-    /// Texels loaded.
+    /// Texels loaded; of the rows of a square of texels, each three neighbours as one.
     pub taps: u32,
     /// Comparison samples taken, each of four texels.
     pub samples: u32,
@@ -63,7 +63,7 @@ impl KernelCost {
 pub struct Work {
     /// Passes: casts, filters, receive.
     pub passes: u64,
-    /// Triangles that casts of depth draw, those outside their view included.
+    /// Triangles that casts of depth draw, those outside their view included; half of them where one side is left out.
     pub triangles: u64,
     /// Texels that these triangles cover, each as often as it is covered: their area within the view, rounded.
     pub covered: u64,
@@ -103,10 +103,14 @@ impl Work {
         let receivers = view
             .receivers
             .map_or(pixels, |r| r.receives.iter().filter(|&&r| r).count() as u64);
-        let cost = recipe.receive.kernel.cost_per_receiver();
+        let kernel = &recipe.receive.kernel;
+        let cost = match view.receivers {
+            Some(receivers) => kernel.cost_for(receivers),
+            None => kernel.cost_per_receiver(),
+        };
         let mut work = Self {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
-            listed: recipe.receive.kernel.triangles_listed(),
+            listed: kernel.triangles_listed(),
             receivers,
             taps: receivers * u64::from(cost.taps),
             samples: receivers * u64::from(cost.samples),
@@ -118,6 +122,9 @@ impl Work {
         for cast in &recipe.casts {
             let size = recipe.images[cast.image].size;
             let (triangles, covered) = drawn(view.geometry, cast, size);
+            // Closed casters turn about half of their faces to the light, and a face that is left out takes next to nothing.
+            let sides = if cast.cull == Cull::None { 1 } else { 2 };
+            let triangles = triangles / sides;
             match cast.mode {
                 CastMode::Depth | CastMode::DepthPeel(_) => {
                     work.triangles += triangles;

@@ -123,6 +123,17 @@ impl Light {
         }
     }
 
+    /// Returns the same light with its middle elsewhere, world space; a directional light stays as it is.
+    #[must_use]
+    pub fn moved_to(mut self, to: Vec3) -> Self {
+        match &mut self {
+            Self::Directional { .. } => {}
+            Self::Spot { position, .. } | Self::Point { position, .. } => *position = to,
+            Self::Rect { center, .. } | Self::Disc { center, .. } => *center = to,
+        }
+        self
+    }
+
     /// Returns the unit direction from `p` to the light's middle.
     pub fn direction_from(&self, p: Vec3) -> Vec3 {
         let to_light = match *self {

@@ -226,6 +226,15 @@ pub fn origin_offset(p: Vec3, reach: f32) -> f32 {
     p.x.abs().max(p.y.abs()).max(p.z.abs()).max(reach) * LIFT
 }
 
+/// Returns where the rays of a receiver at `p` with the unit normal `n` start: lifted off its surface. `eye` is the camera's position,
+/// `extent` the greatest extent of a receiving triangle, metres.
+#[inline(always)]
+pub fn ray_origin(p: Vec3, n: Vec3, eye: Vec3, extent: f32) -> Vec3 {
+    let to_eye = (eye - p).abs();
+    let reach = to_eye.x.max(to_eye.y).max(to_eye.z).max(extent);
+    p + n * origin_offset(p, reach)
+}
+
 /// Returns a pixel's own scramble.
 #[inline(always)]
 pub fn seed(x: u32, y: u32) -> u32 {
@@ -304,6 +313,7 @@ pub const TWINS: &[crate::Twin] = &[
     crate::twin!(LIGHT_SAMPLE, bitangent(n: Vec3) -> Vec3, needs [crate::MATH]),
     crate::twin!(LIGHT_SAMPLE, cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3, needs [crate::MATH]),
     crate::twin!(LIGHT_SAMPLE, origin_offset(p: Vec3, reach: f32) -> f32, needs [crate::MATH]),
+    crate::twin!(LIGHT_SAMPLE, ray_origin(p: Vec3, n: Vec3, eye: Vec3, extent: f32) -> Vec3, needs [crate::MATH]),
     crate::twin!(LIGHT_SAMPLE, hash(x: u32) -> u32, needs [crate::MATH]),
     crate::twin!(LIGHT_SAMPLE, seed(x: u32, y: u32) -> u32, needs [crate::MATH]),
     crate::twin!(LIGHT_SAMPLE, owen(reversed: u32, seed: u32) -> u32, needs [crate::MATH]),

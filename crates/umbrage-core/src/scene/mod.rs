@@ -1,5 +1,6 @@
 //! Scenes: meshes, instances of them, lights and cameras. Public fields; `validate` says what is wrong.
 
+pub(crate) mod anchor;
 pub(crate) mod camera;
 pub(crate) mod light;
 pub(crate) mod light_marker;

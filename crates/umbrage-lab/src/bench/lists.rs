@@ -142,11 +142,7 @@ impl Stage<'_> {
         // The CPU's rays are the judge: the adapter may have no room for the hierarchy.
         let expected = cpu.render(view, &rays)?.mask;
         self.check_answers(&expected, &gpu.render(view, &exact)?.mask, gpu.name())?;
-        let plays_rays = match gpu.render(view, &rays) {
-            Ok(_) => true,
-            Err(BackendError::Invalid(_)) => false,
-            Err(e) => return Err(e),
-        };
+        let plays_rays = is_played(gpu.render(view, &rays))?;
         let gpu = RefCell::new(gpu);
         let time = |recipe: &Recipe| receive_time(&mut **gpu.borrow_mut(), view, recipe);
         let mut out = Vec::new();
@@ -241,4 +237,13 @@ pub(super) fn receive_time(
     shadows.timings.receive.ok_or_else(|| {
         BackendError::Validation(format!("{} cannot time its passes", backend.name()))
     })
+}
+
+/// Whether an adapter has room for a recipe.
+pub(super) fn is_played<T>(played: Result<T, BackendError>) -> Result<bool, BackendError> {
+    match played {
+        Ok(_) => Ok(true),
+        Err(BackendError::Invalid(_)) => Ok(false),
+        Err(e) => Err(e),
+    }
 }

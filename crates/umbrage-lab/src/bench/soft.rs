@@ -1,7 +1,7 @@
 //! Times `soft` against rays at the same error, under the wide lights of real frames.
 
 use super::{
-    lists::{plan, receive_time},
+    lists::{is_played, plan, receive_time},
     paired::{Pair, Paired, Repetitions, paired},
 };
 use std::cell::RefCell;
@@ -183,13 +183,4 @@ fn turns(
     let backend = RefCell::new(backend);
     let time = |recipe: &Recipe| receive_time(&mut **backend.borrow_mut(), view, recipe);
     paired(repetitions, || time(recipes[0]), || time(recipes[1]))
-}
-
-/// Whether an adapter has room for a recipe.
-fn is_played<T>(played: Result<T, BackendError>) -> Result<bool, BackendError> {
-    match played {
-        Ok(_) => Ok(true),
-        Err(BackendError::Invalid(_)) => Ok(false),
-        Err(e) => Err(e),
-    }
 }

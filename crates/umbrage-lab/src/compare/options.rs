@@ -172,7 +172,7 @@ impl Default for Runs {
         Self {
             min: MIN_JUDGED_RUNS,
             max: 15,
-            budget_ms: 60,
+            budget_ms: 30,
             once_from_ms: never(),
         }
     }
@@ -235,8 +235,8 @@ impl CompareOptions {
             runs: Some(Runs {
                 min: 1,
                 max: 5,
-                budget_ms: 250,
-                once_from_ms: 500,
+                budget_ms: 150,
+                once_from_ms: 400,
             }),
             ..Self::default()
         }
@@ -300,7 +300,7 @@ mod tests {
         let runs = Runs::default();
         let played =
             |ms: u64| (0..).find(|&n| runs.suffice(n, Duration::from_millis(ms * n as u64)));
-        assert_eq!([0, 4, 10, 1_000].map(played), [15, 15, 6, 5].map(Some));
+        assert_eq!([0, 4, 10, 1_000].map(played), [15, 8, 5, 5].map(Some));
         assert!(
             Runs::exactly(2).suffice(2, Duration::ZERO)
                 && !Runs::exactly(2).suffice(1, Duration::MAX)
@@ -316,9 +316,9 @@ mod tests {
         );
         let hopes = |n, ms| runs.hopes(n, Duration::from_millis(ms));
         assert!(
-            hopes(14, 119)
-                && !hopes(15, 100)
-                && !hopes(5, 120)
+            hopes(14, 59)
+                && !hopes(15, 50)
+                && !hopes(5, 60)
                 && !Runs::exactly(3).hopes(3, Duration::ZERO)
         );
     }

@@ -18,6 +18,9 @@ const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
 /// Pixels that face away from the light.
 const UNLIT: Vec3 = Vec3::splat(0.70);
 
+/// Pixels from which on pictures are written quickly rather than small.
+const REAL_SIZE: u32 = 640 * 480;
+
 /// Returns a mask as a picture: white where lit, bluish where nothing receives.
 ///
 /// # Errors
@@ -132,12 +135,15 @@ fn to_byte(component: f32) -> u8 {
 
 /// Encodes three bytes a pixel, rows from the top, as a PNG.
 pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> Result<Vec<u8>, LabError> {
+    // A report has hundreds of pictures of real size, which took a twentieth of all its time to compress well.
+    let compression = if size.x * size.y >= REAL_SIZE {
+        png::CompressionType::Fast
+    } else {
+        png::CompressionType::Default
+    };
     let mut bytes = Vec::new();
-    let encoder = png::PngEncoder::new_with_quality(
-        &mut bytes,
-        png::CompressionType::Default,
-        png::FilterType::Adaptive,
-    );
+    let encoder =
+        png::PngEncoder::new_with_quality(&mut bytes, compression, png::FilterType::Adaptive);
     encoder
         .write_image(texels, size.x, size.y, ExtendedColorType::Rgb8)
         .map_err(|e| LabError::write("picture", e))?;

@@ -49,18 +49,18 @@ pub struct CostModel {
 
 impl CostModel {
     /// The CPU backend on 2 threads of an Intel Xeon at 2.5 GHz (AVX2), fitted to the times of `recorded.csv`: half of the
-    /// parts of recipes are predicted within a factor of 1.3, nine of ten within 2.3. Packing depth costs six times what a
+    /// parts of recipes are predicted within a factor of 1.3, nine of ten within 2.1. Packing depth costs six times what a
     /// filtered texel does here.
     pub const CPU: Self = Self {
         nanoseconds: [
-            24_100.0, 30.4, 0.476, 0.528, 0.704, 10.0, 1.37, 10.7, 5.54, 283.0, 3.47,
+            16_100.0, 32.6, 0.392, 0.663, 0.654, 9.85, 1.83, 10.9, 5.56, 281.0, 3.47,
         ],
     };
 
-    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.2, nine of ten within 1.8.
+    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.2, nine of ten within 1.7.
     pub const SOFTWARE_GPU: Self = Self {
         nanoseconds: [
-            212_300.0, 128.0, 1.85, 0.182, 11.0, 17.4, 4.34, 14.3, 46.0, 389.0, 4.76,
+            217_000.0, 138.0, 1.72, 0.286, 10.4, 16.5, 6.0, 14.6, 46.0, 380.0, 4.76,
         ],
     };
 
@@ -75,7 +75,7 @@ impl CostModel {
 
     /// Returns the factor within which [`CostModel::of`] predicts nine of ten of the times that the built-in prices were fitted to.
     pub fn factor_of_nine_in_ten(kind: &str) -> f64 {
-        if kind == "cpu" { 2.31 } else { 1.81 }
+        if kind == "cpu" { 2.10 } else { 1.73 }
     }
 
     /// Returns the cost of the work, milliseconds.

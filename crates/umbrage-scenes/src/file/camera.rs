@@ -7,7 +7,7 @@ use crate::{
     lone_model::{FOV_Y_DEGREES, SIZE},
 };
 use umbrage_core::glam::{UVec2, Vec3};
-use umbrage_core::{Camera, Geometry, invalid};
+use umbrage_core::{Anchor, Camera, Geometry, invalid};
 
 const KEYS: &[&str] = &[
     "eye",
@@ -19,13 +19,17 @@ const KEYS: &[&str] = &[
     "far",
 ];
 
-pub(super) fn read(table: &Table<'_>, geometry: &Geometry) -> Result<Camera, SceneError> {
+pub(super) fn read(
+    table: &Table<'_>,
+    geometry: &Geometry,
+    anchor: Anchor,
+) -> Result<Camera, SceneError> {
     table.only(KEYS)?;
-    let eye = table.vec3("eye")?;
+    let eye = table.position("eye", anchor)?;
     let target = table.need("target", "[x, y, z]")?;
     let shot = Shot {
         eye,
-        target: target.vec3()?,
+        target: target.position(anchor)?,
         up: table
             .get("up")
             .map_or(Ok(Vec3::Y), |item| item.direction())?,

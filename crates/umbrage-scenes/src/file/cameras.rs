@@ -14,7 +14,7 @@ use umbrage_core::{Camera, Geometry};
 const MAX_BETWEEN: u32 = 1000;
 
 /// Reads cameras from a file: one `[[camera]]` table a pose, with the keys that a scene file's `[camera]` has, and `between`, the
-/// number of cameras on the way from each pose to the next: 0, unless it says otherwise. `geometry` is what they see; their depth
+/// number of cameras on the way from each pose to the next: 0, unless it says otherwise. `anchor` is that of the scene's file. `geometry` is what they see; their depth
 /// ranges go around it where the file doesn't give them.
 ///
 /// ```toml
@@ -43,7 +43,8 @@ fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, Sc
     };
     let document = DeTable::parse(text).map_err(|e| super::syntax(&source, &e))?;
     let root = Table::root(&source, &document);
-    root.only(&["camera", "between"])?;
+    root.only(&["anchor", "camera", "between"])?;
+    let anchor = root.anchor()?;
     let between = match root.get("between") {
         Some(item) => item.whole(MAX_BETWEEN)?,
         None => 0,
@@ -51,7 +52,7 @@ fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, Sc
     let poses = root
         .tables("camera")?
         .iter()
-        .map(|table| camera::read(table, geometry))
+        .map(|table| camera::read(table, geometry, anchor))
         .collect::<Result<Vec<_>, _>>()?;
     root.require(
         !poses.is_empty(),
@@ -118,6 +119,14 @@ mod tests {
         let expected = Vec3A::new(-0.5_f32.sqrt(), 0.0, -0.5_f32.sqrt());
         assert!(looks_along.distance(expected) < 1e-4, "{looks_along}");
         assert_eq!(read(TWO).expect("two poses").len(), 2);
+    }
+
+    #[test]
+    fn places_are_read_relative_to_the_anchor() {
+        let near = read(TWO).expect("two poses");
+        let text = "anchor = [1024000, 0, 0]\n".to_owned()
+            + &TWO.replace("[0,", "[1024000,").replace("[8,", "[1024008,");
+        assert_eq!(read(&text).expect("two poses"), near);
     }
 
     #[test]

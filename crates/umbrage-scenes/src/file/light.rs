@@ -2,17 +2,17 @@
 
 use super::table::{Item, Table};
 use crate::SceneError;
-use umbrage_core::{Light, invalid};
+use umbrage_core::{Anchor, Light, invalid};
 
 const KINDS: &[&str] = &["directional", "point", "spot", "rect", "disc"];
 
-pub(super) fn read(table: &Table<'_>) -> Result<Light, SceneError> {
+pub(super) fn read(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
     let light = match table.need("kind", "\"directional\"")?.word(KINDS)? {
         "directional" => directional(table),
-        "point" => point(table),
-        "spot" => spot(table),
-        "rect" => rect(table),
-        _ => disc(table),
+        "point" => point(table, anchor),
+        "spot" => spot(table, anchor),
+        "rect" => rect(table, anchor),
+        _ => disc(table, anchor),
     }?;
     table.check(light.validate())?;
     Ok(light)
@@ -30,15 +30,15 @@ fn directional(table: &Table<'_>) -> Result<Light, SceneError> {
     })
 }
 
-fn point(table: &Table<'_>) -> Result<Light, SceneError> {
+fn point(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
     table.only(&["kind", "position", "radius"])?;
     Ok(Light::Point {
-        position: table.vec3("position")?,
+        position: table.position("position", anchor)?,
         radius: table.size_or_zero("radius")?,
     })
 }
 
-fn spot(table: &Table<'_>) -> Result<Light, SceneError> {
+fn spot(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
     table.only(&[
         "kind",
         "position",
@@ -47,7 +47,7 @@ fn spot(table: &Table<'_>) -> Result<Light, SceneError> {
         "outer_degrees",
         "radius",
     ])?;
-    let position = table.vec3("position")?;
+    let position = table.position("position", anchor)?;
     let direction = table.direction("direction")?;
     let outer_item = table.need("outer_degrees", "30")?;
     let outer = angle(&outer_item, 90.0)?;
@@ -73,22 +73,22 @@ fn spot(table: &Table<'_>) -> Result<Light, SceneError> {
     })
 }
 
-fn rect(table: &Table<'_>) -> Result<Light, SceneError> {
+fn rect(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
     table.only(&["kind", "center", "half_u", "half_v"])?;
     let half_u = table.direction("half_u")?;
     let half_v = table.direction("half_v")?;
     Ok(Light::Rect {
-        center: table.vec3("center")?,
+        center: table.position("center", anchor)?,
         half_u,
         half_v,
     })
 }
 
-fn disc(table: &Table<'_>) -> Result<Light, SceneError> {
+fn disc(table: &Table<'_>, anchor: Anchor) -> Result<Light, SceneError> {
     table.only(&["kind", "center", "normal", "radius"])?;
     let radius = table.need("radius", "0.5")?.checked(invalid::positive)?;
     Ok(Light::Disc {
-        center: table.vec3("center")?,
+        center: table.position("center", anchor)?,
         normal: table.direction("normal")?,
         radius,
     })

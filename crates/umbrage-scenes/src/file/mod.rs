@@ -16,7 +16,7 @@ use crate::{SceneError, error::Place, obj};
 use std::path::Path;
 use table::{Source, Table};
 use toml::de::DeTable;
-use umbrage_core::{Geometry, MAX_NAME_BYTES, Scene};
+use umbrage_core::{Anchor, Geometry, MAX_NAME_BYTES, Scene};
 
 /// Longest scene file that is read.
 const LONGEST: u64 = 16 << 20;
@@ -55,7 +55,8 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
     };
     let document = DeTable::parse(text).map_err(|e| syntax(&source, &e))?;
     let root = Table::root(&source, &document);
-    root.only(&["name", "camera", "light", "object"])?;
+    root.only(&["name", "anchor", "camera", "light", "object"])?;
+    let anchor = root.anchor()?;
     let mut scene = Scene {
         name: obj::name_of(path),
         ..Scene::default()
@@ -78,7 +79,7 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
     scene.lights = root
         .tables("light")?
         .iter()
-        .map(light::read)
+        .map(|table| light::read(table, anchor))
         .collect::<Result<_, _>>()?;
     root.require(
         !scene.lights.is_empty(),
@@ -91,19 +92,19 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
         "has no [[object]]",
         "add one with shape = \"box\" or mesh = \"model.obj\"",
     )?;
-    object::read_all(&objects, folder, &mut scene)?;
-    add_camera(&root, &mut scene)?;
+    object::read_all(&objects, folder, anchor, &mut scene)?;
+    add_camera(&root, anchor, &mut scene)?;
     Ok(scene)
 }
 
-fn add_camera(root: &Table<'_>, scene: &mut Scene) -> Result<(), SceneError> {
+fn add_camera(root: &Table<'_>, anchor: Anchor, scene: &mut Scene) -> Result<(), SceneError> {
     let invalid = |source| SceneError::Invalid {
         file: root.source.file.clone(),
         source,
     };
     let geometry = Geometry::bake(scene).map_err(invalid)?;
     let camera = match root.table("camera")? {
-        Some(table) => camera::read(&table, &geometry)?,
+        Some(table) => camera::read(&table, &geometry, anchor)?,
         None => obj::framed(
             &geometry,
             Place {

@@ -2,26 +2,35 @@
 
 use super::table::{Item, Table};
 use crate::SceneError;
+use std::str::FromStr;
 use toml::de::DeValue;
-use umbrage_core::glam::Vec3;
-use umbrage_core::{Invalid, invalid};
+use umbrage_core::glam::{DVec3, Vec3};
+use umbrage_core::{Anchor, Invalid, invalid};
 
 const TRIPLE: &str = "[x, y, z]";
 
 impl Item<'_> {
     /// A finite number, whole or not.
     pub(super) fn number(&self) -> Result<f32, SceneError> {
+        let number = self.parsed(|i| i as f32)?;
+        self.check(invalid::finite("", &[number]))?;
+        Ok(number)
+    }
+
+    /// A number of 64 bits, whole or not.
+    pub(super) fn wide_number(&self) -> Result<f64, SceneError> {
+        self.parsed(|i| i as f64)
+    }
+
+    fn parsed<T: FromStr>(&self, from_whole: fn(i64) -> T) -> Result<T, SceneError> {
         let parsed = match self.value {
             DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix())
                 .ok()
-                .map(|i| i as f32),
+                .map(from_whole),
             DeValue::Float(f) => f.as_str().parse().ok(),
             _ => return Err(self.wrong_type("a number", "write it as 2 or 1.5, without quotes")),
         };
-        let number: f32 =
-            parsed.ok_or_else(|| self.fault("is out of range", "use a smaller number"))?;
-        self.check(invalid::finite("", &[number]))?;
-        Ok(number)
+        parsed.ok_or_else(|| self.fault("is out of range", "use a smaller number"))
     }
 
     /// A finite number that passes a check of core's.
@@ -68,6 +77,22 @@ impl Item<'_> {
         Ok(Vec3::from_slice(&numbers))
     }
 
+    fn wide_vec3(&self) -> Result<DVec3, SceneError> {
+        let numbers: Vec<f64> = self
+            .list(3, TRIPLE)?
+            .iter()
+            .map(Item::wide_number)
+            .collect::<Result<_, _>>()?;
+        Ok(DVec3::from_slice(&numbers))
+    }
+
+    /// A position in world space, relative to an anchor.
+    pub(super) fn position(&self, anchor: Anchor) -> Result<Vec3, SceneError> {
+        let relative = anchor.position(self.wide_vec3()?);
+        self.check(invalid::finite("", &relative.to_array()))?;
+        Ok(relative)
+    }
+
     /// A vector that is longer than zero.
     pub(super) fn direction(&self) -> Result<Vec3, SceneError> {
         let v = self.vec3()?;
@@ -77,8 +102,17 @@ impl Item<'_> {
 }
 
 impl Table<'_> {
-    pub(super) fn vec3(&self, key: &str) -> Result<Vec3, SceneError> {
-        self.need(key, TRIPLE)?.vec3()
+    /// A position in world space, relative to an anchor.
+    pub(super) fn position(&self, key: &str, anchor: Anchor) -> Result<Vec3, SceneError> {
+        self.need(key, TRIPLE)?.position(anchor)
+    }
+
+    /// What a file's positions are relative to: the anchor nearest to the point under `anchor`, or the origin.
+    pub(super) fn anchor(&self) -> Result<Anchor, SceneError> {
+        match self.get("anchor") {
+            Some(item) => item.check(Anchor::near(item.wide_vec3()?)),
+            None => Ok(Anchor::ORIGIN),
+        }
     }
 
     pub(super) fn direction(&self, key: &str) -> Result<Vec3, SceneError> {

@@ -13,8 +13,8 @@ use crate::{
 };
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use umbrage_core::glam::{Affine3A, EulerRot, Mat4, Quat, Vec3, Vec4};
-use umbrage_core::{Aabb, Instance, Mesh, Scene};
+use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, EulerRot, Quat, Vec3};
+use umbrage_core::{Aabb, Anchor, Instance, Mesh, Scene, invalid};
 
 const KEYS: [&str; 8] = [
     "mesh",
@@ -34,6 +34,7 @@ const SPHERE_SPLITS: u32 = 4;
 pub(super) fn read_all(
     tables: &[Table<'_>],
     folder: &Path,
+    anchor: Anchor,
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
     let mut known = HashMap::new();
@@ -56,10 +57,10 @@ pub(super) fn read_all(
         });
         let casts = table.flag_or_true("casts")?;
         let receives = table.flag_or_true("receives")?;
-        let world_from_local = placement(table)?;
+        let world_from_local = placement(table, anchor)?;
         let meshes = parts.iter().map(|part| &scene.meshes[part.mesh]);
         let local = Aabb::around(meshes.flat_map(|mesh| mesh.positions.iter().copied()));
-        check_size(table, &item, world_from_local, &local)?;
+        check_size(table, &item, world_from_local, &local, anchor)?;
         for part in parts {
             scene.instances.push(Instance {
                 mesh: part.mesh,
@@ -74,12 +75,13 @@ pub(super) fn read_all(
 }
 
 /// Errors if 32-bit geometry is too coarse for an object's size or place; the error names the key that this comes from. `local`
-/// is the box around the object before it is placed.
+/// is the box around the object before it is placed, `place` is relative to the anchor.
 fn check_size(
     table: &Table<'_>,
     shape_or_mesh: &Item<'_>,
     place: Affine3A,
     local: &Aabb,
+    anchor: Anchor,
 ) -> Result<(), SceneError> {
     let [least, most] = SIZES;
     let axes = [
@@ -105,7 +107,11 @@ fn check_size(
         .corners()
         .map(|p| place.transform_point3(p).abs().max_element());
     let away = distances.fold(0.0, f32::max);
-    let why = format!("puts the object {away:e} m from the origin");
+    let origin = match anchor == Anchor::ORIGIN {
+        true => "origin",
+        false => "anchor",
+    };
+    let why = format!("puts the object {away:e} m from the {origin}");
     let help = format!("use places within {most:e} m of it");
     let item = first_of(table, &["translate", "matrix", "scale"], shape_or_mesh);
     item.require(away <= most, &why, &help)
@@ -239,10 +245,10 @@ fn shape(name: &str, textured: bool) -> Mesh {
     }
 }
 
-fn placement(table: &Table<'_>) -> Result<Affine3A, SceneError> {
+fn placement(table: &Table<'_>, anchor: Anchor) -> Result<Affine3A, SceneError> {
     let steps = ["translate", "rotate_degrees", "scale"].map(|key| table.get(key));
     let Some(item) = table.get("matrix") else {
-        return from_steps(&steps);
+        return from_steps(&steps, anchor);
     };
     if let Some(other) = steps.iter().flatten().next() {
         return Err(other.fault(
@@ -254,44 +260,46 @@ fn placement(table: &Table<'_>) -> Result<Affine3A, SceneError> {
     for item in item.list(4, "four rows of four numbers")? {
         rows.push(row(&item)?);
     }
-    let matrix = Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
+    let matrix = DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
     item.require(
-        rows[3] == Vec4::W,
+        rows[3] == DVec4::W,
         &format!("ends in the row {}", rows[3]),
         "end it in [0, 0, 0, 1]",
     )?;
-    not_flat(&item, Affine3A::from_mat4(matrix))
+    let place = anchor.placement(&DAffine3::from_mat4(matrix));
+    item.check(invalid::finite("", &place.to_cols_array()))?;
+    not_flat(&item, place)
 }
 
-fn row(item: &Item<'_>) -> Result<Vec4, SceneError> {
+fn row(item: &Item<'_>) -> Result<DVec4, SceneError> {
     let mut numbers = Vec::with_capacity(4);
     for item in item.list(4, "rows of four numbers")? {
-        numbers.push(item.number()?);
+        numbers.push(item.wide_number()?);
     }
-    Ok(Vec4::from_slice(&numbers))
+    Ok(DVec4::from_slice(&numbers))
 }
 
 /// Scaled first, then turned about x, y and z in this order, then moved.
-fn from_steps(steps: &[Option<Item<'_>>; 3]) -> Result<Affine3A, SceneError> {
+fn from_steps(steps: &[Option<Item<'_>>; 3], anchor: Anchor) -> Result<Affine3A, SceneError> {
     let [translate, rotate, scale] = steps;
-    let angles = vec3_or_zero(rotate.as_ref())? * std::f32::consts::PI / 180.0;
+    let degrees = match rotate {
+        Some(item) => item.vec3()?,
+        None => Vec3::ZERO,
+    };
+    let angles = degrees * std::f32::consts::PI / 180.0;
     let turn = Quat::from_euler(EulerRot::XYZEx, angles.x, angles.y, angles.z);
     let size = match scale {
         Some(item) => scale_of(item)?,
         None => Vec3::ONE,
     };
-    let position = vec3_or_zero(translate.as_ref())?;
+    let position = match translate {
+        Some(item) => item.position(anchor)?,
+        None => anchor.position(DVec3::ZERO),
+    };
     let place = Affine3A::from_scale_rotation_translation(size, turn, position);
     match scale {
         Some(item) => not_flat(item, place),
         None => Ok(place),
-    }
-}
-
-fn vec3_or_zero(item: Option<&Item<'_>>) -> Result<Vec3, SceneError> {
-    match item {
-        Some(item) => item.vec3(),
-        None => Ok(Vec3::ZERO),
     }
 }
 

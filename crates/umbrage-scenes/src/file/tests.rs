@@ -70,6 +70,67 @@ receives = false
     assert_eq!(scene.meshes[0].name, "teapot");
 }
 
+/// A scene whose places are written relative to its middle.
+fn scene_around(middle: [f64; 3], anchor: &str) -> String {
+    let [x, y, z] = middle;
+    let at = |a: f64, b: f64, c: f64| format!("[{:?}, {:?}, {:?}]", x + a, y + b, z + c);
+    let lights: String = [
+        ("point", "position"),
+        ("spot", "position"),
+        ("rect", "center"),
+        ("disc", "center"),
+    ]
+    .map(|(kind, key)| {
+        let rest = match kind {
+            "spot" => "direction = [0, -1, 0]\nouter_degrees = 20",
+            "rect" => "half_u = [1, 0, 0]\nhalf_v = [0, 0, 1]",
+            "disc" => "normal = [0, 1, 0]\nradius = 0.5",
+            _ => "",
+        };
+        format!(
+            "[[light]]\nkind = \"{kind}\"\n{key} = {}\n{rest}\n",
+            at(0.25, 4.0, -0.125)
+        )
+    })
+    .concat();
+    let [eye, target, ball] = [at(0.0, 1.5, 5.0), at(0.0, 0.5, 0.0), at(0.75, 0.5, -2.5)];
+    let [tx, ty, tz] = [x - 3.0, y + 0.5, z + 0.25];
+    format!(
+        "{anchor}\n[camera]\neye = {eye}\ntarget = {target}\n{lights}\
+         [[object]]\nshape = \"sphere\"\nscale = 0.3\nrotate_degrees = [10, 20, 30]\ntranslate = {ball}\n\
+         [[object]]\nshape = \"box\"\nmatrix = [[1, 0, 0, {tx:?}], [0, 0.5, 0.1, {ty:?}], [0, 0, 1, {tz:?}], [0, 0, 0, 1]]\n"
+    )
+}
+
+#[test]
+fn places_are_read_relative_to_the_anchor() {
+    let near = read(&scene_around([0.0; 3], "")).unwrap();
+    let far = [1_000_448.0, -2048.0, -7_340_032.0];
+    // Any point near by names the anchor.
+    let anchor = "anchor = [1e6, -2000, -7_340_000.5]";
+    let relative = read(&scene_around(far, anchor)).unwrap();
+    assert_eq!(relative, near);
+    // Without it, places are rounded.
+    let rounded = read(&scene_around(far, "")).unwrap();
+    let eye = rounded.cameras[0].eye().as_dvec3() - umbrage_core::glam::DVec3::from_array(far);
+    assert_ne!(eye.as_vec3(), near.cameras[0].eye());
+    // An object without a place stands at the world's origin.
+    let plane = format!("anchor = [1024, 0, 0]\n{CAMERA}{LIGHT}{OBJECT}");
+    let place = read(&plane).unwrap().instances[0].world_from_local;
+    assert_eq!(place.translation, Vec3::new(-1024.0, 0.0, 0.0).into());
+    for (anchor, why) in [
+        ("[1e300, 0, 0]", "use finite coordinates up to 9.2"),
+        ("[nan, 0, 0]", "is at [NaN, 0, 0]"),
+        ("[0, 0]", "has 2 entries, not 3"),
+        ("\"here\"", "is a string, not a list of 3"),
+    ] {
+        let text = format!("anchor = {anchor}\n{CAMERA}{LIGHT}{OBJECT}");
+        let error = read(&text).unwrap_err().to_string();
+        let begins = error.starts_with("scene.toml:1: `anchor`: ");
+        assert!(begins && error.contains(why), "{error}");
+    }
+}
+
 #[test]
 fn every_kind_of_light_is_read() {
     let position = Vec3::new(1.0, 2.0, 3.0);

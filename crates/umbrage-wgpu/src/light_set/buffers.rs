@@ -1,6 +1,6 @@
 //! Buffers of a set: the numbers of all lights in one, and all tables in another.
 
-use crate::resources::counters::ResourceFactory;
+use crate::{light_set::light::LightId, resources::counters::ResourceFactory};
 use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
@@ -286,51 +286,145 @@ pub(crate) struct SharedTables {
     buffer: Option<Buffer>,
     /// Rows that the buffer holds, from its beginning.
     written: u32,
+    moves: u64,
+}
+
+/// Rows that the device fills.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Region {
+    /// All casters' corners.
+    Corners,
+    /// A table of a light: its index.
+    Light(LightId, usize),
 }
 
 #[derive(Debug)]
 struct HeldTable {
-    rows: Arc<[[u32; 4]]>,
+    content: Content,
     first: u32,
+    count: u32,
+}
+
+#[derive(Debug)]
+enum Content {
+    Rows(Arc<[[u32; 4]]>),
+    Made(Region),
+}
+
+impl Content {
+    fn is(&self, region: Region) -> bool {
+        matches!(self, Self::Made(made) if *made == region)
+    }
+
+    fn is_rows(&self, rows: &Arc<[[u32; 4]]>) -> bool {
+        matches!(self, Self::Rows(held) if Arc::ptr_eq(held, rows) || held == rows)
+    }
 }
 
 impl SharedTables {
     /// Returns where a table is, and puts it there first where it is new.
     pub(crate) fn place(&mut self, table: &Table) -> TablePlace {
-        let count = table.rows.len() as u32;
         let known = self
             .held
             .iter()
-            .find(|held| Arc::ptr_eq(&held.rows, &table.rows) || held.rows == table.rows);
+            .find(|held| held.content.is_rows(&table.rows));
         if let Some(held) = known {
-            return TablePlace {
-                first: held.first,
-                count,
-            };
+            return held.place();
         }
-        let first = self.rows();
-        self.held.push(HeldTable {
-            rows: table.rows.clone(),
-            first,
-        });
-        TablePlace { first, count }
+        self.push(Content::Rows(table.rows.clone()), table.rows.len() as u32)
     }
 
-    /// Keeps only the tables for which `is_used`, and moves them together. Returns whether any moved: then all places are to be asked
-    /// for again.
-    pub(crate) fn retain(&mut self, is_used: impl Fn(&Arc<[[u32; 4]]>) -> bool) -> bool {
+    /// Sees to it that a region has at least so many rows. Returns whether its place changed.
+    pub(crate) fn reserve(&mut self, region: Region, count: u32) -> bool {
+        let known = self.held.iter().position(|held| held.content.is(region));
+        if let Some(index) = known {
+            if self.held[index].count >= count {
+                return false;
+            }
+            self.held.remove(index);
+            self.pack();
+        }
+        self.push(Content::Made(region), count);
+        self.moves += 1;
+        true
+    }
+
+    /// Frees a light's regions.
+    pub(crate) fn free(&mut self, light: LightId) {
         let before = self.held.len();
-        self.held.retain(|held| is_used(&held.rows));
+        self.held.retain(
+            |held| !matches!(held.content, Content::Made(Region::Light(id, _)) if id == light),
+        );
+        if self.held.len() != before {
+            self.pack();
+        }
+    }
+
+    /// Returns a region's place; none of its rows if it wasn't reserved.
+    pub(crate) fn place_of(&self, region: Region) -> TablePlace {
+        let known = self.held.iter().find(|held| held.content.is(region));
+        known.map_or_else(TablePlace::default, HeldTable::place)
+    }
+
+    /// Returns the bytes of all tables but a light's regions.
+    pub(crate) fn bytes_without(&self, light: LightId) -> u64 {
+        let is_other = |held: &&HeldTable| !matches!(held.content, Content::Made(Region::Light(id, _)) if id == light);
+        let others = self.held.iter().filter(is_other);
+        16 * others.map(|held| u64::from(held.count)).sum::<u64>()
+    }
+
+    /// Returns the bytes of all regions.
+    pub(crate) fn made_bytes(&self) -> u64 {
+        let regions = self.held.iter();
+        let made = regions.filter(|held| matches!(held.content, Content::Made(_)));
+        16 * made.map(|held| u64::from(held.count)).sum::<u64>()
+    }
+
+    /// Returns a number that grows whenever what the device made is lost or lies elsewhere.
+    pub(crate) fn moves(&self) -> u64 {
+        self.moves
+    }
+
+    /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_listed`, and moves them together. Returns whether
+    /// any moved: then all places are to be asked for again.
+    pub(crate) fn retain(
+        &mut self,
+        is_used: impl Fn(&Arc<[[u32; 4]]>) -> bool,
+        is_listed: impl Fn(LightId) -> bool,
+    ) -> bool {
+        let before = self.held.len();
+        self.held.retain(|held| match &held.content {
+            Content::Rows(rows) => is_used(rows),
+            Content::Made(Region::Corners) => true,
+            Content::Made(Region::Light(id, _)) => is_listed(*id),
+        });
         if self.held.len() == before {
             return false;
         }
+        self.pack();
+        true
+    }
+
+    /// Moves all tables together.
+    fn pack(&mut self) {
         let mut first = 0;
         for held in &mut self.held {
             held.first = first;
-            first += held.rows.len() as u32;
+            first += held.count;
         }
         self.written = 0;
-        true
+        self.moves += 1;
+    }
+
+    fn push(&mut self, content: Content, count: u32) -> TablePlace {
+        let held = HeldTable {
+            content,
+            first: self.rows(),
+            count,
+        };
+        let place = held.place();
+        self.held.push(held);
+        place
     }
 
     /// Writes what is new.
@@ -339,14 +433,19 @@ impl SharedTables {
         let size = 16 * u64::from(self.rows()).max(1);
         let held = self.buffer.as_ref().map_or(0, Buffer::size);
         if held < size {
-            let room = size.next_power_of_two();
+            let most = factory.device.limits().max_storage_buffer_binding_size;
+            let room = size.next_power_of_two().min(most.max(size));
             self.buffer = Some(factory.buffer("umbrage tables", BufferUsages::STORAGE, room));
             self.written = 0;
+            self.moves += 1;
             uploaded.made_buffer = true;
         }
         if let Some(buffer) = &self.buffer {
             for table in self.held.iter().filter(|table| table.first >= self.written) {
-                let bytes: &[u8] = bytemuck::cast_slice(&table.rows);
+                let Content::Rows(rows) = &table.content else {
+                    continue;
+                };
+                let bytes: &[u8] = bytemuck::cast_slice(rows);
                 factory
                     .queue
                     .write_buffer(buffer, 16 * u64::from(table.first), bytes);
@@ -368,9 +467,16 @@ impl SharedTables {
     }
 
     fn rows(&self) -> u32 {
-        self.held
-            .last()
-            .map_or(0, |last| last.first + last.rows.len() as u32)
+        self.held.last().map_or(0, |last| last.first + last.count)
+    }
+}
+
+impl HeldTable {
+    fn place(&self) -> TablePlace {
+        TablePlace {
+            first: self.first,
+            count: self.count,
+        }
     }
 }
 
@@ -393,9 +499,9 @@ mod tests {
         assert_eq!((first.first, first.count), (0, 3));
         assert_eq!((second.first, second.count), (3, 2));
         assert_eq!(tables.place(&table(1, 3)), first);
-        assert!(tables.retain(|rows| rows[0][0] == 2));
+        assert!(tables.retain(|rows| rows[0][0] == 2, |_| true));
         assert_eq!(tables.place(&table(2, 2)).first, 0);
-        assert!(!tables.retain(|_| true));
+        assert!(!tables.retain(|_| true, |_| true));
     }
 
     #[test]

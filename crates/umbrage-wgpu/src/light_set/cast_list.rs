@@ -28,6 +28,9 @@ use wgpu::{
 /// Unchanged instances between changed ones that are written along: a write of its own takes about as long as 12 kB more of another.
 const GREATEST_GAP: u32 = 256;
 
+/// Casts read instances as vertices, and what lists casters as a table.
+const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);
+
 /// World from local of all slots, as vertex shaders read it.
 #[derive(Debug, Default)]
 pub(crate) struct Instances(Option<Buffer>);
@@ -48,7 +51,7 @@ impl Instances {
         let size = columns.len() as u64 * STRIDE;
         if self.0.as_ref().map_or(0, Buffer::size) < size {
             let room = size.next_power_of_two();
-            let buffer = factory.buffer("umbrage instances", BufferUsages::VERTEX, room);
+            let buffer = factory.buffer("umbrage instances", INSTANCES, room);
             factory
                 .queue
                 .write_buffer(&buffer, 0, bytemuck::cast_slice(columns));
@@ -71,6 +74,10 @@ impl Instances {
             rest = &rest[count..];
         }
         uploaded
+    }
+
+    pub(crate) fn buffer(&self) -> Option<&Buffer> {
+        self.0.as_ref()
     }
 
     /// Forgets the buffer: the next upload makes and fills another.

@@ -30,7 +30,7 @@ const REST: u64 = 30;
 pub struct CasterMesh<'a> {
     /// Names the mesh in errors.
     pub label: &'a str,
-    /// Vertices, usage `VERTEX`. The set keeps the buffer alive as long as the mesh is there.
+    /// Vertices, usage `VERTEX`; for lists that the device makes `STORAGE`, too, as the indices. The set keeps the buffer alive as long as the mesh is there.
     pub vertices: &'a Buffer,
     /// Where positions are in it.
     pub layout: VertexLayout,
@@ -100,7 +100,7 @@ pub(crate) struct Casters {
     still_changed: Vec<Aabb>,
     /// Slots whose columns changed.
     written: Vec<u32>,
-    /// Whether meshes or slots were added since changes were forgotten: then pipelines and buffers may have to be made.
+    /// Whether meshes came or went, or slots were added, since changes were forgotten: then pipelines and buffers may have to be made.
     has_grown: bool,
 }
 
@@ -132,6 +132,27 @@ impl MeshDraw {
     /// Returns how many triangles a caster has.
     pub(crate) fn triangles(&self) -> u64 {
         u64::from(self.range.end - self.range.start) / 3
+    }
+
+    pub(crate) fn label(&self) -> &str {
+        &self.label
+    }
+
+    pub(crate) fn vertices(&self) -> &Buffer {
+        &self.vertices
+    }
+
+    pub(crate) fn indices(&self) -> Option<(&Buffer, IndexFormat)> {
+        let (buffer, format) = self.indices.as_ref()?;
+        Some((buffer, *format))
+    }
+
+    pub(crate) fn range(&self) -> &Range<u32> {
+        &self.range
+    }
+
+    pub(crate) fn base_vertex(&self) -> i32 {
+        self.base_vertex
     }
 
     /// Binds the mesh's buffers.
@@ -185,6 +206,8 @@ impl Casters {
             return Err(Invalid::new(what, why, "remove its casters first"));
         }
         self.meshes.remove(id);
+        // What its buffers were not good for may be possible now.
+        self.has_grown = true;
         Ok(())
     }
 
@@ -239,6 +262,21 @@ impl Casters {
             self.moved_lately.push(id);
             self.still_changed.push(before);
         }
+        Ok(())
+    }
+
+    /// Places a caster anew, without a note of where something changed: everything is drawn again. It stays among those that move, or
+    /// among those that are still.
+    pub(crate) fn rebase(
+        &mut self,
+        id: CasterId,
+        world_from_local: Affine3A,
+    ) -> Result<(), Invalid> {
+        let place = self.places.get(id).ok_or_else(|| unknown("caster"))?;
+        let mesh = &self.meshes[place.mesh];
+        let slot = mesh.block.start + place.index;
+        let bounds = world_bounds(&mesh.draw, &world_from_local)?;
+        self.put(slot, &bounds, &world_from_local);
         Ok(())
     }
 

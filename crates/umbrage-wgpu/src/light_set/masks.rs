@@ -531,3 +531,9 @@ fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
 "
     )
 }
+
+/// Returns the error of masks that are asked for before they are prepared.
+pub(crate) fn unprepared() -> BackendError {
+    let help = "call `prepare_masks` first, and look at its error";
+    Invalid::new("masks", "have nothing prepared", help).into()
+}

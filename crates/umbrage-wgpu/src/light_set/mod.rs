@@ -2,9 +2,12 @@
 
 mod buffers;
 mod cast_list;
+mod caster_lists;
 mod casters;
+mod corners;
 mod culling;
 mod dropped_encoders;
+mod encoding;
 mod light;
 mod masks;
 mod options;
@@ -16,9 +19,13 @@ mod report;
 mod shader;
 mod steady_box;
 mod still_layers;
+#[cfg(feature = "testing")]
+mod testing;
 mod text;
 mod timestamps;
 
+#[cfg(feature = "testing")]
+pub use caster_lists::Listing;
 pub use casters::{CasterId, CasterMesh, MeshId};
 pub use light::{LightId, SetLight, Unserved};
 pub use masks::{MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers};
@@ -31,7 +38,8 @@ use crate::{
     device::{error_scopes::Scopes, later_errors::LaterErrors},
     light_set::{
         buffers::MAX_LIGHTS,
-        cast_list::{CastList, DrawnCast, Instances},
+        cast_list::{CastList, Instances},
+        caster_lists::CasterLists,
         casters::Casters,
         culling::ShownSlots,
         dropped_encoders::DroppedEncoders,
@@ -41,7 +49,7 @@ use crate::{
         pool::LayerPool,
         prices::PriceMeter,
         shader::SetShader,
-        timestamps::{PassClock, PassTimer},
+        timestamps::PassTimer,
     },
     renderer::{check_device, limits},
     resources::{
@@ -118,6 +126,9 @@ pub struct LightSet {
     shader: SetShader,
     masks: MaskStage,
     list: CastList,
+    lists: CasterLists,
+    /// Why the device can't make lists of casters, if it can't.
+    unlisted: Option<String>,
     /// Scratch: the slots that show in a layer.
     shown: ShownSlots,
     meter: PriceMeter,
@@ -130,6 +141,8 @@ pub struct LightSet {
     planned: Option<PlannedFor>,
     /// Whether layers must be dealt out anew.
     layers_changed: bool,
+    /// Whether casters were placed relative to another anchor since the last frame.
+    is_rebased: bool,
     report: SetReport,
 }
 
@@ -181,6 +194,8 @@ impl LightSet {
             shader,
             masks: MaskStage::default(),
             list: CastList::default(),
+            lists: CasterLists::default(),
+            unlisted: None,
             shown: ShownSlots::default(),
             meter: PriceMeter::new(device),
             errors: LaterErrors::default(),
@@ -189,6 +204,7 @@ impl LightSet {
             chosen: Vec::new(),
             planned: None,
             layers_changed: false,
+            is_rebased: false,
             report: SetReport::default(),
         })
     }
@@ -232,6 +248,24 @@ impl LightSet {
         world_from_local: Affine3A,
     ) -> Result<(), Invalid> {
         self.casters.place(caster, world_from_local)
+    }
+
+    /// Places a caster anew because the [`Anchor`](umbrage_core::Anchor) changed, to which all placements are relative. Call it for every
+    /// caster in that frame, and [`set_light`](Self::set_light) for every light with a place.
+    ///
+    /// The next [`prepare`](Self::prepare) finds all layers to be drawn, whatever [`SetBudget::redraws`] says: those that waited would
+    /// show what lies a kilometre away. Unlike after [`move_caster`](Self::move_caster), casters that were still count as still.
+    ///
+    /// # Errors
+    /// Errors if [`move_caster`](Self::move_caster) does.
+    pub fn rebase_caster(
+        &mut self,
+        caster: CasterId,
+        world_from_local: Affine3A,
+    ) -> Result<(), Invalid> {
+        self.casters.rebase(caster, world_from_local)?;
+        self.is_rebased = true;
+        Ok(())
     }
 
     /// Removes a caster.
@@ -374,7 +408,8 @@ impl LightSet {
     ) -> Result<&SetReport, BackendError> {
         check_device(device, &self.device)?;
         frame.camera.validate()?;
-        if self.dropped_encoders.any() {
+        let is_rebased = std::mem::take(&mut self.is_rebased);
+        if self.dropped_encoders.any() || is_rebased {
             self.draw_all_again();
         }
         self.list.clear();
@@ -385,6 +420,9 @@ impl LightSet {
         self.deal_out_layers();
         for light in self.lights.values_mut() {
             light.mark_stale(self.casters.changed(), self.casters.still_changed());
+        }
+        if !self.casters.changed().is_empty() || self.casters.has_grown() {
+            self.lists.mark_stale();
         }
         let mut chosen = std::mem::take(&mut self.chosen);
         self.choose_redraws(&mut chosen);
@@ -444,72 +482,6 @@ impl LightSet {
     ) -> Result<(), BackendError> {
         let timer = PassTimer::new(stamps, passes);
         self.encode_passes(encoder, &mut own_draws, Some(timer))
-    }
-
-    fn encode_passes(
-        &mut self,
-        encoder: &mut CommandEncoder,
-        own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
-        timer: Option<PassTimer<'_, '_>>,
-    ) -> Result<(), BackendError> {
-        if self.shader.bind_group().is_none() {
-            return Err(unprepared());
-        }
-        if self.list.count() == 0 {
-            return Ok(());
-        }
-        self.dropped_encoders.watch(encoder);
-        let mut clock = PassClock {
-            meter: match &timer {
-                Some(_) => None,
-                None => self.meter.begin_frame(),
-            },
-            timer,
-        };
-        let mut filtered: Option<LightId> = None;
-        let mut names = self.list.names().enumerate().peekable();
-        while let Some((pass, name)) = names.next() {
-            let light = &self.lights[name.light];
-            if filtered != Some(name.light) {
-                light.filters.clear(encoder);
-                filtered = Some(name.light);
-            }
-            let drawn = DrawnCast {
-                cast: &light.casts[name.cast],
-                casters: &self.casters,
-                instances: &self.instances,
-            };
-            self.list
-                .encode(encoder, pass, &drawn, own_draws, &mut clock);
-            // After the light's last pass its filters follow.
-            if names
-                .peek()
-                .is_none_or(|(_, next)| next.light != name.light)
-            {
-                let stamps = if light.filters.has_passes() {
-                    clock.filters(name.light)
-                } else {
-                    None
-                };
-                light.filters.encode(encoder, stamps.as_ref());
-            }
-        }
-        drop(names);
-        if let Some(meter) = clock.meter {
-            meter.end(encoder);
-        }
-        for name in self.list.names() {
-            let cast = &mut self.lights[name.light].casts[name.cast];
-            match (name.part, &mut cast.still) {
-                (PassCasters::Still, Some(still)) => still.is_stale = false,
-                _ => {
-                    cast.is_stale = false;
-                    cast.is_drawn = true;
-                }
-            }
-        }
-        self.list.clear();
-        Ok(())
     }
 
     /// Returns the WGSL to paste before your own shader: `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32`,
@@ -595,7 +567,7 @@ impl LightSet {
     pub fn encode_masks(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
         self.masks
             .encode(encoder, &self.shader, None)
-            .ok_or_else(unprepared_masks)
+            .ok_or_else(masks::unprepared)
     }
 
     /// Records the passes as [`encode_masks`](Self::encode_masks) does, each between two timestamps. `passes` is filled with those that
@@ -612,7 +584,7 @@ impl LightSet {
         let timer = PassTimer::new(stamps, passes);
         self.masks
             .encode(encoder, &self.shader, Some(timer))
-            .ok_or_else(unprepared_masks)
+            .ok_or_else(masks::unprepared)
     }
 
     /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, everything is
@@ -626,28 +598,6 @@ impl LightSet {
     /// Returns the bytes of all maps, and of the layers that hold still casters.
     pub fn map_bytes(&self) -> u64 {
         self.pool.bytes() + still_bytes(&self.lights)
-    }
-
-    /// Sets what drawing a triangle and copying a texel take, seconds, instead of measuring it.
-    #[cfg(feature = "testing")]
-    pub fn assume_prices(&mut self, triangle: f64, texel: f64) {
-        self.meter.assume(prices::Prices {
-            triangle: Some(triangle),
-            texel: Some(texel),
-        });
-    }
-
-    /// Returns what drawing a triangle and copying a texel were measured to take, seconds.
-    #[cfg(feature = "testing")]
-    pub fn measured_prices(&self) -> [Option<f64>; 2] {
-        let prices = self.meter.prices();
-        [prices.triangle, prices.texel]
-    }
-
-    /// Returns how many GPU objects were made so far.
-    #[cfg(feature = "testing")]
-    pub fn counters(&self) -> Counters {
-        self.counters
     }
 }
 
@@ -667,11 +617,6 @@ fn check_priority(priority: f32) -> Result<(), Invalid> {
 fn unknown_light() -> Invalid {
     let help = "use an id that this set gave and that was not removed since";
     Invalid::new("light", "is not in the light set", help)
-}
-
-fn unprepared_masks() -> BackendError {
-    let help = "call `prepare_masks` first, and look at its error";
-    Invalid::new("masks", "have nothing prepared", help).into()
 }
 
 fn unprepared() -> BackendError {

@@ -55,7 +55,9 @@ pub struct LightSetOptions {
 pub struct SetFrame<'a> {
     /// The camera.
     pub camera: &'a Camera,
-    /// The casters' triangles, where the program has them: techniques that trace rays need them.
+    /// The casters' triangles, where the program has them: techniques that trace rays need them. Without them, techniques that ask lists of
+    /// casters have the device list them ([`ShadowTechnique::device_recipe`](umbrage_core::ShadowTechnique::device_recipe)), from
+    /// buffers that have usage `STORAGE`, too.
     pub geometry: Option<FrameGeometry<'a>>,
 }
 

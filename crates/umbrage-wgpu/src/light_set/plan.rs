@@ -3,7 +3,10 @@
 use crate::light_set::text::{KernelKind, MAX_INPUTS};
 use crate::wgsl::KernelInterface;
 use std::sync::Arc;
-use umbrage_core::{Cast, CastMode, Filter, Invalid, Kernel, Recipe, RecipeError, Source, Table};
+use umbrage_core::{
+    Cast, CastMode, DeviceLists, DeviceRecipe, Filter, Invalid, Kernel, Recipe, RecipeError,
+    Source, Table,
+};
 
 /// A light's recipe, and what of its kernel the set binds.
 #[derive(Debug)]
@@ -12,6 +15,8 @@ pub(crate) struct LightPlan {
     pub(crate) kind: KernelKind,
     /// The kernel's uniforms; empty if it has none.
     pub(crate) uniforms: Vec<u8>,
+    /// What makes the kernel's tables, if the device does.
+    pub(crate) lists: Option<DeviceLists>,
 }
 
 /// What of one plan differs from another.
@@ -56,12 +61,24 @@ impl LightPlan {
             recipe,
             kind,
             uniforms,
+            lists: None,
+        })
+    }
+
+    /// Returns the plan of a recipe whose tables the device makes.
+    ///
+    /// Errors as [`new`](Self::new) does.
+    pub(crate) fn of_lists(made: DeviceRecipe) -> Result<Self, RecipeError> {
+        Ok(Self {
+            lists: Some(made.lists),
+            ..Self::new(made.recipe)?
         })
     }
 
     /// Returns what differs from `before`.
     pub(crate) fn difference(&self, before: &Self) -> Difference {
         let is_like = self.recipe.images == before.recipe.images
+            && self.lists.is_some() == before.lists.is_some()
             && self.kind == before.kind
             && self.recipe.receive.inputs == before.recipe.receive.inputs;
         if !is_like {
@@ -73,7 +90,7 @@ impl LightPlan {
         if !same_maps {
             return Difference::Maps;
         }
-        if self.uniforms == before.uniforms {
+        if self.uniforms == before.uniforms && self.lists == before.lists {
             Difference::Nothing
         } else {
             Difference::Numbers

@@ -6,6 +6,7 @@ use crate::{
     light_set::{
         buffers::{MAX_NAMED_LAYERS, Uploaded},
         cast_list::{CastList, CastSources, PassName},
+        caster_lists::{CasterLists, why_not_listed},
         light::{LightCast, LightId, LightState, StillLayer},
         masks::MaskStage,
         options::SetFrame,
@@ -37,7 +38,12 @@ impl LightSet {
     ) -> Result<(), RecipeError> {
         light.validate()?;
         let view = view_of(light, frame, self.casters_box());
-        plan(technique, &view, &self.limits)?;
+        let unlisted = why_not_listed(&self.casters, &self.device.limits());
+        let limits = PlanLimits {
+            recipes: &self.limits,
+            unlisted: unlisted.as_deref(),
+        };
+        plan(technique, &view, limits)?;
         Ok(())
     }
 
@@ -49,19 +55,30 @@ impl LightSet {
             geometry: frame.geometry.map(|g| g.revision),
         };
         let before = self.planned.replace(now);
+        let mut meshes_changed = false;
         let same_camera = before.is_some_and(|before| before.camera == now.camera);
         let same_casters = before
             .is_some_and(|before| before.casters == now.casters && before.geometry == now.geometry);
+        if self.casters.has_grown() {
+            // Meshes decide whether lists can be made.
+            let unlisted = why_not_listed(&self.casters, &self.device.limits());
+            meshes_changed = unlisted != self.unlisted;
+            self.unlisted = unlisted;
+        }
+        let limits = PlanLimits {
+            recipes: &self.limits,
+            unlisted: self.unlisted.as_deref(),
+        };
         for light in self.lights.values_mut() {
             let settings = &light.settings;
             let is_alike = same_camera || !settings.technique.follows_camera(&settings.light);
-            if same_casters && is_alike && !light.has_changed {
+            if same_casters && is_alike && !light.has_changed && !meshes_changed {
                 continue;
             }
             light.has_changed = false;
             let view = view_of(&light.settings.light, frame, now.casters);
             self.report.planned += 1;
-            match plan(&*light.settings.technique, &view, &self.limits) {
+            match plan(&*light.settings.technique, &view, limits) {
                 Ok(plan) => {
                     let was_refused = light.refused.is_some();
                     let difference = light.take_plan(plan);
@@ -241,21 +258,55 @@ impl LightSet {
         self.tables.forget_unreachable();
         uploaded.add(self.instances.upload(&mut factory, &mut self.casters));
         self.list.upload(&mut factory, &mut self.pipelines);
-        let shader = self.shader.write(
-            &mut factory,
-            &mut self.pipelines,
-            &mut self.lights,
-            &self.pool,
-            !lost.is_empty(),
-        )?;
-        uploaded.add(shader);
+        uploaded.add(self.write_shader(queue, !lost.is_empty())?);
         self.report.redrawn = self.list.count() as u32;
         self.report.uploaded = uploaded.bytes + 64 * u64::from(self.report.redrawn);
         Ok(())
     }
 
+    /// Writes what shaders read of the lights, and what makes lists of casters. `maps_changed` says that textures were made anew.
+    fn write_shader(
+        &mut self,
+        queue: &Queue,
+        maps_changed: bool,
+    ) -> Result<Uploaded, BackendError> {
+        let device = self.device.clone();
+        let mut factory = ResourceFactory {
+            device: &device,
+            queue,
+            counters: &mut self.counters,
+        };
+        let has_moved = self.lists.make_room(
+            &device,
+            &mut self.lights,
+            &self.casters,
+            self.shader.tables_mut(),
+        );
+        if has_moved {
+            self.shader.change();
+        }
+        let shader = self.shader.write(
+            &mut factory,
+            &mut self.pipelines,
+            &mut self.lights,
+            &self.pool,
+            maps_changed,
+        )?;
+        self.lists.prepare(
+            &mut factory,
+            &mut self.pipelines,
+            &self.lights,
+            &self.casters,
+            &self.instances,
+            self.shader.tables(),
+        );
+        self.report.listed = self.lists.stale_count();
+        Ok(shader)
+    }
+
     /// Marks everything to be drawn.
     pub(super) fn draw_all_again(&mut self) {
+        self.lists.mark_stale();
         for light in self.lights.values_mut() {
             light.mark_all_stale();
         }
@@ -267,6 +318,7 @@ impl LightSet {
         self.layouts = None;
         self.masks = MaskStage::default();
         self.tables = Tables::default();
+        self.lists = CasterLists::default();
         self.pool = LayerPool::default();
         self.list = CastList::default();
         self.instances.lose_buffer();
@@ -296,14 +348,32 @@ pub(super) fn view_of<'a>(light: &'a Light, frame: &SetFrame<'a>, casters: Aabb)
     }
 }
 
+/// What plans depend on beside their view.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanLimits<'a> {
+    pub(super) recipes: &'a BackendLimits,
+    /// Why the device can't make lists of casters, if it can't.
+    pub(super) unlisted: Option<&'a str>,
+}
+
 /// Plans a light.
 pub(super) fn plan(
     technique: &dyn ShadowTechnique,
     view: &View<'_>,
-    limits: &BackendLimits,
+    limits: PlanLimits<'_>,
 ) -> Result<LightPlan, RecipeError> {
+    if view.geometry.is_none()
+        && let Some(made) = technique.device_recipe(view)
+    {
+        let made = made?;
+        if let Some(why) = limits.unlisted {
+            return Err(RecipeError::unsupported(why));
+        }
+        made.recipe.validate(limits.recipes)?;
+        return LightPlan::of_lists(made);
+    }
     let recipe = technique.recipe(view)?;
-    recipe.validate(limits)?;
+    recipe.validate(limits.recipes)?;
     LightPlan::new(recipe)
 }
 

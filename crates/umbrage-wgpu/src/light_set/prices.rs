@@ -3,12 +3,9 @@
 //! Results come a few frames after they were measured, and nobody waits for them: they only decide what is drawn and what is copied,
 //! and both give the same bits.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicU8, Ordering},
-};
+use crate::resources::late_read::LateRead;
 use wgpu::{
-    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, Features, MapMode,
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, Features,
     QUERY_RESOLVE_BUFFER_ALIGNMENT, QuerySet, QuerySetDescriptor, QueryType, Queue,
     RenderPassTimestampWrites,
 };
@@ -25,10 +22,6 @@ const RARE: u32 = 32;
 
 /// Queries of the draw's begin and end, then those of the copy's.
 const QUERIES: u32 = 4;
-
-const IDLE: u8 = 0;
-const WAITING: u8 = 1;
-const READY: u8 = 2;
 
 /// What is known of prices.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -83,22 +76,9 @@ pub(crate) struct PriceMeter {
 struct Queries {
     set: QuerySet,
     resolved: Buffer,
-    read: Buffer,
-    state: Arc<AtomicU8>,
+    read: LateRead,
     /// Seconds a tick; known once there is a queue.
     period: Option<f64>,
-}
-
-/// Sets the state on being dropped: callbacks of encoders that were thrown away are dropped without a call.
-struct Outcome {
-    state: Arc<AtomicU8>,
-    becomes: u8,
-}
-
-impl Drop for Outcome {
-    fn drop(&mut self) {
-        self.state.store(self.becomes, Ordering::Release);
-    }
 }
 
 impl PriceMeter {
@@ -133,10 +113,7 @@ impl PriceMeter {
         let period = *queries
             .period
             .get_or_insert_with(|| 1e-9 * f64::from(queue.get_timestamp_period()));
-        if queries.state.load(Ordering::Acquire) != READY {
-            return;
-        }
-        let Some(ticks) = queries.ticks() else {
+        let Some(ticks) = queries.read.take(ticks_of) else {
             return;
         };
         let seconds = |first: usize| {
@@ -153,7 +130,7 @@ impl PriceMeter {
     /// Returns what times passes of this frame, if it is one to be measured.
     pub(crate) fn begin_frame(&mut self) -> Option<FrameMeter<'_>> {
         let queries = self.queries.as_ref()?;
-        if queries.state.load(Ordering::Acquire) != IDLE {
+        if !queries.read.is_idle() {
             return None;
         }
         self.frames = self.frames.saturating_add(1);
@@ -212,7 +189,6 @@ impl FrameMeter<'_> {
             set,
             resolved,
             read,
-            state,
             ..
         } = self.queries;
         if self.timed.triangles.is_none() && self.timed.texels.is_none() {
@@ -224,66 +200,42 @@ impl FrameMeter<'_> {
         if self.timed.texels.is_some() {
             encoder.resolve_query_set(set, 2..4, resolved, QUERY_RESOLVE_BUFFER_ALIGNMENT);
         }
-        encoder.copy_buffer_to_buffer(resolved, 0, read, 0, read.size());
-        state.store(WAITING, Ordering::Release);
-        let outcome = Outcome {
-            state: state.clone(),
-            becomes: IDLE,
-        };
-        encoder.map_buffer_on_submit(read, MapMode::Read, .., move |mapped| {
-            // Taken whole, so that it is dropped with the closure, called or not.
-            let mut outcome = outcome;
-            if mapped.is_ok() {
-                outcome.becomes = READY;
-            }
-        });
+        read.record(encoder, resolved);
     }
 }
 
 impl Queries {
     fn new(device: &Device) -> Self {
-        let buffer = |label, usage| {
-            device.create_buffer(&BufferDescriptor {
-                label: Some(label),
-                size: 2 * QUERY_RESOLVE_BUFFER_ALIGNMENT,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        let resolve = BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC;
-        let read = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        const LABEL: &str = "umbrage prices";
+        let bytes = 2 * QUERY_RESOLVE_BUFFER_ALIGNMENT;
         Self {
             set: device.create_query_set(&QuerySetDescriptor {
-                label: Some("umbrage prices"),
+                label: Some(LABEL),
                 ty: QueryType::Timestamp,
                 count: QUERIES,
             }),
-            resolved: buffer("umbrage prices", resolve),
-            read: buffer("umbrage prices read", read),
-            state: Arc::new(AtomicU8::new(IDLE)),
+            resolved: device.create_buffer(&BufferDescriptor {
+                label: Some(LABEL),
+                size: bytes,
+                usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            read: LateRead::new(device, LABEL, bytes),
             period: None,
         }
     }
+}
 
-    /// Returns the four timestamps of a buffer that is mapped, and lets it be used again.
-    fn ticks(&self) -> Option<[u64; QUERIES as usize]> {
-        let mut ticks = [0; QUERIES as usize];
-        let pair = QUERY_RESOLVE_BUFFER_ALIGNMENT as usize;
-        let is_read = match self.read.get_mapped_range(..) {
-            Ok(bytes) => {
-                for (i, tick) in ticks.iter_mut().enumerate() {
-                    let start = i / 2 * pair + i % 2 * size_of::<u64>();
-                    let word = bytes[start..].first_chunk().copied().unwrap_or_default();
-                    *tick = u64::from_le_bytes(word);
-                }
-                true
-            }
-            Err(_) => false,
-        };
-        self.read.unmap();
-        self.state.store(IDLE, Ordering::Release);
-        is_read.then_some(ticks)
+/// Returns the four timestamps in a buffer's bytes.
+fn ticks_of(bytes: &[u8]) -> [u64; QUERIES as usize] {
+    let mut ticks = [0; QUERIES as usize];
+    let pair = QUERY_RESOLVE_BUFFER_ALIGNMENT as usize;
+    for (i, tick) in ticks.iter_mut().enumerate() {
+        let start = i / 2 * pair + i % 2 * size_of::<u64>();
+        let word = bytes[start..].first_chunk().copied().unwrap_or_default();
+        *tick = u64::from_le_bytes(word);
     }
+    ticks
 }
 
 #[cfg(test)]

@@ -7,6 +7,8 @@ pub struct SetReport {
     pub planned: u32,
     /// Layers that this frame draws.
     pub redrawn: u32,
+    /// Lights whose lists of casters this frame makes.
+    pub listed: u32,
     /// Layers that wait for one of the next frames, as [`SetBudget::redraws`](crate::SetBudget::redraws) asks.
     pub waiting: u32,
     /// Bytes written to the GPU.

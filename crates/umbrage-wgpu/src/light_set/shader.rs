@@ -3,7 +3,8 @@
 use crate::{
     light_set::{
         buffers::{
-            ImagePlace, LightEntry, LightNumbers, NumberSpace, Records, SharedTables, Uploaded,
+            ImagePlace, LightEntry, LightNumbers, NumberSpace, Records, Region, SharedTables,
+            Uploaded,
         },
         light::{KernelRecord, LightId, LightState},
         plan::LightPlan,
@@ -19,6 +20,7 @@ use crate::{
     wgsl::InputKind,
 };
 use slotmap::SlotMap;
+use std::sync::Arc;
 use umbrage_core::{BackendError, Invalid, RecipeError};
 use wgpu::{BindGroup, BindGroupLayout, Limits, ShaderStages};
 
@@ -97,6 +99,14 @@ impl SetShader {
         self.binding.group().zip(self.binding.layout())
     }
 
+    pub(crate) fn tables(&self) -> &SharedTables {
+        &self.tables
+    }
+
+    pub(crate) fn tables_mut(&mut self) -> &mut SharedTables {
+        &mut self.tables
+    }
+
     /// Says that lights show other plans than those that were written.
     pub(crate) fn change(&mut self) {
         self.has_changed = true;
@@ -134,10 +144,11 @@ impl SetShader {
             return Ok(Uploaded::default());
         }
         self.register_all(lights);
+        // What no light shows any more makes room for what is new.
+        self.retain_tables(lights);
+        let most = factory.device.limits().max_storage_buffer_binding_size;
+        self.refuse_long_tables(lights, most);
         self.set_records(lights);
-        if self.has_forgotten && self.retain_tables(lights) {
-            self.set_records(lights);
-        }
         self.has_forgotten = false;
         self.has_changed = false;
         self.is_outdated |= self.numbers.make_room();
@@ -256,7 +267,7 @@ impl SetShader {
             self.numbers.entries.take();
         }
         let mut served = vec![false; self.numbers.entries.count()];
-        for light in lights.values_mut() {
+        for (id, light) in lights.iter_mut() {
             let Some(plan) = light.shown.take() else {
                 continue;
             };
@@ -273,7 +284,7 @@ impl SetShader {
             };
             light.record = Some(record);
             self.numbers.kernels[kind].set(record.index, &plan.uniforms);
-            let entry = self.entry(&plan, light, record);
+            let entry = self.entry(id, &plan, light, record);
             self.numbers
                 .entries
                 .set(light.index as usize, bytemuck::cast_slice(&entry.words()));
@@ -287,7 +298,13 @@ impl SetShader {
         }
     }
 
-    fn entry(&mut self, plan: &LightPlan, light: &LightState, record: KernelRecord) -> LightEntry {
+    fn entry(
+        &mut self,
+        id: LightId,
+        plan: &LightPlan,
+        light: &LightState,
+        record: KernelRecord,
+    ) -> LightEntry {
         let mut entry = LightEntry {
             kind: record.kind as u32 + 1,
             kernel: record.index as u32,
@@ -302,22 +319,78 @@ impl SetShader {
                 first: light.ranges[image].layers.start,
             };
         }
+        if plan.lists.is_some() {
+            // The last table is that of all casters' corners.
+            let last = receive.tables.len().saturating_sub(1);
+            for i in 0..last {
+                entry.tables[i] = self.tables.place_of(Region::Light(id, i));
+            }
+            entry.tables[last] = self.tables.place_of(Region::Corners);
+            return entry;
+        }
         for (i, &table) in receive.tables.iter().enumerate() {
             entry.tables[i] = self.tables.place(&plan.recipe.tables[table]);
         }
         entry
     }
 
-    /// Drops tables of lights that are gone. Returns whether others moved.
-    fn retain_tables(&mut self, lights: &SlotMap<LightId, LightState>) -> bool {
+    /// Refuses the lights of least priority whose tables are longer than what a shader can bind, with those of all lights before them.
+    fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightId, LightState>, most: u64) {
+        let mut bytes = self.tables.made_bytes();
+        let mut order: Vec<LightId> = lights.keys().collect();
+        order.sort_by(|&a, &b| {
+            let priority = |id: LightId| lights[id].settings.priority;
+            priority(b).total_cmp(&priority(a))
+        });
+        let mut counted: Vec<Arc<[[u32; 4]]>> = Vec::new();
+        for id in order {
+            let light = &mut lights[id];
+            let Some(plan) = &light.shown else {
+                continue;
+            };
+            if plan.lists.is_some() {
+                continue;
+            }
+            let mut with_own = bytes;
+            let counted_before = counted.len();
+            let used = plan.recipe.receive.tables.iter();
+            for rows in used.map(|&i| &plan.recipe.tables[i].rows) {
+                if !counted.iter().any(|other| Arc::ptr_eq(other, rows)) {
+                    counted.push(rows.clone());
+                    with_own += size_of_val::<[[u32; 4]]>(rows) as u64;
+                }
+            }
+            if with_own <= most || with_own == bytes {
+                bytes = with_own;
+            } else {
+                counted.truncate(counted_before);
+                let why = format!(
+                    "the tables of the set's lights need {} KiB with its own, and shaders of the device read {} KiB at once; ask for a device with a greater `max_storage_buffer_binding_size`",
+                    with_own >> 10,
+                    most >> 10
+                );
+                light.refused = Some(RecipeError::unsupported(why));
+                light.shown = None;
+                self.forget(light);
+            }
+        }
+    }
+
+    /// Drops tables that no light shows any more.
+    fn retain_tables(&mut self, lights: &SlotMap<LightId, LightState>) {
         let plans = || lights.values().filter_map(|light| light.shown.as_ref());
-        self.tables.retain(|rows| {
+        let is_used = |rows: &Arc<[[u32; 4]]>| {
             plans().any(|plan| {
                 let receive = &plan.recipe.receive;
                 let mut used = receive.tables.iter().map(|&i| &plan.recipe.tables[i].rows);
                 used.any(|held| held == rows)
             })
-        })
+        };
+        let is_listed = |id: LightId| {
+            let shown = lights.get(id).and_then(|light| light.shown.as_ref());
+            shown.is_some_and(|plan| plan.lists.is_some())
+        };
+        self.tables.retain(is_used, is_listed);
     }
 
     fn make_text(&mut self) -> Result<(), Invalid> {

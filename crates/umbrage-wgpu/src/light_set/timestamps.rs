@@ -5,7 +5,7 @@ use crate::{
     resources::timestamps::{PassTimestamps, TimedStage},
 };
 use std::ops::Range;
-use wgpu::{QuerySet, RenderPassTimestampWrites};
+use wgpu::{ComputePassTimestampWrites, QuerySet, RenderPassTimestampWrites};
 
 /// Timestamp queries that [`LightSet::encode_timed`](crate::LightSet::encode_timed) and
 /// [`encode_masks_timed`](crate::LightSet::encode_masks_timed) write: two for each pass, its begin and its end.
@@ -29,6 +29,8 @@ pub enum SetPass {
     },
     /// All passes that filter a light's layers.
     Filters,
+    /// All passes that make a light's lists of casters; for the first one, placing the casters, too.
+    Lists,
     /// A light's mask.
     Mask,
 }
@@ -120,6 +122,16 @@ impl<'a, 'out> PassTimer<'a, 'out> {
         self.left.start += 2;
         self.out.push(TimedPass { light, pass, begin });
         Some(begin)
+    }
+
+    /// Returns the timestamps of the pass that makes a light's lists.
+    pub(crate) fn lists(&mut self, light: LightId) -> Option<ComputePassTimestampWrites<'a>> {
+        let begin = self.begin(light, SetPass::Lists)?;
+        Some(ComputePassTimestampWrites {
+            query_set: self.queries,
+            beginning_of_pass_write_index: Some(begin),
+            end_of_pass_write_index: Some(begin + 1),
+        })
     }
 
     /// Returns the timestamps of one pass.

@@ -30,6 +30,8 @@ pub(crate) enum Slot {
         layered: bool,
     },
     Table,
+    /// A storage buffer that compute shaders write.
+    Written,
     /// A comparison sampler.
     Sampler,
 }
@@ -46,6 +48,7 @@ impl Slot {
             Self::Whole { layered } => texture_type(TextureSampleType::Uint, layered, false),
             Self::Sampler => BindingType::Sampler(SamplerBindingType::Comparison),
             Self::Table => buffer_type(BufferBindingType::Storage { read_only: true }, false),
+            Self::Written => buffer_type(BufferBindingType::Storage { read_only: false }, false),
         }
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod faces;
 pub(crate) mod geometry;
 pub(crate) mod images;
 pub(crate) mod kernel_stage;
+pub(crate) mod late_read;
 pub(crate) mod matrices;
 pub(crate) mod pipelines;
 pub(crate) mod renderer_state;

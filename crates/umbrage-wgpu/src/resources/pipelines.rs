@@ -8,11 +8,12 @@ use crate::{
 use std::collections::HashMap;
 use umbrage_core::{Format, MATH, join};
 use wgpu::{
-    BindGroupLayout, CompareFunction, DepthBiasState, DepthStencilState, Device, FilterMode,
-    FragmentState, MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor,
-    PrimitiveState, RenderPipeline, RenderPipelineDescriptor, Sampler, SamplerDescriptor,
-    ShaderModule, ShaderModuleDescriptor, ShaderSource, StencilState, TextureFormat,
-    VertexAttribute, VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
+    BindGroupLayout, CompareFunction, ComputePipeline, ComputePipelineDescriptor, DepthBiasState,
+    DepthStencilState, Device, FilterMode, FragmentState, MultisampleState,
+    PipelineCompilationOptions, PipelineLayoutDescriptor, PrimitiveState, RenderPipeline,
+    RenderPipelineDescriptor, Sampler, SamplerDescriptor, ShaderModule, ShaderModuleDescriptor,
+    ShaderSource, StencilState, TextureFormat, VertexAttribute, VertexBufferLayout, VertexFormat,
+    VertexState, VertexStepMode,
 };
 
 /// What distinguishes the pipelines of casts.
@@ -128,6 +129,32 @@ pub(crate) fn shader(device: &Device, label: &str, text: &str) -> ShaderModule {
     device.create_shader_module(ShaderModuleDescriptor {
         label: Some(label),
         source,
+    })
+}
+
+/// Returns a compute pipeline. `constants` are the values of the shader's overrides.
+pub(crate) fn compute_pipeline(
+    device: &Device,
+    module: &ShaderModule,
+    entry: &str,
+    constants: &[(&str, f64)],
+    groups: &[Option<&BindGroupLayout>],
+) -> ComputePipeline {
+    let layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
+        label: Some(entry),
+        bind_group_layouts: groups,
+        ..PipelineLayoutDescriptor::default()
+    });
+    device.create_compute_pipeline(&ComputePipelineDescriptor {
+        label: Some(entry),
+        layout: Some(&layout),
+        module,
+        entry_point: Some(entry),
+        compilation_options: PipelineCompilationOptions {
+            constants,
+            ..PipelineCompilationOptions::default()
+        },
+        cache: None,
     })
 }
 

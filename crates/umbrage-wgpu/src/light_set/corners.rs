@@ -1,0 +1,233 @@
+//! The corners of all casters, placed into the world by the device: what lists of casters are made of.
+
+use crate::{
+    frame::PositionFormat,
+    light_set::{
+        cast_list::Instances,
+        casters::{Casters, MeshDraw, MeshId, MeshSlots},
+    },
+    resources::{
+        bindings::{Binding, Bound, Slot},
+        counters::ResourceFactory,
+        pipelines::{Pipelines, compute_pipeline, shader},
+    },
+};
+use slotmap::SecondaryMap;
+use std::num::NonZeroU64;
+use wgpu::{Buffer, BufferUsages, ComputePass, ComputePipeline, IndexFormat, Limits, ShaderStages};
+
+/// Rows of a triangle.
+pub(crate) const CORNERS: u32 = 3;
+
+/// Bytes of `PlacedMesh` in corners.wgsl.
+const NUMBERS: NonZeroU64 = NonZeroU64::new(40).unwrap();
+
+/// Places the casters of all meshes.
+#[derive(Debug, Default)]
+pub(crate) struct CornerStage {
+    pipeline: Option<ComputePipeline>,
+    numbers: Option<Buffer>,
+    /// Bytes from one mesh's numbers to the next one's.
+    stride: usize,
+    /// What was written last; its memory is used again.
+    bytes: Vec<u8>,
+    bindings: SecondaryMap<MeshId, Binding>,
+    /// The meshes that have casters, in order, with how many triangles.
+    placed: Vec<(MeshId, u32)>,
+}
+
+/// Returns the triangles of all casters, each as often as it is placed.
+pub(crate) fn triangle_count(casters: &Casters) -> u64 {
+    casters.meshes().map(|(_, mesh)| triangles_of(mesh)).sum()
+}
+
+fn triangles_of(mesh: &MeshSlots) -> u64 {
+    mesh.draw.triangles() * mesh.slots().len() as u64
+}
+
+impl CornerStage {
+    /// Writes what the passes read. `first_row` is where the corners begin among the tables.
+    pub(crate) fn prepare(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        casters: &Casters,
+        instances: &Instances,
+        tables: &Buffer,
+        first_row: u32,
+    ) {
+        let alignment = factory.device.limits().min_uniform_buffer_offset_alignment;
+        self.stride = (NUMBERS.get() as usize).next_multiple_of(alignment as usize);
+        self.bytes.clear();
+        self.placed.clear();
+        let mut row = first_row;
+        for (id, mesh) in casters.meshes() {
+            let triangles = triangles_of(mesh) as u32;
+            if triangles == 0 {
+                continue;
+            }
+            let start = self.placed.len() * self.stride;
+            self.bytes.resize(start + self.stride, 0);
+            let numbers = numbers_of(mesh, row);
+            self.bytes[start..start + NUMBERS.get() as usize]
+                .copy_from_slice(bytemuck::cast_slice(&numbers));
+            self.placed.push((id, triangles));
+            row += CORNERS * triangles;
+        }
+        let Some(instances) = instances.buffer() else {
+            self.placed.clear();
+            return;
+        };
+        let numbers = factory.write(
+            &mut self.numbers,
+            "umbrage corners",
+            BufferUsages::UNIFORM,
+            &self.bytes,
+        );
+        let slots = [
+            Slot::Window(NUMBERS),
+            Slot::Table,
+            Slot::Table,
+            Slot::Table,
+            Slot::Written,
+        ];
+        let layout = pipelines
+            .layouts
+            .get(factory, ShaderStages::COMPUTE, &slots);
+        self.pipeline.get_or_insert_with(|| {
+            let module = shader(
+                factory.device,
+                "umbrage corners",
+                include_str!("corners.wgsl"),
+            );
+            factory.counters.pipelines += 1;
+            compute_pipeline(
+                factory.device,
+                &module,
+                "place_corners",
+                &[],
+                &[Some(&layout)],
+            )
+        });
+        for &(id, _) in &self.placed {
+            let Some(mesh) = casters.mesh(id) else {
+                continue;
+            };
+            let bound = vec![
+                Bound::Window(numbers.clone(), NUMBERS),
+                Bound::Buffer(mesh.vertices().clone()),
+                // Where there are none nobody reads them.
+                Bound::Buffer(mesh.indices().map_or(mesh.vertices(), |(b, _)| b).clone()),
+                Bound::Buffer(instances.clone()),
+                Bound::Buffer(tables.clone()),
+            ];
+            if !self.bindings.contains_key(id) {
+                self.bindings.insert(id, Binding::default());
+            }
+            if let Some(binding) = self.bindings.get_mut(id) {
+                binding.set(factory, "umbrage corners", &layout, bound);
+            }
+        }
+        self.bindings.retain(|id, _| casters.mesh(id).is_some());
+    }
+
+    /// Records that all casters are placed.
+    pub(crate) fn encode(&self, pass: &mut ComputePass<'_>) {
+        let Some(pipeline) = &self.pipeline else {
+            return;
+        };
+        pass.set_pipeline(pipeline);
+        for (i, &(id, triangles)) in self.placed.iter().enumerate() {
+            let Some(binding) = self.bindings.get(id) else {
+                continue;
+            };
+            pass.set_bind_group(0, binding.group(), &[(i * self.stride) as u32]);
+            let [x, y] = group_counts(triangles);
+            pass.dispatch_workgroups(x, y, 1);
+        }
+    }
+}
+
+/// Returns how many groups of 64, across and down, there are for so many invocations.
+pub(crate) fn group_counts(invocations: u32) -> [u32; 2] {
+    const MOST_ACROSS: u32 = 1 << 15;
+    let groups = invocations.div_ceil(64).max(1);
+    let across = groups.min(MOST_ACROSS);
+    [across, groups.div_ceil(across)]
+}
+
+fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
+    let draw = &mesh.draw;
+    let slots = mesh.slots();
+    let format = match draw.layout.format {
+        PositionFormat::Float32x3 => 0,
+        PositionFormat::Float16x4 => 1,
+        PositionFormat::Snorm16x4 => 2,
+    };
+    let index_bits = match draw.indices() {
+        None => 0,
+        Some((_, IndexFormat::Uint16)) => 16,
+        Some((_, IndexFormat::Uint32)) => 32,
+    };
+    [
+        slots.start,
+        slots.len() as u32,
+        draw.triangles() as u32,
+        first_row,
+        (draw.layout.stride / 4) as u32,
+        (draw.layout.position_offset / 4) as u32,
+        format,
+        index_bits,
+        draw.range().start,
+        draw.base_vertex().cast_unsigned(),
+    ]
+}
+
+/// Returns why compute shaders can't read the casters' buffers, if they can't.
+pub(crate) fn why_unreadable(casters: &Casters, limits: &Limits) -> Option<String> {
+    let most = limits.max_storage_buffer_binding_size;
+    for (_, mesh) in casters.meshes() {
+        let MeshSlots { draw, .. } = mesh;
+        let buffers = [Some(draw.vertices()), draw.indices().map(|(b, _)| b)];
+        for buffer in buffers.into_iter().flatten() {
+            if let Some(why) = why_unbound(draw, buffer, most) {
+                return Some(why);
+            }
+        }
+    }
+    None
+}
+
+fn why_unbound(mesh: &MeshDraw, buffer: &Buffer, most: u64) -> Option<String> {
+    let label = mesh.label();
+    let bytes = buffer.size();
+    if !buffer.usage().contains(BufferUsages::STORAGE) {
+        return Some(format!(
+            "it lists the triangles of mesh `{label}` by compute shaders, whose buffers must have usage STORAGE, too"
+        ));
+    }
+    if !bytes.is_multiple_of(4) || bytes > most {
+        return Some(format!(
+            "it lists the triangles of mesh `{label}` by compute shaders, which read buffers of whole words and up to {most} bytes, and one has {bytes}"
+        ));
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::group_counts;
+
+    #[test]
+    fn groups_hold_all_invocations() {
+        for (invocations, expected) in [
+            (0, [1, 1]),
+            (1, [1, 1]),
+            (65, [2, 1]),
+            (64 << 15, [1 << 15, 1]),
+            ((64 << 15) + 1, [1 << 15, 2]),
+        ] {
+            assert_eq!(group_counts(invocations), expected, "{invocations}");
+        }
+    }
+}

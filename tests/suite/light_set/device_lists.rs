@@ -1,0 +1,267 @@
+//! Lists of casters that a device makes itself answer as rays do.
+
+use super::alike::{World, differing};
+use glam::{Vec2, Vec3};
+use proptest::{prelude::*, test_runner::RngSeed};
+use std::sync::Arc;
+use umbrage_core::{
+    Backend, Kernel, Light, NO_TRIANGLE, Scene, ShadowTechnique, Uniforms, View,
+    light_sample::{LightSampler, ray_origin, segment},
+    math::dot3,
+};
+use umbrage_techniques::{Exact, ExactUniforms};
+use umbrage_tests::{
+    gpu::gpu,
+    light_program::Forward,
+    light_stage::{Stage, spot},
+    random_scene,
+};
+use umbrage_wgpu::{LightId, LightSet, SetBudget, SetFrame, SetLight, Unserved};
+
+/// Suns and lamps, closed and open casters, some amid the casters and some of real size.
+const SCENES: [&str; 12] = [
+    "cubes",
+    "figure",
+    "teapot-lamp",
+    "lamp-in-room",
+    "two-blockers",
+    "bar-at-lamp",
+    "broken-meshes",
+    "broken-meshes-lamp",
+    "stairs-lamp",
+    "thin-plate",
+    "canopy",
+    "low-sun-5",
+];
+
+fn exact(light: Light) -> SetLight {
+    SetLight {
+        light,
+        technique: Arc::new(Exact::default()),
+        priority: 1.0,
+    }
+}
+
+impl World {
+    /// A frame of a program that has no triangles on the CPU.
+    fn frame_without_triangles(&self) -> SetFrame<'_> {
+        SetFrame {
+            camera: &self.scene.cameras[0],
+            geometry: None,
+        }
+    }
+
+    /// Returns what rays answer for the receivers of a light of a set, each from where the set's kernel lifts it to.
+    fn traced(&self, set: &LightSet, light: &Light) -> Vec<f32> {
+        self.answers(set, light, true)
+    }
+
+    /// The same, with casters or without.
+    fn answers(&self, set: &LightSet, light: &Light, casters_count: bool) -> Vec<f32> {
+        let camera = &self.scene.cameras[0];
+        let view = View {
+            camera,
+            light,
+            casters: set.casters_box(),
+            geometry: None,
+            receivers: None,
+            fits: None,
+        };
+        let made = Exact::default().device_recipe(&view).expect("lists");
+        let recipe = made.expect("serves the light").recipe;
+        let kernel: &dyn Kernel = &*recipe.receive.kernel;
+        let bytes = kernel.uniforms().expect("has some").uniform_bytes();
+        let [extent, far] = extent_and_far(&bytes);
+        let sampler = LightSampler::new(&light.without_extent());
+        let seen = &self.receivers;
+        let casts = |o: Vec3, d: Vec3| self.geometry.bvh().occluded(o, d, NO_TRIANGLE);
+        let ray = |i: usize| {
+            if !seen.receives[i] {
+                return 1.0;
+            }
+            let n = seen.normal(i);
+            let o = ray_origin(seen.position(i), n, camera.eye(), extent);
+            let d = segment(&sampler, o, Vec2::ZERO, far);
+            let faces = dot3(n, d) > 0.0;
+            let is_lit = faces && !(casters_count && casts(o, d));
+            f32::from(u8::from(is_lit))
+        };
+        (0..seen.len()).map(ray).collect()
+    }
+}
+
+fn extent_and_far(bytes: &[u8]) -> [f32; 2] {
+    let layout = ExactUniforms::layout();
+    let float = |name: &str, component: usize| {
+        let field = layout.fields.iter().find(|(field, _)| *field == name);
+        let at = field.expect("is there").1 as usize + 4 * component;
+        f32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"))
+    };
+    [float("grid", 3), float("far", 0)]
+}
+
+/// A light's mask, as its set shows it.
+fn mask(world: &World, set: &LightSet, id: LightId) -> Vec<f32> {
+    let index = set.index_of(id).expect("is there");
+    Forward::default().mask(&world.program, set, index)
+}
+
+/// Returns how many receivers rays answer otherwise, and how many are in shadow.
+fn compare(world: &World, set: &mut LightSet, light: Light) -> [usize; 2] {
+    let id = set.add_light(exact(light)).expect("valid");
+    world.program.update(set, &world.frame_without_triangles());
+    let unserved: Vec<_> = set.unserved().collect();
+    assert!(unserved.is_empty(), "{unserved:?}");
+    let found = mask(world, set, id);
+    let expected = world.traced(set, &light);
+    set.remove_light(id).expect("is there");
+    let shadowed = expected.iter().filter(|&&v| v < 1.0).count();
+    [differing(&found, &expected), shadowed]
+}
+
+/// Drivers that round as the CPU does give its bits; of others, a few rays that meet an edge may tell something else.
+fn allowed(pixels: usize) -> usize {
+    if gpu().snapping() == umbrage_core::Snapping::default() {
+        0
+    } else {
+        pixels / 1000
+    }
+}
+
+#[test]
+fn lists_made_by_the_device_answer_as_rays_do() {
+    for name in SCENES {
+        let world = World::new(name);
+        let mut set = world.set();
+        for &light in &world.scene.lights {
+            let [wrong, shadowed] = compare(&world, &mut set, light);
+            assert!(wrong <= allowed(world.receivers.len()), "{name}: {wrong}");
+            assert!(shadowed > 100, "{name}: only {shadowed} in shadow");
+        }
+    }
+}
+
+/// Random scenes, each under a light of its own.
+#[test]
+fn random_scenes_are_listed_as_rays_see_them() {
+    let config = ProptestConfig {
+        cases: 150,
+        max_shrink_iters: 100,
+        rng_seed: RngSeed::Fixed(11),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    let in_shadow = std::cell::Cell::new(0);
+    proptest!(config, |(scene in random_scene::scenes())| {
+        let Some(world) = world_of(scene) else {
+            return Ok(());
+        };
+        let mut set = world.set();
+        let [wrong, shadowed] = compare(&world, &mut set, world.scene.lights[0]);
+        prop_assert!(wrong <= allowed(world.receivers.len()), "{} pixels", wrong);
+        in_shadow.set(in_shadow.get() + shadowed);
+    });
+    let in_shadow = in_shadow.get();
+    assert!(in_shadow > 50_000, "only {in_shadow} in shadow");
+}
+
+/// Returns the world of a random scene, if anything casts there.
+fn world_of(scene: Scene) -> Option<World> {
+    let world = World::of(scene);
+    (!world.geometry.casters().is_empty()).then_some(world)
+}
+
+/// The comparison can fail: rays of another light answer otherwise.
+#[test]
+fn rays_of_another_light_answer_otherwise() {
+    let world = World::new("cubes");
+    let mut set = world.set();
+    let light = world.scene.lights[0];
+    let id = set.add_light(exact(light)).expect("valid");
+    world
+        .program
+        .update(&mut set, &world.frame_without_triangles());
+    let found = mask(&world, &set, id);
+    let moved = Light::Directional {
+        direction: light.direction_from(Vec3::ZERO) * -1.0 + Vec3::new(0.02, 0.0, 0.0),
+        angular_diameter: 0.0,
+    };
+    assert!(differing(&found, &world.traced(&set, &moved)) > 10);
+}
+
+/// Where lists have no room, wider cells give the same answer; where even these have none, the light is lit and says so.
+#[test]
+fn lists_without_room_have_wider_cells() {
+    let world = World::new("figure");
+    let light = world.scene.lights[0];
+    let mut answers = Vec::new();
+    // In turn: room for all, for less than the first try needs, and for nothing.
+    for room in [None, Some(9_000), Some(10)] {
+        let mut set = world.set();
+        set.limit_listed_items(room);
+        let id = set.add_light(exact(light)).expect("valid");
+        world
+            .program
+            .update(&mut set, &world.frame_without_triangles());
+        let first = mask(&world, &set, id);
+        let without = world.answers(&set, &light, false);
+        answers.push((first, set.listings(id).expect("is there"), without));
+    }
+    let [all, few, nothing] = &answers[..] else {
+        panic!("three");
+    };
+    assert_eq!((all.1.has_room, all.1.halved), (true, 0));
+    assert!(few.1.has_room && few.1.halved > 0, "{:?}", few.1);
+    assert_eq!(differing(&all.0, &few.0), 0);
+    assert!(!nothing.1.has_room, "{:?}", nothing.1);
+    assert_eq!(differing(&nothing.0, &nothing.2), 0, "nothing casts");
+}
+
+/// A frame whose lists had no room makes room for the next ones.
+#[test]
+fn room_grows_by_what_was_needed() {
+    let world = World::new("figure");
+    let mut set = world.set();
+    let light = world.scene.lights[0];
+    let id = set.add_light(exact(light)).expect("valid");
+    set.begin_with_listed_items(10);
+    world
+        .program
+        .update(&mut set, &world.frame_without_triangles());
+    assert!(!set.listings(id).expect("is there").has_room);
+    // What was counted comes some frames later.
+    for _ in 0..10 {
+        let poll = world
+            .program
+            .d
+            .device
+            .poll(wgpu::PollType::wait_indefinitely());
+        poll.expect("polls");
+        world
+            .program
+            .update(&mut set, &world.frame_without_triangles());
+    }
+    let listing = set.listings(id).expect("is there");
+    assert!(listing.has_room, "{listing:?}");
+    assert_eq!(set.report().listed, 0, "nothing moves");
+    let found = mask(&world, &set, id);
+    assert_eq!(differing(&found, &world.traced(&set, &light)), 0);
+}
+
+/// Meshes that compute shaders can't read leave the light unserved, with a reason that names the mesh.
+#[test]
+fn buffers_without_the_usage_are_named() {
+    let mut stage = Stage::new(SetBudget::default(), &[0.0]);
+    let id = stage.set.add_light(exact(spot(0.0))).expect("valid");
+    stage.frame();
+    let unserved: Vec<_> = stage.set.unserved().collect();
+    let [(of, Unserved::Refused(why))] = &unserved[..] else {
+        panic!("{unserved:?}");
+    };
+    assert_eq!(*of, id);
+    let why = why.to_string();
+    assert!(
+        why.contains("`triangle`") && why.contains("STORAGE"),
+        "{why}"
+    );
+}

@@ -1,0 +1,338 @@
+//! Sets whose casters are relative to an anchor, when the anchor hops.
+
+use bytemuck::cast_slice;
+use glam::{Affine3A, DAffine3, DQuat, DVec3, UVec2, Vec3};
+use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
+use std::sync::Arc;
+use umbrage_core::{Aabb, Anchor, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
+use umbrage_techniques::{Exact, Hard, Pcf, ShadowMap};
+use umbrage_tests::{
+    adapter::device,
+    foreign,
+    light_program::{Forward, ForwardProgram},
+};
+use umbrage_wgpu::{
+    CasterId, CasterMesh, LightId, LightSet, SetBudget, SetFrame, SetLight, StillLayers,
+    VertexLayout,
+};
+use wgpu::BufferUsages;
+
+/// Where everything is, world space: no multiple of a power of two.
+const PLACE: DVec3 = DVec3::new(1e6 + 0.1, 40.3, -2e6 - 0.7);
+/// Where the eye comes from: its anchor is a hop away from that of the place.
+const START: DVec3 = DVec3::new(1e6 - 1900.0, 40.3, -2e6 - 0.7);
+
+/// A lamp: where, counted from the place, and which technique.
+type Lamp = (DVec3, usize);
+
+/// A set, and what its program knows of the world.
+struct World {
+    program: ForwardProgram,
+    set: LightSet,
+    casters: Vec<(CasterId, DAffine3)>,
+    lights: Vec<(LightId, Lamp)>,
+    eye: DVec3,
+    anchor: Anchor,
+}
+
+fn map(fit: Fit, layout: Layout) -> ShadowMap {
+    ShadowMap {
+        size: 64,
+        fit,
+        layout,
+        ..ShadowMap::default()
+    }
+}
+
+/// Suns with cascades that follow the camera, and spots.
+fn light(lamp: &Lamp, anchor: Anchor) -> SetLight {
+    let (place, kind) = *lamp;
+    let technique: Arc<dyn ShadowTechnique> = match kind {
+        0 => Arc::new(Pcf {
+            map: map(
+                Fit::AroundCamera { range: 30.0 },
+                Layout::Cascades(Cascades::default()),
+            ),
+            radius: 1,
+        }),
+        1 => Arc::new(Exact::default()),
+        _ => Arc::new(Hard {
+            map: map(Fit::Tight, Layout::Auto),
+        }),
+    };
+    let light = if kind == 0 {
+        Light::Directional {
+            direction: -place.as_vec3(),
+            angular_diameter: 0.0,
+        }
+    } else {
+        Light::Spot {
+            position: anchor.position(PLACE + place),
+            direction: Vec3::NEG_Y,
+            inner: 0.6,
+            outer: 0.8,
+            radius: 0.0,
+        }
+    };
+    SetLight {
+        light,
+        technique,
+        priority: 1.0,
+    }
+}
+
+impl World {
+    /// A set at the anchor of an eye, with triangles and lamps at these places, counted from [`PLACE`].
+    fn new(eye: DVec3, budget: SetBudget, places: &[DVec3], lamps: &[Lamp]) -> Self {
+        let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
+        let mut set = program.set(budget, StillLayers::Auto);
+        // A copy costs nothing here, so that layers are split wherever something is still and something moves.
+        set.assume_prices(1.0, 1e-9);
+        let corners = [[-0.8_f32, 0.0, -0.8], [0.8, 0.1, -0.8], [0.0, 0.4, 0.8]];
+        let usage = BufferUsages::VERTEX | BufferUsages::STORAGE;
+        let vertices = foreign::buffer(program.d, usage, cast_slice(&corners));
+        let mesh = CasterMesh {
+            label: "triangle",
+            vertices: &vertices,
+            layout: VertexLayout::PACKED,
+            indices: None,
+            range: 0..3,
+            base_vertex: 0,
+            bounds: Aabb::around(corners.map(Vec3::from_array)),
+        };
+        let mesh = set.add_mesh(&mesh).expect("valid");
+        let anchor = Anchor::near(eye).expect("finite");
+        let mut casters = Vec::new();
+        for place in places {
+            let turn = DQuat::from_rotation_y(place.x);
+            let placed = DAffine3::from_rotation_translation(turn, PLACE + *place);
+            let id = set.add_caster(mesh, anchor.placement(&placed));
+            casters.push((id.expect("valid"), placed));
+        }
+        let mut lights = Vec::new();
+        for lamp in lamps {
+            let id = set.add_light(light(lamp, anchor));
+            lights.push((id.expect("valid"), *lamp));
+        }
+        Self {
+            program,
+            set,
+            casters,
+            lights,
+            eye,
+            anchor,
+        }
+    }
+
+    fn frame(&mut self) {
+        let eye = self.anchor.position(self.eye);
+        let target = self.anchor.position(self.eye - DVec3::new(0.3, 4.0, 9.0));
+        let size = UVec2::new(64, 48);
+        let camera = Camera::perspective(eye, target, Vec3::Y, 0.9, [0.1, 100.0], size);
+        let frame = SetFrame {
+            camera: &camera.expect("valid"),
+            geometry: None,
+        };
+        self.program.update(&mut self.set, &frame);
+    }
+
+    /// Moves the eye to above the place, and the anchor with it. Returns whether it hopped.
+    fn walk(&mut self) -> bool {
+        self.eye = arrived();
+        let anchor = self.anchor.held(self.eye).expect("finite");
+        let has_hopped = anchor != self.anchor;
+        self.anchor = anchor;
+        has_hopped
+    }
+
+    fn placements(&self) -> Vec<(CasterId, Affine3A)> {
+        let relative = |(id, placed): &(CasterId, DAffine3)| (*id, self.anchor.placement(placed));
+        self.casters.iter().map(relative).collect()
+    }
+
+    /// What a program does when its anchor hopped.
+    fn rebase(&mut self) {
+        for (id, placement) in self.placements() {
+            self.set.rebase_caster(id, placement).expect("is there");
+        }
+        self.set_lights();
+    }
+
+    fn set_lights(&mut self) {
+        for (id, lamp) in &self.lights {
+            let light = light(lamp, self.anchor).light;
+            self.set.set_light(*id, light).expect("is there");
+        }
+    }
+
+    /// Returns the mask of each light on a floor under the place.
+    fn masks(&self) -> Vec<Vec<f32>> {
+        let mut positions: Vec<[f32; 4]> = Vec::new();
+        let size = self.program.size();
+        for y in 0..size.y {
+            for x in 0..size.x {
+                let [x, z] = [(x, size.x), (y, size.y)]
+                    .map(|(i, side)| (f64::from(i) - 0.5 * f64::from(side)) * 0.25);
+                let seen = self.anchor.position(PLACE + DVec3::new(x, 0.0, z));
+                positions.push(seen.extend(1.0).to_array());
+            }
+        }
+        let normals = vec![Vec3::Y.extend(0.0).to_array(); positions.len()];
+        let triangles = vec![u32::MAX; positions.len()];
+        let d = self.program.d;
+        let floor = ForwardProgram::of_texels(d, size, &positions, &normals, &triangles);
+        let mut forward = Forward::default();
+        let mask = |(id, _): &(LightId, Lamp)| {
+            let index = self.set.index_of(*id).expect("is there");
+            forward.mask(&floor, &self.set, index)
+        };
+        self.lights.iter().map(mask).collect()
+    }
+}
+
+fn arrived() -> DVec3 {
+    PLACE + DVec3::new(0.2, 5.0, 9.0)
+}
+
+fn differing(a: &[Vec<f32>], b: &[Vec<f32>]) -> usize {
+    let pixels = a.iter().flatten().zip(b.iter().flatten());
+    pixels.filter(|(a, b)| a.to_bits() != b.to_bits()).count()
+}
+
+fn dark(masks: &[Vec<f32>]) -> usize {
+    masks.iter().flatten().filter(|&&v| v < 1.0).count()
+}
+
+fn places() -> impl Strategy<Value = DVec3> {
+    (-6.0..6.0_f64, 1.0..3.0_f64, -4.0..4.0_f64).prop_map(|(x, y, z)| DVec3::new(x, y, z))
+}
+
+fn lamps() -> impl Strategy<Value = Lamp> {
+    let above = (-3.0..3.0_f64, 6.0..9.0_f64, -3.0..3.0_f64);
+    (above, 0..3_usize).prop_map(|((x, y, z), kind)| (DVec3::new(x, y, z), kind))
+}
+
+/// Sets that may redraw one layer a frame, so that lights which don't have to would wait.
+const FEW_REDRAWS: SetBudget = SetBudget {
+    bytes: 256 << 20,
+    redraws: 1,
+};
+
+#[test]
+fn after_a_hop_shadows_are_those_of_a_set_made_there() {
+    let config = ProptestConfig {
+        cases: 24,
+        rng_seed: RngSeed::Fixed(5),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    let [in_shadow, spoilt] = std::array::from_fn(|_| std::cell::Cell::new(0));
+    proptest!(config, |(places in vec(places(), 2..12), lamps in vec(lamps(), 1..4))| {
+        let mut kept = World::new(START, FEW_REDRAWS, &places, &lamps);
+        for _ in 0..10 {
+            kept.frame();
+        }
+        // From the old anchor, with the eye where it will be.
+        kept.eye = arrived();
+        for _ in 0..10 {
+            kept.frame();
+        }
+        prop_assert!(kept.walk(), "the anchor stays");
+        kept.rebase();
+        kept.frame();
+        let after_hop = kept.masks();
+        let mut anew = World::new(arrived(), SetBudget::default(), &places, &lamps);
+        anew.frame();
+        let made_there = anew.masks();
+        prop_assert_eq!(differing(&after_hop, &made_there), 0, "{:?}", lamps);
+        in_shadow.set(in_shadow.get() + dark(&made_there));
+        // The comparison can fail: a caster that stays where it was, relative to the anchor before.
+        let (forgotten, placed) = kept.casters[0];
+        let before = Anchor::near(START).expect("finite").placement(&placed);
+        kept.set.rebase_caster(forgotten, before).expect("is there");
+        kept.frame();
+        spoilt.set(spoilt.get() + usize::from(differing(&kept.masks(), &made_there) > 0));
+    });
+    let [in_shadow, spoilt] = [in_shadow, spoilt].map(|count| count.get());
+    assert!(in_shadow > 2000, "only {in_shadow} pixels in shadow");
+    assert!(
+        spoilt >= 18,
+        "only {spoilt} spoilt sets of 24 are found out"
+    );
+}
+
+const FOUR_LAMPS: [Lamp; 4] = [
+    (DVec3::new(-3.0, 7.0, 0.3), 2),
+    (DVec3::new(0.5, 8.0, -0.3), 2),
+    (DVec3::new(3.0, 7.0, 0.2), 2),
+    (DVec3::new(3.0, 8.0, 1.0), 0),
+];
+const THREE_PLACES: [DVec3; 3] = [
+    DVec3::new(-3.0, 2.0, 0.3),
+    DVec3::new(0.4, 1.5, 0.2),
+    DVec3::new(3.0, 2.5, -0.3),
+];
+
+/// A budget of redraws may not put off what follows a hop, as it may after moves.
+#[test]
+fn no_light_waits_after_a_hop() {
+    let mut anew = World::new(arrived(), SetBudget::default(), &THREE_PLACES, &FOUR_LAMPS);
+    anew.frame();
+    let made_there = anew.masks();
+    assert!(dark(&made_there) > 100);
+    for is_told in [true, false] {
+        let mut kept = World::new(START, FEW_REDRAWS, &THREE_PLACES, &FOUR_LAMPS);
+        for _ in 0..10 {
+            kept.frame();
+        }
+        assert!(kept.walk());
+        if is_told {
+            kept.rebase();
+        } else {
+            for (id, placement) in kept.placements() {
+                kept.set.move_caster(id, placement).expect("is there");
+            }
+            kept.set_lights();
+        }
+        kept.frame();
+        let waiting = kept.set.report().waiting;
+        let other = differing(&kept.masks(), &made_there);
+        assert_eq!((waiting > 0, other > 0), (!is_told, !is_told), "{other}");
+        // Nothing is drawn again for a hop that is over.
+        for _ in 0..10 {
+            kept.frame();
+        }
+        assert_eq!(kept.set.report().redrawn, 0);
+        assert_eq!(differing(&kept.masks(), &made_there), 0);
+    }
+}
+
+/// A hop is no motion: what was still keeps its layers beside what moves.
+#[test]
+fn casters_that_were_still_stay_still() {
+    let mut bytes = Vec::new();
+    for is_told in [true, false] {
+        let lamps = &FOUR_LAMPS[..1];
+        let mut kept = World::new(START, SetBudget::default(), &THREE_PLACES, lamps);
+        kept.frame();
+        assert!(kept.walk());
+        if is_told {
+            kept.rebase();
+        } else {
+            for (id, placement) in kept.placements() {
+                kept.set.move_caster(id, placement).expect("is there");
+            }
+            kept.set_lights();
+        }
+        kept.frame();
+        // One caster moves by itself.
+        let (id, placed) = &mut kept.casters[0];
+        placed.translation.y += 0.25;
+        let placement = kept.anchor.placement(placed);
+        kept.set.move_caster(*id, placement).expect("is there");
+        kept.frame();
+        bytes.push(kept.set.map_bytes());
+    }
+    let layer = 4 * 64 * 64;
+    assert_eq!(bytes, [2 * layer, layer]);
+}
