@@ -1,7 +1,10 @@
 //! What tests upload to and read from a device, as a program with a renderer of its own would.
 
 use crate::adapter::TestDevice;
-use glam::UVec2;
+use bytemuck::cast_slice;
+use glam::{UVec2, Vec3};
+use umbrage_core::Aabb;
+use umbrage_wgpu::{CasterMesh, LightSet, MeshId, VertexLayout};
 use wgpu::{
     Buffer, BufferUsages, CommandEncoder, Extent3d, TexelCopyBufferInfo, TexelCopyBufferLayout,
     TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
@@ -15,6 +18,29 @@ pub fn buffer(d: &TestDevice, usage: BufferUsages, contents: &[u8]) -> Buffer {
         contents,
         usage,
     })
+}
+
+/// Adds a mesh of one triangle with these corners, local space, to a set. `usage` is that of its vertices.
+///
+/// # Panics
+/// Panics if the set refuses it.
+pub fn add_triangle(
+    d: &TestDevice,
+    set: &mut LightSet,
+    usage: BufferUsages,
+    corners: [[f32; 3]; 3],
+) -> MeshId {
+    let vertices = buffer(d, usage, cast_slice(&corners));
+    let mesh = CasterMesh {
+        label: "triangle",
+        vertices: &vertices,
+        layout: VertexLayout::PACKED,
+        indices: None,
+        range: 0..3,
+        base_vertex: 0,
+        bounds: Aabb::around(corners.map(Vec3::from_array)),
+    };
+    set.add_mesh(&mesh).expect("valid")
 }
 
 /// Returns a texture for shaders to read that holds these texels, row by row.

@@ -5,14 +5,12 @@ use crate::{
     foreign,
     light_program::{Forward, ForwardProgram},
 };
-use bytemuck::cast_slice;
 use glam::{Affine3A, UVec2, Vec3};
 use std::sync::Arc;
-use umbrage_core::{Aabb, Camera, Light};
+use umbrage_core::{Camera, Light};
 use umbrage_techniques::{Hard, ShadowMap};
 use umbrage_wgpu::{
-    CasterId, CasterMesh, LightId, LightSet, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
-    VertexLayout,
+    CasterId, LightId, LightSet, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
 };
 use wgpu::BufferUsages;
 
@@ -86,17 +84,7 @@ impl Stage {
         let program = ForwardProgram::floor(d, UVec2::new(64, 48));
         let mut set = program.set(budget, still_layers);
         let corners = [[-0.5_f32, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5]];
-        let vertices = foreign::buffer(program.d, BufferUsages::VERTEX, cast_slice(&corners));
-        let mesh = CasterMesh {
-            label: "triangle",
-            vertices: &vertices,
-            layout: VertexLayout::PACKED,
-            indices: None,
-            range: 0..3,
-            base_vertex: 0,
-            bounds: Aabb::around(corners.map(Vec3::from_array)),
-        };
-        let mesh = set.add_mesh(&mesh).expect("valid");
+        let mesh = foreign::add_triangle(program.d, &mut set, BufferUsages::VERTEX, corners);
         let casters = places
             .iter()
             .map(|&x| set.add_caster(mesh, at(x)).expect("valid"))

@@ -1,20 +1,16 @@
 //! Sets whose casters are relative to an anchor, when the anchor hops.
 
-use bytemuck::cast_slice;
 use glam::{Affine3A, DAffine3, DQuat, DVec3, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
-use umbrage_core::{Aabb, Anchor, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
+use umbrage_core::{Anchor, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
 use umbrage_techniques::{Exact, Hard, Pcf, ShadowMap};
 use umbrage_tests::{
     adapter::device,
     foreign,
     light_program::{Forward, ForwardProgram},
 };
-use umbrage_wgpu::{
-    CasterId, CasterMesh, LightId, LightSet, SetBudget, SetFrame, SetLight, StillLayers,
-    VertexLayout,
-};
+use umbrage_wgpu::{CasterId, LightId, LightSet, SetBudget, SetFrame, SetLight, StillLayers};
 use wgpu::BufferUsages;
 
 /// Where everything is, world space: no multiple of a power of two.
@@ -90,17 +86,7 @@ impl World {
         set.assume_prices(1.0, 1e-9);
         let corners = [[-0.8_f32, 0.0, -0.8], [0.8, 0.1, -0.8], [0.0, 0.4, 0.8]];
         let usage = BufferUsages::VERTEX | BufferUsages::STORAGE;
-        let vertices = foreign::buffer(program.d, usage, cast_slice(&corners));
-        let mesh = CasterMesh {
-            label: "triangle",
-            vertices: &vertices,
-            layout: VertexLayout::PACKED,
-            indices: None,
-            range: 0..3,
-            base_vertex: 0,
-            bounds: Aabb::around(corners.map(Vec3::from_array)),
-        };
-        let mesh = set.add_mesh(&mesh).expect("valid");
+        let mesh = foreign::add_triangle(program.d, &mut set, usage, corners);
         let anchor = Anchor::near(eye).expect("finite");
         let mut casters = Vec::new();
         for place in places {
@@ -154,6 +140,18 @@ impl World {
     fn rebase(&mut self) {
         for (id, placement) in self.placements() {
             self.set.rebase_caster(id, placement).expect("is there");
+        }
+        self.set_lights();
+    }
+
+    /// Moves everything to the anchor: as a hop, or as moves of all casters.
+    fn hop(&mut self, is_told: bool) {
+        if is_told {
+            self.rebase();
+            return;
+        }
+        for (id, placement) in self.placements() {
+            self.set.move_caster(id, placement).expect("is there");
         }
         self.set_lights();
     }
@@ -286,14 +284,7 @@ fn no_light_waits_after_a_hop() {
             kept.frame();
         }
         assert!(kept.walk());
-        if is_told {
-            kept.rebase();
-        } else {
-            for (id, placement) in kept.placements() {
-                kept.set.move_caster(id, placement).expect("is there");
-            }
-            kept.set_lights();
-        }
+        kept.hop(is_told);
         kept.frame();
         let waiting = kept.set.report().waiting;
         let other = differing(&kept.masks(), &made_there);
@@ -316,14 +307,7 @@ fn casters_that_were_still_stay_still() {
         let mut kept = World::new(START, SetBudget::default(), &THREE_PLACES, lamps);
         kept.frame();
         assert!(kept.walk());
-        if is_told {
-            kept.rebase();
-        } else {
-            for (id, placement) in kept.placements() {
-                kept.set.move_caster(id, placement).expect("is there");
-            }
-            kept.set_lights();
-        }
+        kept.hop(is_told);
         kept.frame();
         // One caster moves by itself.
         let (id, placed) = &mut kept.casters[0];

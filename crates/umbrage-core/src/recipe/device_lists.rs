@@ -63,7 +63,7 @@ impl DeviceLists {
 /// A recipe whose tables a device makes.
 #[derive(Clone, Debug)]
 pub struct DeviceRecipe {
-    /// The recipe. Its four tables have no rows.
+    /// The recipe. Its tables are those of no casters: the device's take their place.
     pub recipe: Recipe,
     /// What makes them.
     pub lists: DeviceLists,

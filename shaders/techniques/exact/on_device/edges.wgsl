@@ -2,9 +2,15 @@
 
 // What products of a lamp's directions are wrong by: 8 roundings of 1. A sun's are of differences within the triangle, and far less.
 const LAMP_SLACK = 4.8e-7;
-// How much of the margin in depth a plane may be wrong by. Less for casters of few cells, whose edges are found anew for each pass and may
-// be rounded otherwise: what is counted may not be less than what is filled in.
-const EXACT_SLOPE = 0.5;
+// How much of the margin in depth a plane may be wrong by, for it to be asked. Edges of casters of few cells are found anew in each pass, and
+// may be rounded otherwise there: no plane is asked where items are counted that isn't where they are filled in, so that the count is
+// never too small. Edges of casters of many cells are found once.
+const FILLED_SLOPE = 0.5;
+const COUNTED_SLOPE = 0.48;
+
+fn exact_slope() -> f32 {
+    return select(FILLED_SLOPE, COUNTED_SLOPE, DOES == COUNT);
+}
 
 // Functions on a face: three edges, and the plane's depth (of a lamp one over it).
 struct Edges {
@@ -26,7 +32,7 @@ fn plane_of_lamp(face: u32, corners: array<vec3f, 3>) -> vec4f {
     let farthest = max(max(length(corners[0]), length(corners[1])), length(corners[2]));
     // Corners are wrong by a rounding of their distance, and with them the normal by that times the edges.
     let error = LAMP_SLACK * longest * farthest * farthest;
-    let is_exact = abs(offset) > 0.0 && error <= EXACT_SLOPE * grid.down.w * abs(offset);
+    let is_exact = abs(offset) > 0.0 && error <= exact_slope() * grid.down.w * abs(offset);
     return vec4f(turned(normal, face) / offset, select(0.0, 1.0, is_exact));
 }
 
@@ -80,7 +86,7 @@ fn edges_of(face: u32, corners: array<vec3f, 3>) -> Edges {
         plane.z += depths.x;
         knows_depth = abs(whole) > 0.0;
     }
-    knows_depth = knows_depth && slope <= EXACT_SLOPE * grid.down.w * abs(whole);
+    knows_depth = knows_depth && slope <= exact_slope() * grid.down.w * abs(whole);
     // Where nobody asks for it the depth is 0, whatever the plane.
     plane = select(vec4f(0.0), plane, knows_depth);
     return Edges(
@@ -107,14 +113,14 @@ fn row_of(edges: Edges, y: u32, cell_side: f32) -> Row {
 }
 
 // The cells of a row in which the edges' greatest values are at least `least`; the first and the last one, maybe none. Linear functions have
-// their greatest values at corners. Divisions are rounded: a 16th of a cell makes up for it.
-fn touched_cells(row: Row, least: f32) -> vec2f {
+// their greatest values at corners. Divisions are rounded: `more`, in cells, makes up for it.
+fn touched_cells(row: Row, least: f32, more: f32) -> vec2f {
     let corner = row.first.xyz + max(row.across.xyz, vec3f(0.0)) + max(row.down.xyz, vec3f(0.0));
     let cells = cells_above(row.across.xyz, vec3f(least) - corner);
-    return vec2f(ceil(cells.x - 0.0625), floor(cells.y + 0.0625));
+    return vec2f(ceil(cells.x - more), floor(cells.y + more));
 }
 
-// The cells of a row in which the edges' least values are above 1, likewise.
+// The cells of a row in which the edges' least values are above 1: here a 16th of a cell makes up for rounded divisions.
 fn covered_cells(row: Row) -> vec2f {
     let corner = row.first.xyz + min(row.across.xyz, vec3f(0.0)) + min(row.down.xyz, vec3f(0.0));
     let cells = cells_above(row.across.xyz, vec3f(1.0) - corner);

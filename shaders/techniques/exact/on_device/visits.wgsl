@@ -6,9 +6,12 @@ override DOES: u32 = 0u;
 const COVER = 0u;
 const COUNT = 1u;
 const FILL = 2u;
-// How far the edges' functions may be below -1: more where items are counted.
+// How far the edges' functions may be below -1, and how much further the cells of a row reach: both more where items are counted, since
+// both passes round as they like.
 const COUNTED_MISS = -1.0625;
 const FILLED_MISS = -1.0;
+const COUNTED_MORE = 0.125;
+const FILLED_MORE = 0.0625;
 
 fn cell_number(face: u32, cell: vec2u) -> u32 {
     let side = side_log2();
@@ -27,7 +30,9 @@ fn visit_row(id: u32, touch: Touch, edges: Edges, y: u32) {
     if DOES == COVER {
         cells = covered_cells(row);
     } else {
-        cells = touched_cells(row, select(FILLED_MISS, COUNTED_MISS, DOES == COUNT));
+        let least = select(FILLED_MISS, COUNTED_MISS, DOES == COUNT);
+        let more = select(FILLED_MORE, COUNTED_MORE, DOES == COUNT);
+        cells = touched_cells(row, least, more);
     }
     let first = u32(max(cells.x, f32(touch.low.x >> shift)));
     let end = u32(max(min(cells.y, f32(touch.high.x >> shift)) + 1.0, 0.0));
