@@ -70,9 +70,8 @@ fn steps(options: &CiOptions) -> Vec<Step> {
 
 const FORMAT: [&str; 3] = ["fmt", "--all", "--check"];
 
-const CLIPPY: [&str; 7] = [
+const CLIPPY: [&str; 6] = [
     "clippy",
-    "--workspace",
     "--all-targets",
     "--all-features",
     "--",
@@ -108,7 +107,7 @@ fn browser() -> Result<()> {
 fn doc() -> Result<()> {
     let mut command = cargo();
     command
-        .args(["doc", "--workspace", "--no-deps", "--all-features"])
+        .args(["doc", "--no-deps", "--all-features"])
         .env("RUSTDOCFLAGS", "-D warnings");
     run(&mut command)
 }

@@ -37,13 +37,6 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     println!("testing on {adapter}");
     let mut command = cargo();
     command.args(["test", "--all-features", "--no-fail-fast"]);
-    let names_packages = options
-        .arguments
-        .iter()
-        .any(|a| a.starts_with("-p") || a.starts_with("--package"));
-    if !names_packages {
-        command.arg("--workspace");
-    }
     if options.pinned_driver {
         command.env("UMBRAGE_PINNED_DRIVER", "required");
     }
@@ -81,7 +74,7 @@ fn build_and_fetch(options: &TestOptions) -> Result<()> {
             }
             Ok(())
         });
-        let built = run(cargo().args(["test", "--workspace", "--all-features", "--no-run"]));
+        let built = run(cargo().args(["test", "--all-features", "--no-run"]));
         let fetched = fetching
             .join()
             .map_err(|_| anyhow!("fetching drivers panicked"))
@@ -97,8 +90,8 @@ const fn plays_second_driver(options: &TestOptions) -> bool {
 
 /// The nets that are played on the second driver, too, and its own.
 #[rustfmt::skip]
-const SECOND: [&str; 12] = [
-    "test", "--workspace", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--",
+const SECOND: [&str; 11] = [
+    "test", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--",
     "agreement::", "rasterisers::", "light_set::alike::", "light_set::masks::", "on_the_second_driver",
 ];
 

@@ -220,7 +220,7 @@ impl CompareOptions {
     }
 
     /// Returns options for frames of real size: the scene's own image size, the few settings that stand for each technique on
-    /// larger maps, and truth at one of each 4 x 4 pixels.
+    /// larger maps, and truth at one of each 5 x 5 pixels.
     pub fn content() -> Self {
         Self {
             map_sizes: vec![1024, 2048],
@@ -228,7 +228,7 @@ impl CompareOptions {
             knows_receivers: false,
             truth: TruthOptions {
                 samples: 128,
-                block_side: 4,
+                block_side: 5,
                 ..TruthOptions::default()
             },
             // Rows of seconds are played once, or the suite would take an hour.

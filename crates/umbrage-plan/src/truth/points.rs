@@ -44,8 +44,11 @@ impl ReceiverPoint {
         }
     }
 
-    /// Returns the point at a pixel.
-    pub(crate) fn of_pixel(
+    /// Returns the point at pixel `i` of what a camera sees.
+    ///
+    /// # Panics
+    /// Panics if there is no such pixel, or nothing is seen there.
+    pub fn of_pixel(
         camera: &Camera,
         geometry: &Geometry,
         receivers: &Receivers,

@@ -1,0 +1,774 @@
+//! The program: what is shown, what the user does with it, and what is measured meanwhile.
+
+use crate::{
+    camera::{Mode, ViewCamera},
+    gizmo::{self, LightHandles},
+    lights::EditLight,
+    measure::{
+        figures::{self, MaskError, Picture},
+        truth::{TruthRequest, TruthSoFar},
+        worker::{News, Worker},
+    },
+    panel,
+    render::{
+        FrameSettings, Renderer, Shown,
+        mask::{PendingMask, ReceiverTextures},
+    },
+    settings::{SavedSide, SideSettings, entry},
+    stage::Stage,
+};
+use anyhow::{Context as _, Result};
+use eframe::egui_wgpu::RenderState;
+use serde::{Deserialize, Serialize};
+use std::sync::{Arc, Mutex, PoisonError};
+use umbrage::{
+    Camera,
+    glam::{UVec2, Vec2, Vec3},
+};
+use web_time::{Duration, Instant};
+
+/// The scene that is shown when nobody names one.
+const FIRST_SCENE: &str = "town";
+/// Frames a second below which the picture gets coarser while something moves.
+const FLUENT: f32 = 20.0;
+/// The least share of the picture's width and height that is drawn.
+const COARSEST: f32 = 0.25;
+/// How long nothing must have changed before errors are measured.
+const REST: Duration = Duration::from_millis(250);
+/// Rays for each pixel of lights with an extent.
+const TRUTH_RAYS: u32 = 256;
+
+/// How the program begins.
+#[derive(Default)]
+pub(crate) struct Start {
+    pub scene: Option<String>,
+    pub techniques: [Option<String>; 2],
+    /// Whether the settings of the last time are forgotten.
+    pub is_fresh: bool,
+    /// Shown at first.
+    pub message: Option<String>,
+}
+
+/// What is kept from one time to the next.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    scene: String,
+    sides: Vec<SavedSide>,
+    view: ViewCamera,
+    split: Option<f32>,
+    picture: Picture,
+}
+
+/// What the panel shows and changes.
+pub(crate) struct Settings {
+    pub sides: [SideSettings; 2],
+    pub lights: Vec<EditLight>,
+    /// Index of the light whose handles are shown, and which is measured.
+    pub chosen: usize,
+    /// Where the two sides meet, as a share of the width; none if one side is shown.
+    pub split: Option<f32>,
+    /// Which side is shown alone.
+    pub shown_side: usize,
+    pub picture: Picture,
+    pub opacity: f32,
+    pub view: ViewCamera,
+    pub shows_help: bool,
+}
+
+/// What is known of a side.
+#[derive(Default)]
+pub(crate) struct Measured {
+    pending: Option<PendingMask>,
+    mask: Option<Vec<f32>>,
+    pub error: Option<MaskError>,
+}
+
+/// What frames took.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct FrameTimes {
+    /// From the begin of a frame to that of the next, smoothed, while frames follow each other.
+    pub interval: Duration,
+    /// Work on the CPU for a frame.
+    pub work: Duration,
+}
+
+pub(crate) struct App {
+    render: RenderState,
+    pub stage: Stage,
+    pub renderer: Renderer,
+    pub settings: Settings,
+    handles: LightHandles,
+    pub scale: f32,
+    pub times: FrameTimes,
+    last_frame: Option<Instant>,
+    texture: Option<(egui::TextureId, UVec2)>,
+    camera: Option<Camera>,
+    changed: Instant,
+    worker: Worker,
+    /// Counted up with each question for truth.
+    asked: u64,
+    pub truth: Option<Box<TruthSoFar>>,
+    receivers: Option<ReceiverTextures>,
+    pub measured: [Measured; 2],
+    /// What the figures are of; something else makes them stale.
+    measured_for: Option<MeasuredFor>,
+    pub message: Option<String>,
+    errors: DeviceErrors,
+    lost: Arc<Mutex<Option<String>>>,
+    screenshot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
+}
+
+#[derive(Clone, PartialEq)]
+struct MeasuredFor {
+    camera: Camera,
+    light: umbrage::Light,
+    scene: u64,
+}
+
+/// What the device reports behind the program's back.
+#[derive(Clone, Default)]
+struct DeviceErrors {
+    fault: Arc<Mutex<Option<String>>>,
+    loss: Arc<Mutex<Option<String>>>,
+}
+
+fn taken(place: &Mutex<Option<String>>) -> Option<String> {
+    place.lock().unwrap_or_else(PoisonError::into_inner).take()
+}
+
+fn put(place: &Mutex<Option<String>>, message: String) {
+    place
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .get_or_insert(message);
+}
+
+/// What the program asks of an adapter: all that it has in sizes, so that large scenes and windows have room.
+pub(crate) fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    let has = adapter.limits();
+    let timed = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+    wgpu::DeviceDescriptor {
+        label: Some("umbrage viewer"),
+        required_features: adapter.features() & timed,
+        required_limits: wgpu::Limits {
+            max_buffer_size: has.max_buffer_size,
+            max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
+            ..wgpu::Limits::default().using_resolution(has)
+        },
+        ..wgpu::DeviceDescriptor::default()
+    }
+}
+
+impl App {
+    /// Opens the first scene.
+    ///
+    /// # Errors
+    /// Errors if there is no device, or the scene can't be shown.
+    pub(crate) fn new(
+        context: &eframe::CreationContext<'_>,
+        start: Start,
+        lost: Arc<Mutex<Option<String>>>,
+    ) -> Result<Self> {
+        let render = context.wgpu_render_state.clone().context(
+            "no graphics device; install a graphics driver, such as Debian's mesa-vulkan-drivers",
+        )?;
+        let errors = DeviceErrors::default();
+        let fault = errors.fault.clone();
+        render
+            .device
+            .on_uncaptured_error(Arc::new(move |error| put(&fault, error.to_string())));
+        let loss = errors.loss.clone();
+        let wake = context.egui_ctx.clone();
+        render
+            .device
+            .set_device_lost_callback(move |reason, message| {
+                put(
+                    &loss,
+                    format!("The graphics device was lost ({reason:?}): {message}"),
+                );
+                wake.request_repaint();
+            });
+        let saved: Option<Saved> = match (start.is_fresh, context.storage) {
+            (false, Some(storage)) => eframe::get_value(storage, eframe::APP_KEY),
+            _ => None,
+        };
+        let mut message = start.message;
+        let asked = start.scene.is_some();
+        let wanted = start
+            .scene
+            .or_else(|| saved.as_ref().map(|saved| saved.scene.clone()))
+            .unwrap_or_else(|| FIRST_SCENE.to_owned());
+        let stage = match Stage::load(&wanted) {
+            Ok(stage) => stage,
+            Err(error) if asked => return Err(error),
+            Err(error) => {
+                message = Some(format!("{error:#}"));
+                Stage::load(FIRST_SCENE)?
+            }
+        };
+        let settings = Settings::new(&stage, saved.as_ref(), &start.techniques);
+        let sides = [&settings.sides[0], &settings.sides[1]];
+        let renderer = Renderer::new(&render.device, &render.queue, &stage, sides)?;
+        let wake = context.egui_ctx.clone();
+        context.egui_ctx.set_theme(egui::Theme::Dark);
+        Ok(Self {
+            stage,
+            renderer,
+            settings,
+            handles: LightHandles::default(),
+            scale: 1.0,
+            times: FrameTimes::default(),
+            last_frame: None,
+            texture: None,
+            camera: None,
+            changed: Instant::now(),
+            worker: Worker::new(move || wake.request_repaint()),
+            asked: 0,
+            truth: None,
+            receivers: None,
+            measured: [Measured::default(), Measured::default()],
+            measured_for: None,
+            message,
+            errors,
+            lost,
+            screenshot: Arc::default(),
+            render,
+        })
+    }
+
+    /// Shows another scene. If it can't be shown, the present one stays, and a message says why.
+    pub(crate) fn open(&mut self, argument: &str) {
+        let opened = Stage::load(argument).and_then(|stage| {
+            let sides = [&self.settings.sides[0], &self.settings.sides[1]];
+            let renderer = Renderer::new(&self.render.device, &self.render.queue, &stage, sides)?;
+            Ok((stage, renderer))
+        });
+        match opened {
+            Ok((stage, renderer)) => {
+                self.settings.show(&stage);
+                self.stage = stage;
+                self.renderer = renderer;
+                self.forget_figures();
+                self.message = None;
+                self.touch();
+            }
+            Err(error) => self.message = Some(format!("{argument}: {error:#}")),
+        }
+    }
+
+    /// Notes that something changed.
+    fn touch(&mut self) {
+        self.changed = Instant::now();
+    }
+
+    fn forget_figures(&mut self) {
+        self.truth = None;
+        self.receivers = None;
+        self.measured = [Measured::default(), Measured::default()];
+        self.measured_for = None;
+        for overlay in &mut self.renderer.overlays {
+            overlay.clear();
+        }
+    }
+
+    fn shown(&self) -> Shown {
+        match self.settings.split {
+            Some(divider) => Shown::Both(divider),
+            None => Shown::One(self.settings.shown_side),
+        }
+    }
+
+    /// Takes files that were dropped on the window.
+    fn take_files(&mut self, ctx: &egui::Context) {
+        let files = ctx.input(|input| input.raw.dropped_files.clone());
+        for file in files {
+            if let Some(path) = panel::dropped_path(&file) {
+                self.open(&path);
+            }
+        }
+    }
+
+    /// Reads keys and the mouse over the picture. Returns whether the view moved.
+    fn steer(&mut self, ui: &egui::Ui, response: &egui::Response, passed: Duration) -> bool {
+        let before = self.settings.view;
+        let ctx = ui.ctx();
+        let view = &mut self.settings.view;
+        if response.dragged_by(egui::PointerButton::Secondary) {
+            let moved = response.drag_motion();
+            view.turn(Vec2::new(moved.x, moved.y));
+        }
+        if response.dragged_by(egui::PointerButton::Middle) {
+            let moved = response.drag_delta();
+            view.pan(Vec2::new(moved.x, moved.y), response.rect.height());
+        }
+        if response.hovered() {
+            let lines = ctx.input(|input| input.smooth_scroll_delta().y) / 40.0;
+            if lines != 0.0 {
+                view.step(lines);
+            }
+        }
+        if !ctx.egui_wants_keyboard_input() {
+            let way = flight(ctx);
+            let is_fast = ctx.input(|input| input.modifiers.shift);
+            // A long frame is no long flight.
+            let seconds = passed.as_secs_f32().min(0.2);
+            let factor = if is_fast { 4.0 } else { 1.0 };
+            view.fly(way, factor * seconds);
+        }
+        *view != before
+    }
+
+    fn keys(&mut self, ctx: &egui::Context) {
+        if ctx.egui_wants_keyboard_input() {
+            return;
+        }
+        let pressed = |key| ctx.input(|input| input.key_pressed(key));
+        let settings = &mut self.settings;
+        if pressed(egui::Key::F) {
+            settings.split = None;
+            settings.shown_side = 1 - settings.shown_side;
+        }
+        if pressed(egui::Key::X) {
+            settings.split = if settings.split.is_some() {
+                None
+            } else {
+                Some(0.5)
+            };
+        }
+        if pressed(egui::Key::O) {
+            settings.view.mode = match settings.view.mode {
+                Mode::Fly => Mode::Orbit,
+                Mode::Orbit => Mode::Fly,
+            };
+        }
+        if pressed(egui::Key::R) {
+            self.handles.turns = !self.handles.turns;
+        }
+        if pressed(egui::Key::H) {
+            settings.picture = match settings.picture {
+                Picture::Error => Picture::Nothing,
+                _ => Picture::Error,
+            };
+        }
+        if pressed(egui::Key::F1) {
+            settings.shows_help = !settings.shows_help;
+        }
+        if pressed(egui::Key::F12) {
+            self.ask_for_screenshot(ctx);
+        }
+        if pressed(egui::Key::C) && ctx.input(|input| input.modifiers.is_none()) {
+            self.copy_preset(ctx, self.settings.shown_side);
+        }
+    }
+
+    /// Copies a side's settings for the chosen light, as a preset file has them.
+    pub(crate) fn copy_preset(&mut self, ctx: &egui::Context, side: usize) {
+        let Some(light) = self.settings.lights.get(self.settings.chosen) else {
+            return;
+        };
+        match self.settings.sides[side].preset_text(&light.light) {
+            Ok(text) => {
+                ctx.copy_text(text);
+                self.message = Some("The preset is in the clipboard.".to_owned());
+            }
+            Err(error) => self.message = Some(format!("{error:#}")),
+        }
+    }
+
+    /// Draws the scene, and shows it in a part of the window.
+    fn picture(&mut self, ui: &mut egui::Ui, passed: Duration) -> Result<()> {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
+        if self.steer(ui, &response, passed) {
+            self.touch();
+        }
+        let pixels = rect.size() * ui.ctx().pixels_per_point();
+        let is_moving = self.changed.elapsed() < REST;
+        self.adapt(is_moving);
+        let scale = if is_moving { self.scale } else { 1.0 };
+        let most = self.render.device.limits().max_texture_dimension_2d as f32;
+        let side = |length: f32| (length * scale).round().clamp(1.0, most) as u32;
+        let size = UVec2::new(side(pixels.x), side(pixels.y));
+        let camera = self.settings.view.camera(size);
+        let begin = Instant::now();
+        let shown = self.shown();
+        let frame = FrameSettings {
+            camera: &camera,
+            stage: &self.stage,
+            lights: &self.settings.lights,
+            sides: [&self.settings.sides[0], &self.settings.sides[1]],
+            shown,
+        };
+        let view = self.renderer.frame(&frame)?;
+        let mut egui_renderer = self.render.renderer.write();
+        let filter = wgpu::FilterMode::Linear;
+        let texture = match self.texture {
+            Some((id, known)) if known == size => id,
+            Some((id, _)) => {
+                egui_renderer.update_egui_texture_from_wgpu_texture(
+                    &self.render.device,
+                    view,
+                    filter,
+                    id,
+                );
+                id
+            }
+            None => egui_renderer.register_native_texture(&self.render.device, view, filter),
+        };
+        drop(egui_renderer);
+        self.texture = Some((texture, size));
+        self.camera = Some(camera);
+        self.times.work = begin.elapsed();
+        let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+        ui.painter_at(rect)
+            .image(texture, rect, whole, egui::Color32::WHITE);
+        self.divider(ui, rect);
+        self.lights(ui, rect, &camera);
+        if self.changed.elapsed() < REST {
+            ui.ctx().request_repaint();
+        }
+        Ok(())
+    }
+
+    /// Draws fewer pixels while something moves and frames take long, and more again once they don't.
+    fn adapt(&mut self, is_moving: bool) {
+        let interval = self.times.interval.as_secs_f32();
+        if !is_moving || interval == 0.0 {
+            return;
+        }
+        // What a frame takes goes with its pixels: with the square of the scale.
+        let wanted = self.scale * (1.0 / (FLUENT * interval)).sqrt();
+        let slowly = 0.7 * self.scale + 0.3 * wanted;
+        self.scale = slowly.clamp(COARSEST, 1.0);
+    }
+
+    fn divider(&mut self, ui: &egui::Ui, rect: egui::Rect) {
+        let Some(divider) = &mut self.settings.split else {
+            return;
+        };
+        let x = egui::lerp(rect.x_range(), *divider);
+        let grip = egui::Rect::from_x_y_ranges(x - 6.0..=x + 6.0, rect.y_range());
+        let response = ui.interact(grip, ui.scope_id().with("divider"), egui::Sense::drag());
+        if response.hovered() || response.dragged() {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+        }
+        if let Some(pointer) = response.interact_pointer_pos()
+            && response.dragged()
+        {
+            *divider = ((pointer.x - rect.min.x) / rect.width()).clamp(0.0, 1.0);
+        }
+        let painter = ui.painter_at(rect);
+        painter.vline(
+            x,
+            rect.y_range(),
+            egui::Stroke::new(3.0, egui::Color32::BLACK),
+        );
+        painter.vline(
+            x,
+            rect.y_range(),
+            egui::Stroke::new(1.5, egui::Color32::WHITE),
+        );
+    }
+
+    fn lights(&mut self, ui: &egui::Ui, rect: egui::Rect, camera: &Camera) {
+        let settings = &mut self.settings;
+        let bounds = &self.stage.bounds;
+        gizmo::markers(
+            ui,
+            rect,
+            camera,
+            bounds,
+            &settings.lights,
+            &mut settings.chosen,
+        );
+        let mut has_moved = false;
+        if let Some(light) = settings.lights.get_mut(settings.chosen) {
+            has_moved = self.handles.show(ui, rect, camera, bounds, light);
+        }
+        if has_moved {
+            self.touch();
+        }
+    }
+
+    /// Asks for truth once nothing moves, and takes what is there of it.
+    fn measure(&mut self, ctx: &egui::Context) -> Result<()> {
+        let Some(camera) = self.camera else {
+            return Ok(());
+        };
+        let light = self
+            .settings
+            .lights
+            .get(self.settings.chosen)
+            .filter(|light| light.is_on);
+        let Some(light) = light.map(|light| light.light) else {
+            return Ok(());
+        };
+        let wanted = MeasuredFor {
+            camera,
+            light,
+            scene: self.stage.geometry.fingerprint(),
+        };
+        let rests = self.changed.elapsed() >= REST;
+        if self.measured_for.as_ref() != Some(&wanted) {
+            if self.measured_for.is_some() {
+                self.forget_figures();
+            }
+            if rests && camera.size.element_product() > 0 {
+                self.asked += 1;
+                self.worker.ask(TruthRequest {
+                    camera,
+                    geometry: self.stage.geometry.clone(),
+                    light,
+                    samples: TRUTH_RAYS,
+                    number: self.asked,
+                });
+                self.measured_for = Some(wanted);
+            }
+            return Ok(());
+        }
+        match self.worker.news() {
+            Some(News::Truth(truth)) if truth.number == self.asked => {
+                if self.receivers.is_none() {
+                    let textures = ReceiverTextures::new(
+                        &self.render.device,
+                        &self.render.queue,
+                        &truth.receivers,
+                    );
+                    self.receivers = Some(textures);
+                }
+                self.truth = Some(truth);
+                self.compare()?;
+            }
+            Some(News::Failed(error)) => self.message = Some(error),
+            _ => {}
+        }
+        self.fetch_masks(ctx)
+    }
+
+    /// Has both sides make the chosen light's mask, and takes it when it is there.
+    fn fetch_masks(&mut self, ctx: &egui::Context) -> Result<()> {
+        let Some(receivers) = &self.receivers else {
+            return Ok(());
+        };
+        let on = |i: &usize| self.settings.lights[*i].is_on;
+        let place = (0..self.settings.chosen).filter(on).count();
+        let mut has_news = false;
+        for (side, measured) in self.renderer.sides.iter_mut().zip(&mut self.measured) {
+            if let Some(pending) = &measured.pending {
+                ctx.request_repaint_after(Duration::from_millis(10));
+                if let Some(mask) = pending.take()? {
+                    measured.mask = Some(mask);
+                    measured.pending = None;
+                    has_news = true;
+                }
+            } else if measured.mask.is_none()
+                && let Some(&light) = side.ids.get(place)
+                && side.set.bind_group().is_ok()
+            {
+                let (device, queue) = (&self.render.device, &self.render.queue);
+                let pending = PendingMask::request(device, queue, &mut side.set, light, receivers)?;
+                measured.pending = Some(pending);
+                ctx.request_repaint();
+            }
+        }
+        self.render.device.poll(wgpu::PollType::Poll)?;
+        if has_news {
+            self.compare()?;
+        }
+        Ok(())
+    }
+
+    /// Compares masks with truth, and lays a picture of it over the sides.
+    pub(crate) fn compare(&mut self) -> Result<()> {
+        let Some(truth) = &self.truth else {
+            return Ok(());
+        };
+        for (measured, overlay) in self.measured.iter_mut().zip(&mut self.renderer.overlays) {
+            let mask = measured.mask.as_deref();
+            measured.error = mask.map(|mask| figures::mask_error(truth, mask));
+            overlay.opacity = self.settings.opacity;
+            match figures::picture(self.settings.picture, truth, mask) {
+                Some(rgba) => overlay.show(
+                    &self.render.device,
+                    &self.render.queue,
+                    truth.receivers.size,
+                    &rgba,
+                ),
+                None => overlay.clear(),
+            }
+        }
+        Ok(())
+    }
+
+    /// Forgets a side's mask, since its technique changed.
+    pub(crate) fn forget_mask(&mut self, side: usize) {
+        self.measured[side] = Measured::default();
+        self.renderer.overlays[side].clear();
+        self.touch();
+    }
+
+    /// Asks for a picture of the window, which comes with one of the next frames.
+    pub(crate) fn ask_for_screenshot(&self, ctx: &egui::Context) {
+        let place = self.screenshot.clone();
+        let wake = ctx.clone();
+        ctx.request_screenshot(move |image| {
+            *place.lock().unwrap_or_else(PoisonError::into_inner) = Some(image);
+            wake.request_repaint();
+        });
+    }
+
+    fn save_screenshot(&mut self) {
+        let image = self
+            .screenshot
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        if let Some(image) = image {
+            self.message = Some(match panel::save_screenshot(&image) {
+                Ok(place) => format!("The screenshot is in {place}."),
+                Err(error) => format!("The screenshot can't be kept: {error:#}"),
+            });
+        }
+    }
+
+    fn time_frame(&mut self) -> Duration {
+        let now = Instant::now();
+        let passed = self.last_frame.map_or(Duration::ZERO, |last| now - last);
+        self.last_frame = Some(now);
+        // After a rest the time since the last frame says nothing.
+        if passed < Duration::from_secs(2) {
+            let old = self.times.interval;
+            self.times.interval = if old.is_zero() {
+                passed
+            } else {
+                old.mul_f32(0.7) + passed.mul_f32(0.3)
+            };
+        }
+        passed
+    }
+}
+
+/// Returns where the keys that are down fly: to the right, up and forward.
+fn flight(ctx: &egui::Context) -> Vec3 {
+    ctx.input(|input| {
+        let down = |key| f32::from(u8::from(input.key_down(key)));
+        let along = |less, more| down(more) - down(less);
+        Vec3::new(
+            along(egui::Key::A, egui::Key::D),
+            along(egui::Key::Q, egui::Key::E),
+            along(egui::Key::S, egui::Key::W),
+        )
+    })
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        if let Some(loss) = taken(&self.errors.loss) {
+            put(&self.lost, loss);
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            return;
+        }
+        if let Some(fault) = taken(&self.errors.fault) {
+            self.message = Some(fault);
+        }
+        let passed = self.time_frame();
+        self.take_files(&ctx);
+        self.keys(&ctx);
+        self.save_screenshot();
+        let is_moving = self.changed.elapsed() < REST;
+        let passed = if is_moving {
+            passed
+        } else {
+            passed.min(Duration::from_millis(50))
+        };
+        panel::show(self, ui);
+        let frame = egui::Frame::NONE;
+        egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+            if let Err(error) = self.picture(ui, passed) {
+                self.message = Some(format!("{error:#}"));
+            }
+            panel::over_picture(self, ui);
+        });
+        if let Err(error) = self.measure(&ctx) {
+            self.message = Some(format!("{error:#}"));
+        }
+        if flight(&ctx) != Vec3::ZERO || self.changed.elapsed() < REST {
+            ctx.request_repaint();
+        } else if self.measured_for.is_none() {
+            ctx.request_repaint_after(REST);
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        let sides: Result<Vec<SavedSide>> = self
+            .settings
+            .sides
+            .iter()
+            .map(SideSettings::saved)
+            .collect();
+        let Ok(sides) = sides else {
+            return;
+        };
+        let saved = Saved {
+            scene: self.stage.argument.clone(),
+            sides,
+            view: self.settings.view,
+            split: self.settings.split,
+            picture: self.settings.picture,
+        };
+        eframe::set_value(storage, eframe::APP_KEY, &saved);
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
+        Some(self)
+    }
+}
+
+impl Settings {
+    fn new(stage: &Stage, saved: Option<&Saved>, techniques: &[Option<String>; 2]) -> Self {
+        let range = 0.5 * stage.bounds.diagonal();
+        let side = |i: usize, usual: &str| {
+            if let Some(name) = &techniques[i] {
+                return SideSettings::new(entry(name), range);
+            }
+            let kept = saved.and_then(|saved| SideSettings::of_saved(saved.sides.get(i)?).ok());
+            kept.unwrap_or_else(|| SideSettings::new(entry(usual), range))
+        };
+        let mut out = Self {
+            sides: [side(0, "pcf"), side(1, "exact")],
+            lights: Vec::new(),
+            chosen: 0,
+            split: saved.map_or(Some(0.5), |saved| saved.split),
+            shown_side: 0,
+            picture: saved.map_or(Picture::Nothing, |saved| saved.picture),
+            opacity: 1.0,
+            view: ViewCamera::new(&stage.camera, &stage.bounds),
+            shows_help: false,
+        };
+        out.show(stage);
+        if let Some(saved) = saved
+            && saved.scene == stage.argument
+        {
+            out.view = saved.view;
+        }
+        out
+    }
+
+    /// Takes a scene's lights and camera.
+    fn show(&mut self, stage: &Stage) {
+        let count = stage.lights.len();
+        self.lights = stage
+            .lights
+            .iter()
+            .take(crate::lights::MAX_LIGHTS)
+            .map(|light| EditLight::of_scene(*light, count))
+            .collect();
+        self.chosen = 0;
+        self.view = ViewCamera::new(&stage.camera, &stage.bounds);
+        for side in &mut self.sides {
+            side.range = 0.5 * stage.bounds.diagonal();
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The camera that the user moves.
+
+use serde::{Deserialize, Serialize};
+use umbrage::{
+    Aabb, Camera,
+    glam::{Affine3A, EulerRot, Quat, UVec2, Vec2, Vec3, camera::rh::proj::directx},
+};
+
+/// Radians for each point that the mouse moves.
+const TURN: f32 = 0.0035;
+/// How far up and down the camera looks at most, radians.
+const STEEPEST: f32 = 1.55;
+/// The near plane, as a share of the scene's diagonal.
+const NEAR: f32 = 2e-4;
+
+/// What the mouse turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Mode {
+    /// The camera stands, and looks around.
+    Fly,
+    /// The camera goes around a point.
+    Orbit,
+}
+
+/// Where the camera is, and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ViewCamera {
+    pub mode: Mode,
+    /// Metres a second.
+    pub speed: f32,
+    /// Whether lines stay parallel.
+    pub orthographic: bool,
+    /// World space, metres.
+    eye: Vec3,
+    /// Radians around the y axis; 0 looks along -z.
+    yaw: f32,
+    /// Radians upwards.
+    pitch: f32,
+    /// From the eye to the point that it goes around, metres.
+    distance: f32,
+    /// Full vertical angle, radians.
+    fov_y: f32,
+    /// Diagonal of the scene's box, metres.
+    diagonal: f32,
+}
+
+impl ViewCamera {
+    /// Returns a camera that shows what a scene's camera does.
+    pub(crate) fn new(camera: &Camera, bounds: &Aabb) -> Self {
+        let camera = camera.standard();
+        let eye = camera.eye();
+        let ahead = camera
+            .world_from_view
+            .transform_vector3(Vec3::NEG_Z)
+            .normalize();
+        let has_perspective = camera.clip_from_view.w_axis.w == 0.0;
+        let fov_y = if has_perspective {
+            2.0 * (1.0 / camera.clip_from_view.y_axis.y).atan()
+        } else {
+            0.8
+        };
+        let (center, diagonal) = if bounds.is_empty() {
+            (Vec3::ZERO, 1.0)
+        } else {
+            (bounds.center(), bounds.diagonal().max(1e-3))
+        };
+        // What is ahead, about as far away as the scene's middle.
+        let distance = (center - eye).dot(ahead).max(0.05 * diagonal);
+        Self {
+            mode: Mode::Fly,
+            speed: 0.08 * diagonal.min(200.0),
+            orthographic: !has_perspective,
+            eye,
+            yaw: (-ahead.x).atan2(-ahead.z),
+            pitch: ahead.y.clamp(-1.0, 1.0).asin().clamp(-STEEPEST, STEEPEST),
+            distance,
+            fov_y,
+            diagonal,
+        }
+    }
+
+    /// Turns as the mouse moves, points.
+    pub(crate) fn turn(&mut self, moved: Vec2) {
+        let pivot = self.pivot();
+        self.yaw -= TURN * moved.x;
+        self.pitch = (self.pitch - TURN * moved.y).clamp(-STEEPEST, STEEPEST);
+        if self.mode == Mode::Orbit {
+            self.eye = pivot - self.ahead() * self.distance;
+        }
+    }
+
+    /// Moves sideways and up, as if the mouse held what is at the pivot: `moved` in points, of an image so many points high.
+    pub(crate) fn pan(&mut self, moved: Vec2, height: f32) {
+        let metres = 2.0 * self.distance * (0.5 * self.fov_y).tan() / height.max(1.0);
+        self.eye += self.rotation() * Vec3::new(-moved.x * metres, moved.y * metres, 0.0);
+    }
+
+    /// Goes ahead by some steps of the wheel.
+    pub(crate) fn step(&mut self, steps: f32) {
+        match self.mode {
+            Mode::Fly => self.eye += self.ahead() * (0.5 * self.speed * steps),
+            Mode::Orbit => {
+                let pivot = self.pivot();
+                let nearest = 1e-3 * self.diagonal;
+                self.distance = (self.distance * 0.85_f32.powf(steps)).max(nearest);
+                self.eye = pivot - self.ahead() * self.distance;
+            }
+        }
+    }
+
+    /// Flies for some seconds: `way` is to the right, up (in the world) and forward, each -1 to 1.
+    pub(crate) fn fly(&mut self, way: Vec3, seconds: f32) {
+        let along = self.rotation() * Vec3::new(way.x, 0.0, -way.z);
+        self.eye += (along + Vec3::Y * way.y) * (self.speed * seconds);
+    }
+
+    /// Returns the camera for a picture of this size. Its depth is reversed: 1 at the near plane.
+    pub(crate) fn camera(&self, size: UVec2) -> Camera {
+        let aspect = size.x as f32 / size.y as f32;
+        let near = NEAR * self.diagonal;
+        let clip_from_view = if self.orthographic {
+            let half = self.distance * (0.5 * self.fov_y).tan();
+            let far = 2.0 * self.diagonal + self.distance;
+            // Near and far are swapped.
+            directx::orthographic(-half * aspect, half * aspect, -half, half, far, -far)
+        } else {
+            directx::perspective_infinite_reverse(self.fov_y, aspect, near)
+        };
+        Camera {
+            world_from_view: Affine3A::from_rotation_translation(self.rotation(), self.eye),
+            clip_from_view,
+            size,
+        }
+    }
+
+    /// The way the camera looks.
+    pub(crate) fn ahead(&self) -> Vec3 {
+        self.rotation() * Vec3::NEG_Z
+    }
+
+    fn pivot(&self) -> Vec3 {
+        self.eye + self.ahead() * self.distance
+    }
+
+    fn rotation(&self) -> Quat {
+        Quat::from_euler(EulerRot::YXZ, self.yaw, self.pitch, 0.0)
+    }
+}

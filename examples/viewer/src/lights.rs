@@ -1,0 +1,243 @@
+//! Lights that the user edits.
+
+use serde::{Deserialize, Serialize};
+use umbrage::{
+    Aabb, Light,
+    glam::{Quat, Vec3},
+};
+
+/// Most lights at a time: as many as the forward shader's array has.
+pub(crate) const MAX_LIGHTS: usize = 16;
+
+/// A light, and how it looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EditLight {
+    pub light: Light,
+    /// sRGB, 0 to 1.
+    pub color: [f32; 3],
+    /// Factor of the colour, 0 and more.
+    pub brightness: f32,
+    pub is_on: bool,
+}
+
+/// The kinds, in the order of the panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Kind {
+    Directional,
+    Spot,
+    Point,
+    Rect,
+    Disc,
+}
+
+impl Kind {
+    pub(crate) const ALL: [Self; 5] = [
+        Self::Directional,
+        Self::Spot,
+        Self::Point,
+        Self::Rect,
+        Self::Disc,
+    ];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Directional => "directional",
+            Self::Spot => "spot",
+            Self::Point => "point",
+            Self::Rect => "rectangle",
+            Self::Disc => "disc",
+        }
+    }
+
+    pub(crate) const fn of(light: &Light) -> Self {
+        match light {
+            Light::Directional { .. } => Self::Directional,
+            Light::Spot { .. } => Self::Spot,
+            Light::Point { .. } => Self::Point,
+            Light::Rect { .. } => Self::Rect,
+            Light::Disc { .. } => Self::Disc,
+        }
+    }
+}
+
+impl EditLight {
+    /// Returns a light of a scene, as bright as goes with so many others.
+    pub(crate) fn of_scene(light: Light, count: usize) -> Self {
+        Self {
+            light,
+            color: [1.0, 0.96, 0.9],
+            brightness: 0.9 / (count.max(1) as f32).sqrt(),
+            is_on: true,
+        }
+    }
+
+    /// Returns a new light above the middle of a scene.
+    pub(crate) fn above(bounds: &Aabb) -> Self {
+        let reach = reach_of(bounds);
+        let position = middle_of(bounds) + Vec3::new(0.15, 0.45, 0.2) * reach;
+        let light = Light::Point {
+            position,
+            radius: 0.0,
+        };
+        Self {
+            color: [1.0, 0.8, 0.55],
+            ..Self::of_scene(light, 2)
+        }
+    }
+
+    /// Where the light is drawn and dragged: its middle, or for directional ones a point of the scene's upper half, towards them.
+    pub(crate) fn marker(&self, bounds: &Aabb) -> Vec3 {
+        match self.light.position() {
+            Some(position) => position,
+            None => middle_of(bounds) - direction_of(&self.light) * (0.4 * reach_of(bounds)),
+        }
+    }
+
+    /// Puts the marker elsewhere. A directional light shines from there to the scene's middle.
+    pub(crate) fn move_marker(&mut self, to: Vec3, bounds: &Aabb) {
+        match &mut self.light {
+            Light::Directional { direction, .. } => {
+                let along = middle_of(bounds) - to;
+                if along.length() > 1e-6 * reach_of(bounds) {
+                    *direction = along.normalize();
+                }
+            }
+            Light::Spot { position, .. } | Light::Point { position, .. } => *position = to,
+            Light::Rect { center, .. } | Light::Disc { center, .. } => *center = to,
+        }
+    }
+
+    /// Turns the light about its marker.
+    pub(crate) fn turn(&mut self, by: Quat) {
+        match &mut self.light {
+            Light::Directional { direction, .. } | Light::Spot { direction, .. } => {
+                *direction = (by * *direction).normalize();
+            }
+            Light::Point { .. } => {}
+            Light::Rect { half_u, half_v, .. } => {
+                *half_u = by * *half_u;
+                *half_v = by * *half_v;
+            }
+            Light::Disc { normal, .. } => *normal = (by * *normal).normalize(),
+        }
+    }
+
+    /// Whether turning changes anything.
+    pub(crate) const fn can_turn(&self) -> bool {
+        !matches!(self.light, Light::Point { .. })
+    }
+
+    /// Makes it another kind that stands, points and spreads as this one does, as far as the kinds have that in common.
+    pub(crate) fn retype(&mut self, kind: Kind, bounds: &Aabb) {
+        if Kind::of(&self.light) == kind {
+            return;
+        }
+        let position = self.marker(bounds);
+        let to_middle = (middle_of(bounds) - position).normalize_or(Vec3::NEG_Y);
+        let direction = match self.light {
+            Light::Directional { .. } | Light::Spot { .. } => direction_of(&self.light),
+            Light::Rect { half_u, half_v, .. } => {
+                let normal = half_u.cross(half_v).normalize_or(to_middle);
+                normal * normal.dot(to_middle).signum()
+            }
+            Light::Disc { normal, .. } => normal.normalize() * normal.dot(to_middle).signum(),
+            Light::Point { .. } => to_middle,
+        };
+        // The extent, metres at the light's place.
+        let away = 0.4 * reach_of(bounds);
+        let radius = match self.light {
+            Light::Directional {
+                angular_diameter, ..
+            } => away * (0.5 * angular_diameter).tan(),
+            Light::Spot { radius, .. }
+            | Light::Point { radius, .. }
+            | Light::Disc { radius, .. } => radius,
+            Light::Rect { half_u, half_v, .. } => (half_u.length() * half_v.length()).sqrt(),
+        };
+        let extent = if radius > 0.0 { radius } else { 0.04 * away };
+        self.light = match kind {
+            Kind::Directional => Light::Directional {
+                direction,
+                angular_diameter: 2.0 * (radius / away).atan(),
+            },
+            Kind::Spot => Light::Spot {
+                position,
+                direction,
+                inner: 0.6,
+                outer: 0.75,
+                radius,
+            },
+            Kind::Point => Light::Point { position, radius },
+            Kind::Rect => {
+                let half_u = direction.any_orthonormal_vector() * extent;
+                Light::Rect {
+                    center: position,
+                    half_u,
+                    half_v: direction.cross(half_u).normalize() * extent,
+                }
+            }
+            Kind::Disc => Light::Disc {
+                center: position,
+                normal: direction,
+                radius: extent,
+            },
+        };
+    }
+
+    /// Makes a directional light a lamp from the same side whose map has perspective, or such a lamp a directional light again.
+    pub(crate) fn set_perspective(&mut self, has_perspective: bool, bounds: &Aabb) {
+        let kind = if has_perspective {
+            Kind::Spot
+        } else {
+            Kind::Directional
+        };
+        self.retype(kind, bounds);
+        let reach = reach_of(bounds);
+        if let Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            ..
+        } = &mut self.light
+        {
+            let away = 1.2 * reach;
+            *position = middle_of(bounds) - *direction * away;
+            // All of the scene's ball lies in the cone.
+            *outer = (0.5 * reach / away).asin() + 0.02;
+            *inner = *outer;
+        }
+    }
+
+    /// Linear colour, brightness included.
+    pub(crate) fn linear_color(&self) -> Vec3 {
+        let decode = |c: f32| umbrage::picture::decode((255.0 * c.clamp(0.0, 1.0)).round() as u8);
+        Vec3::from(self.color.map(decode)) * self.brightness
+    }
+}
+
+fn direction_of(light: &Light) -> Vec3 {
+    match *light {
+        Light::Directional { direction, .. } | Light::Spot { direction, .. } => {
+            direction.normalize_or(Vec3::NEG_Y)
+        }
+        _ => Vec3::NEG_Y,
+    }
+}
+
+fn middle_of(bounds: &Aabb) -> Vec3 {
+    if bounds.is_empty() {
+        Vec3::ZERO
+    } else {
+        bounds.center()
+    }
+}
+
+/// Metres across the scene.
+fn reach_of(bounds: &Aabb) -> f32 {
+    if bounds.is_empty() {
+        1.0
+    } else {
+        bounds.diagonal().max(1e-3)
+    }
+}

@@ -1,0 +1,25 @@
+//! A window to see shadows in: drag the lights, compare techniques side by side, measure them against rays.
+
+mod app;
+mod camera;
+mod gizmo;
+mod lights;
+mod measure;
+#[cfg(not(target_arch = "wasm32"))]
+mod native;
+mod panel;
+mod render;
+mod settings;
+mod stage;
+#[cfg(target_arch = "wasm32")]
+mod web;
+
+#[cfg(not(target_arch = "wasm32"))]
+fn main() -> std::process::ExitCode {
+    native::main()
+}
+
+#[cfg(target_arch = "wasm32")]
+fn main() {
+    web::main();
+}

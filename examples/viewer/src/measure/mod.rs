@@ -1,0 +1,5 @@
+//! What is measured of the view while nothing moves: truth, errors, and where lookups go.
+
+pub(crate) mod figures;
+pub(crate) mod truth;
+pub(crate) mod worker;

@@ -1,0 +1,188 @@
+//! Who plays the small steps of a truth job: a thread on the desktop, the frames themselves in browsers.
+
+use super::truth::{TruthJob, TruthRequest, TruthSoFar};
+use anyhow::Result;
+
+/// What came of a job since it was asked last.
+pub(crate) enum News {
+    Truth(Box<TruthSoFar>),
+    Failed(String),
+}
+
+impl TruthSoFar {
+    fn copy(&self) -> Box<Self> {
+        Box::new(Self {
+            number: self.number,
+            receivers: self.receivers.clone(),
+            visibility: self.visibility.clone(),
+            is_traced: self.is_traced.clone(),
+            is_left_out: self.is_left_out.clone(),
+            progress: self.progress,
+        })
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use thread::Worker;
+
+#[cfg(not(target_arch = "wasm32"))]
+mod thread {
+    use super::*;
+    use std::sync::{
+        Arc, Condvar, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    };
+
+    #[derive(Default)]
+    struct Shared {
+        wanted: Mutex<Option<TruthRequest>>,
+        news: Mutex<Option<News>>,
+        asked: Condvar,
+        ends: AtomicBool,
+    }
+
+    /// A thread that traces what was asked for last.
+    pub(crate) struct Worker(Arc<Shared>);
+
+    fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+        mutex.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    impl Worker {
+        /// `wake` is called, from the thread, when there is news.
+        pub(crate) fn new(wake: impl Fn() + Send + 'static) -> Self {
+            let shared = Arc::new(Shared::default());
+            let of_thread = shared.clone();
+            std::thread::spawn(move || {
+                while let Some(request) = next(&of_thread) {
+                    if let Err(error) = play(&of_thread, request, &wake) {
+                        *locked(&of_thread.news) = Some(News::Failed(format!("{error:#}")));
+                        wake();
+                    }
+                }
+            });
+            Self(shared)
+        }
+
+        /// Asks for truth. What was asked before is given up.
+        pub(crate) fn ask(&mut self, request: TruthRequest) {
+            *locked(&self.0.news) = None;
+            *locked(&self.0.wanted) = Some(request);
+            self.0.asked.notify_one();
+        }
+
+        /// Returns what is new.
+        pub(crate) fn news(&mut self) -> Option<News> {
+            locked(&self.0.news).take()
+        }
+    }
+
+    impl Drop for Worker {
+        fn drop(&mut self) {
+            self.0.ends.store(true, Ordering::Release);
+            self.0.asked.notify_one();
+        }
+    }
+
+    /// Waits for a request; none when the worker is gone.
+    fn next(shared: &Shared) -> Option<TruthRequest> {
+        let mut wanted = locked(&shared.wanted);
+        loop {
+            if shared.ends.load(Ordering::Acquire) {
+                return None;
+            }
+            if let Some(request) = wanted.take() {
+                return Some(request);
+            }
+            wanted = shared
+                .asked
+                .wait(wanted)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn play(shared: &Shared, request: TruthRequest, wake: &impl Fn()) -> Result<()> {
+        let mut job = TruthJob::new(request)?;
+        while !job.is_done() {
+            let is_given_up =
+                locked(&shared.wanted).is_some() || shared.ends.load(Ordering::Acquire);
+            if is_given_up {
+                return Ok(());
+            }
+            if job.step()? {
+                *locked(&shared.news) = Some(News::Truth(job.so_far.copy()));
+                wake();
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(target_arch = "wasm32")]
+pub(crate) use frames::Worker;
+
+#[cfg(target_arch = "wasm32")]
+mod frames {
+    use super::*;
+    use web_time::{Duration, Instant};
+
+    /// What a frame gives to truth.
+    const SLICE: Duration = Duration::from_millis(10);
+
+    /// Traces a little in each frame.
+    pub(crate) struct Worker {
+        job: Option<TruthJob>,
+        wanted: Option<TruthRequest>,
+        wake: Box<dyn Fn()>,
+    }
+
+    impl Worker {
+        /// `wake` is called when there is more to do in the next frame.
+        pub(crate) fn new(wake: impl Fn() + 'static) -> Self {
+            Self {
+                job: None,
+                wanted: None,
+                wake: Box::new(wake),
+            }
+        }
+
+        /// Asks for truth. What was asked before is given up.
+        pub(crate) fn ask(&mut self, request: TruthRequest) {
+            self.job = None;
+            self.wanted = Some(request);
+            (self.wake)();
+        }
+
+        /// Traces for a while, and returns what is new.
+        pub(crate) fn news(&mut self) -> Option<News> {
+            match self.play() {
+                Ok(true) => self.job.as_ref().map(|job| News::Truth(job.so_far.copy())),
+                Ok(false) => None,
+                Err(error) => {
+                    self.job = None;
+                    Some(News::Failed(format!("{error:#}")))
+                }
+            }
+        }
+
+        fn play(&mut self) -> Result<bool> {
+            if let Some(request) = self.wanted.take() {
+                self.job = Some(TruthJob::new(request)?);
+                (self.wake)();
+                return Ok(false);
+            }
+            let begin = Instant::now();
+            let Some(job) = &mut self.job else {
+                return Ok(false);
+            };
+            let mut is_new = false;
+            while !job.is_done() && begin.elapsed() < SLICE && !is_new {
+                is_new = job.step()?;
+            }
+            if !job.is_done() {
+                (self.wake)();
+            }
+            Ok(is_new)
+        }
+    }
+}

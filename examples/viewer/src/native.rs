@@ -1,0 +1,136 @@
+//! The program on the desktop: its command line, and the window.
+
+use crate::app::{App, Start, device_descriptor};
+use anyhow::{Context as _, Result};
+use clap::Parser;
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use std::{process::ExitCode, sync::Arc};
+use umbrage::{glam::UVec2, scenes, techniques};
+
+const EXAMPLES: &str = "\
+In the window:
+  right mouse button, held   looks around (or goes around, in orbit mode)
+  W A S D, E Q               fly; with shift faster
+  mouse wheel                goes ahead and back
+  left mouse button          chooses a light by its marker, drags its handles, drags the divider
+  F                          flips between the two sides
+  F1                         all keys
+
+Examples:
+  umbrage-viewer                    the scene of the last time, or a town
+  umbrage-viewer street             a built-in scene
+  umbrage-viewer model.obj          a model, put on a floor in the sun
+  umbrage-viewer scene.toml --left exact --right pcf";
+
+/// Shows a scene with its shadows: two techniques side by side, their errors against rays, and what they cost.
+#[derive(Parser)]
+#[command(name = "umbrage-viewer", after_help = EXAMPLES)]
+struct Options {
+    /// A built-in scene, a scene file (.toml), or a model (.obj).
+    scene: Option<String>,
+    /// Technique of the left side.
+    #[arg(long, value_name = "NAME", value_parser = technique_names())]
+    left: Option<String>,
+    /// Technique of the right side.
+    #[arg(long, value_name = "NAME", value_parser = technique_names())]
+    right: Option<String>,
+    /// Size of the window, points.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    size: UVec2,
+    /// Forgets the settings of the last time.
+    #[arg(long)]
+    fresh: bool,
+    /// Lists the built-in scenes.
+    #[arg(long)]
+    list: bool,
+}
+
+fn technique_names() -> clap::builder::PossibleValuesParser {
+    clap::builder::PossibleValuesParser::new(techniques::all().iter().map(|entry| entry.name))
+}
+
+fn parse_size(text: &str) -> Result<UVec2, String> {
+    let help = || format!("`{text}` is no size; write it as 1280x720");
+    let (width, height) = text.split_once('x').ok_or_else(help)?;
+    let width: u32 = width.parse().map_err(|_| help())?;
+    let height: u32 = height.parse().map_err(|_| help())?;
+    if width < 320 || height < 240 {
+        return Err("the panel needs 320x240 or more".to_owned());
+    }
+    Ok(UVec2::new(width, height))
+}
+
+pub(crate) fn main() -> ExitCode {
+    let options = Options::parse();
+    if options.list {
+        for entry in scenes::all() {
+            println!("{:<24} {}", entry.name, entry.summary);
+        }
+        return ExitCode::SUCCESS;
+    }
+    match run(&options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<()> {
+    if let Some(scene) = &options.scene {
+        // What can't be shown is told before there is a window.
+        scenes::by_argument(scene)?;
+    }
+    let mut lost = None;
+    loop {
+        let start = Start {
+            scene: options.scene.clone(),
+            techniques: [options.left.clone(), options.right.clone()],
+            is_fresh: options.fresh,
+            message: lost.take(),
+        };
+        lost = open(options, start)?;
+        if lost.is_none() {
+            return Ok(());
+        }
+    }
+}
+
+/// Opens the window and runs until it is closed. Returns a message if it was closed since the graphics device was lost, so that it is
+/// opened again.
+fn open(options: &Options, start: Start) -> Result<Option<String>> {
+    let size = options.size.as_vec2();
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("umbrage")
+        .with_app_id("umbrage-viewer")
+        .with_inner_size([size.x, size.y])
+        .with_min_inner_size([320.0, 240.0]);
+    let mut setup = WgpuSetupCreateNew::without_display_handle();
+    setup.instance_descriptor.backends =
+        wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+    setup.device_descriptor = Arc::new(device_descriptor);
+    let lost = Arc::new(std::sync::Mutex::new(None));
+    let of_app = lost.clone();
+    let native = eframe::NativeOptions {
+        viewport,
+        run_and_return: true,
+        persist_window: false,
+        renderer: eframe::Renderer::Wgpu,
+        wgpu_options: WgpuConfiguration {
+            wgpu_setup: WgpuSetup::CreateNew(setup),
+            ..WgpuConfiguration::default()
+        },
+        ..eframe::NativeOptions::default()
+    };
+    let creator: eframe::AppCreator<'_> =
+        Box::new(move |context| Ok(Box::new(App::new(context, start, of_app)?)));
+    eframe::run_native("umbrage-viewer", native, creator)
+        .map_err(|error| anyhow::anyhow!("{error}"))
+        .context("no window can be opened; it takes a display and a graphics driver, such as Debian's mesa-vulkan-drivers")?;
+    let message = lost
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+        .take();
+    Ok(message)
+}

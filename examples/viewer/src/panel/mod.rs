@@ -1,0 +1,229 @@
+//! The panel beside the picture, and what stands over it.
+
+mod lights;
+mod side;
+
+use crate::{app::App, camera::Mode, measure::figures::Picture};
+use umbrage::scenes;
+
+/// Points.
+const WIDTH: f32 = 310.0;
+/// What the two sides are called.
+pub(crate) const SIDES: [&str; 2] = ["left", "right"];
+
+const KEYS: [(&str, &str); 13] = [
+    ("right mouse button", "looks around, or goes around"),
+    ("middle mouse button", "moves sideways"),
+    ("wheel", "ahead and back"),
+    ("W A S D, E Q", "fly; with shift faster"),
+    ("O", "fly or orbit"),
+    ("click on a light", "chooses it; its handles move it"),
+    ("R", "handles turn the light, or move it"),
+    ("X", "both sides, or one"),
+    ("F", "flips between the sides"),
+    ("H", "errors as a picture"),
+    ("C", "copies the shown side's preset"),
+    ("F12", "saves a screenshot"),
+    ("F1", "these keys"),
+];
+
+/// Draws the panel.
+pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
+    egui::Panel::left("panel")
+        .default_size(WIDTH)
+        .size_range(220.0..=520.0)
+        .show(ui, |ui| {
+            egui::ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| {
+                    scene(app, ui);
+                    view(app, ui);
+                    for i in 0..2 {
+                        side::show(app, ui, i);
+                    }
+                    lights::show(app, ui);
+                    figures(app, ui);
+                });
+        });
+}
+
+fn scene(app: &mut App, ui: &mut egui::Ui) {
+    ui.add_space(4.0);
+    let mut wanted = None;
+    ui.horizontal(|ui| {
+        ui.label("Scene");
+        egui::ComboBox::from_id_salt("scene")
+            .selected_text(&app.stage.name)
+            .width(190.0)
+            .height(500.0)
+            .show_ui(ui, |ui| {
+                for entry in scenes::all() {
+                    let item = ui.selectable_label(entry.name == app.stage.argument, entry.name);
+                    if item.on_hover_text(entry.summary).clicked() {
+                        wanted = Some(entry.name);
+                    }
+                }
+            });
+        if ui.button("?").on_hover_text("All keys (F1)").clicked() {
+            app.settings.shows_help = !app.settings.shows_help;
+        }
+    });
+    let triangles = app.stage.geometry.triangles().len();
+    ui.weak(format!(
+        "{triangles} triangles; drop a .toml or .obj file here for another scene"
+    ));
+    if let Some(name) = wanted {
+        app.open(name);
+    }
+}
+
+fn view(app: &mut App, ui: &mut egui::Ui) {
+    let settings = &mut app.settings;
+    ui.horizontal(|ui| {
+        ui.selectable_value(&mut settings.view.mode, Mode::Fly, "fly");
+        ui.selectable_value(&mut settings.view.mode, Mode::Orbit, "orbit");
+        ui.checkbox(&mut settings.view.orthographic, "parallel");
+        let speed = egui::DragValue::new(&mut settings.view.speed)
+            .range(0.01..=1000.0)
+            .speed(0.1)
+            .suffix(" m/s");
+        ui.add(speed).on_hover_text("How fast W A S D fly");
+    });
+    let mut is_split = settings.split.is_some();
+    ui.horizontal(|ui| {
+        ui.label("Show");
+        if ui.selectable_label(is_split, "both").clicked() {
+            is_split = true;
+        }
+        for (i, name) in SIDES.iter().enumerate() {
+            let is_shown = !is_split && settings.shown_side == i;
+            if ui.selectable_label(is_shown, *name).clicked() {
+                is_split = false;
+                settings.shown_side = i;
+            }
+        }
+        ui.weak("X, F");
+    });
+    if is_split != settings.split.is_some() {
+        settings.split = is_split.then_some(0.5);
+    }
+    let before = (settings.picture, settings.opacity);
+    ui.horizontal(|ui| {
+        ui.label("Over it");
+        for (picture, name) in [
+            (Picture::Nothing, "nothing"),
+            (Picture::Error, "error"),
+            (Picture::Truth, "truth"),
+            (Picture::Mask, "mask"),
+        ] {
+            ui.selectable_value(&mut settings.picture, picture, name);
+        }
+    });
+    if settings.picture == Picture::Error {
+        ui.horizontal(|ui| {
+            ui.colored_label(egui::Color32::from_rgb(255, 90, 70), "red: too light");
+            ui.colored_label(egui::Color32::from_rgb(100, 150, 255), "blue: too dark");
+            ui.add(egui::Slider::new(&mut settings.opacity, 0.1..=1.0).show_value(false))
+                .on_hover_text("Opacity");
+        });
+    }
+    if before != (settings.picture, settings.opacity)
+        && let Err(error) = app.compare()
+    {
+        app.message = Some(format!("{error:#}"));
+    }
+}
+
+fn figures(app: &App, ui: &mut egui::Ui) {
+    ui.separator();
+    let milliseconds = |d: web_time::Duration| format!("{:.1} ms", 1000.0 * d.as_secs_f64());
+    egui::Grid::new("figures").num_columns(2).show(ui, |ui| {
+        let mut row = |name: &str, value: String| {
+            ui.label(name);
+            ui.monospace(value);
+            ui.end_row();
+        };
+        row("frame to frame", milliseconds(app.times.interval));
+        row("of it on the CPU", milliseconds(app.times.work));
+        row(
+            "pixels while moving",
+            format!("{:.0} %", 100.0 * app.scale * app.scale),
+        );
+        for (i, name) in SIDES.iter().enumerate() {
+            let report = app.renderer.sides[i].set.report();
+            let mebibytes = app.renderer.sides[i].set.map_bytes() as f64 / f64::from(1 << 20);
+            row(
+                &format!("{name}: layers drawn"),
+                format!("{} ({mebibytes:.1} MiB)", report.redrawn),
+            );
+        }
+        if let Some(truth) = &app.truth {
+            row("truth traced", format!("{:.0} %", 100.0 * truth.progress));
+        }
+    });
+}
+
+/// Draws what stands over the picture: what each side shows, messages, the keys.
+pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
+    let rect = ui.max_rect();
+    side::labels(app, ui, rect);
+    if let Some(message) = app.message.clone() {
+        egui::Window::new("message")
+            .title_bar(false)
+            .resizable(false)
+            .anchor(egui::Align2::CENTER_BOTTOM, [0.5 * WIDTH, -16.0])
+            .show(ui.ctx(), |ui| {
+                ui.set_max_width(0.7 * rect.width());
+                ui.horizontal(|ui| {
+                    ui.label(message);
+                    if ui.button("Close").clicked() {
+                        app.message = None;
+                    }
+                });
+            });
+    }
+    if app.settings.shows_help {
+        egui::Window::new("Keys")
+            .open(&mut app.settings.shows_help)
+            .resizable(false)
+            .anchor(egui::Align2::CENTER_CENTER, [0.5 * WIDTH, 0.0])
+            .show(ui.ctx(), |ui| {
+                egui::Grid::new("keys")
+                    .num_columns(2)
+                    .striped(true)
+                    .show(ui, |ui| {
+                        for (key, what) in KEYS {
+                            ui.strong(key);
+                            ui.label(what);
+                            ui.end_row();
+                        }
+                    });
+            });
+    }
+}
+
+/// Returns the path of a dropped file.
+pub(crate) fn dropped_path(file: &egui::DroppedFileHandle) -> Option<String> {
+    Some(file.path().display().to_string())
+}
+
+/// Writes a screenshot. Returns where.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn save_screenshot(image: &egui::ColorImage) -> anyhow::Result<String> {
+    let seconds = std::time::SystemTime::now()
+        .duration_since(std::time::UNIX_EPOCH)
+        .map_or(0, |since| since.as_secs());
+    let place = std::env::current_dir()?.join(format!("umbrage-{seconds}.png"));
+    let [width, height] = image.size.map(|side| side as u32);
+    let bytes = image.as_raw().to_vec();
+    let image = image::RgbaImage::from_raw(width, height, bytes);
+    let image = anyhow::Context::context(image, "the window gave a broken picture")?;
+    image.save(&place)?;
+    Ok(place.display().to_string())
+}
+
+/// Browsers have no folders; their own screenshots do.
+#[cfg(target_arch = "wasm32")]
+pub(crate) fn save_screenshot(_: &egui::ColorImage) -> anyhow::Result<String> {
+    anyhow::bail!("take the browser's own screenshot")
+}

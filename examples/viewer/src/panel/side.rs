@@ -1,0 +1,198 @@
+//! Settings of a side, made from what the list of techniques says.
+
+use super::SIDES;
+use crate::{
+    app::App,
+    settings::{FitKind, SideSettings},
+};
+use umbrage::techniques::{self, Bias, ShadowMap, TechniquePreset};
+
+/// Draws a side's settings.
+pub(crate) fn show(app: &mut App, ui: &mut egui::Ui, side: usize) {
+    ui.separator();
+    let before = app.settings.sides[side].clone();
+    let title = format!("{}: {}", SIDES[side], before.preset.technique().name());
+    egui::CollapsingHeader::new(title)
+        .id_salt(("side", side))
+        .default_open(true)
+        .show(ui, |ui| {
+            ui.push_id(side, |ui| {
+                settings(ui, &mut app.settings.sides[side]);
+            });
+            for refusal in app.renderer.sides[side].refusals() {
+                ui.colored_label(egui::Color32::from_rgb(255, 170, 80), refusal);
+            }
+            ui.horizontal(|ui| {
+                if ui.button("Copy preset").clicked() {
+                    app.copy_preset(ui.ctx(), side);
+                }
+                if ui.button("Same as the other").clicked() {
+                    app.settings.sides[side] = app.settings.sides[1 - side].clone();
+                }
+            });
+        });
+    if app.settings.sides[side] != before {
+        app.forget_mask(side);
+    }
+}
+
+fn settings(ui: &mut egui::Ui, settings: &mut SideSettings) {
+    let name = settings.preset.technique().name();
+    egui::ComboBox::from_label("technique")
+        .selected_text(name)
+        .height(500.0)
+        .show_ui(ui, |ui| {
+            for entry in techniques::all() {
+                let item = ui.selectable_label(entry.name == name, entry.name);
+                if item.on_hover_text(entry.summary).clicked() && entry.name != name {
+                    settings.choose(entry);
+                }
+            }
+        });
+    if let Some(preset) = own_numbers(ui, &settings.preset) {
+        settings.preset = preset;
+    }
+    if let Some(map) = settings.preset.map().copied() {
+        let changed = map_settings(ui, settings, map);
+        if changed != map {
+            settings.preset = settings.preset.with_map(changed);
+        }
+    }
+}
+
+/// Shows what a technique has beside its map, whatever it is: its settings are plain data. Returns it with what the user changed.
+fn own_numbers(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
+    let text = preset.to_toml().ok()?;
+    let mut table: toml::Table = text.parse().ok()?;
+    let mut has_changed = false;
+    for (name, value) in &mut table {
+        let label = name.replace('_', " ");
+        has_changed |= match value {
+            toml::Value::Integer(number) => {
+                let drag = egui::DragValue::new(number).range(0..=1024).speed(0.1);
+                labelled(ui, drag, &label)
+            }
+            toml::Value::Float(number) => {
+                let speed = (0.01 * number.abs()).max(1e-4);
+                let drag = egui::DragValue::new(number)
+                    .range(0.0..=64.0)
+                    .speed(speed)
+                    .max_decimals(4);
+                labelled(ui, drag, &label)
+            }
+            toml::Value::Boolean(is_on) => ui.checkbox(is_on, label).changed(),
+            _ => continue,
+        };
+    }
+    if !has_changed {
+        return None;
+    }
+    // What a technique refuses is not taken.
+    TechniquePreset::from_toml(&toml::to_string(&table).ok()?).ok()
+}
+
+fn labelled(ui: &mut egui::Ui, drag: egui::DragValue<'_>, label: &str) -> bool {
+    ui.horizontal(|ui| {
+        let response = ui.add(drag);
+        ui.label(label);
+        response.changed()
+    })
+    .inner
+}
+
+fn map_settings(ui: &mut egui::Ui, settings: &mut SideSettings, mut map: ShadowMap) -> ShadowMap {
+    egui::ComboBox::from_label("side of the map, texels")
+        .selected_text(map.size.to_string())
+        .show_ui(ui, |ui| {
+            for size in [128, 256, 512, 1024, 2048, 4096, 8192] {
+                ui.selectable_value(&mut map.size, size, size.to_string());
+            }
+        });
+    egui::ComboBox::from_label("fit")
+        .selected_text(settings.fit.name())
+        .show_ui(ui, |ui| {
+            for fit in FitKind::ALL {
+                ui.selectable_value(&mut settings.fit, fit, fit.name());
+            }
+        });
+    if matches!(settings.fit, FitKind::Stable | FitKind::AroundCamera) {
+        let drag = egui::DragValue::new(&mut settings.range)
+            .range(0.1..=1e6)
+            .speed(0.5)
+            .suffix(" m");
+        labelled(ui, drag, "range");
+    }
+    ui.add(egui::Slider::new(&mut settings.cascades, 1..=8).text("cascades (directional)"));
+    bias(ui, &mut map.bias);
+    map
+}
+
+fn bias(ui: &mut egui::Ui, bias: &mut Bias) {
+    let known = Bias::PRESETS.iter().find(|(_, preset)| preset == bias);
+    egui::ComboBox::from_label("bias")
+        .selected_text(known.map_or("by hand", |(name, _)| name))
+        .height(400.0)
+        .show_ui(ui, |ui| {
+            for (name, preset) in Bias::PRESETS {
+                ui.selectable_value(bias, preset, name);
+            }
+        });
+    egui::CollapsingHeader::new("bias by hand").show(ui, |ui| {
+        for (name, number, speed) in [
+            ("constant, clip depth", &mut bias.constant, 1e-4),
+            ("slope, clip depth", &mut bias.slope, 1e-3),
+            ("normal offset, texels", &mut bias.normal_offset, 0.02),
+        ] {
+            let drag = egui::DragValue::new(number)
+                .range(0.0..=8.0)
+                .speed(speed)
+                .max_decimals(5);
+            labelled(ui, drag, name);
+        }
+    });
+}
+
+/// Writes over the picture what each side shows, and how wrong it is.
+pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
+    let painter = ui.painter_at(rect);
+    let shown: &[usize] = match app.settings.split {
+        Some(_) => &[0, 1],
+        None if app.settings.shown_side == 0 => &[0],
+        None => &[1],
+    };
+    for &side in shown {
+        let (corner, anchor) = if side == 0 {
+            (
+                rect.left_top() + egui::vec2(10.0, 8.0),
+                egui::Align2::LEFT_TOP,
+            )
+        } else {
+            (
+                rect.right_top() + egui::vec2(-10.0, 8.0),
+                egui::Align2::RIGHT_TOP,
+            )
+        };
+        let mut text = app.settings.sides[side]
+            .preset
+            .technique()
+            .name()
+            .to_owned();
+        if let Some(error) = app.measured[side].error {
+            text += &match error.rmse {
+                0.0 => "\nexact".to_owned(),
+                rmse => format!("\nRMSE {rmse:.4}, {:.2} % wrong", 100.0 * error.wrong),
+            };
+        }
+        let font = egui::FontId::proportional(15.0);
+        // A shadow of its own keeps it readable on any picture.
+        let black = egui::Color32::BLACK;
+        for offset in [
+            egui::vec2(1.0, 1.0),
+            egui::vec2(-1.0, 1.0),
+            egui::vec2(1.0, -1.0),
+        ] {
+            painter.text(corner + offset, anchor, &text, font.clone(), black);
+        }
+        painter.text(corner, anchor, &text, font, egui::Color32::WHITE);
+    }
+}

@@ -1,0 +1,352 @@
+//! A scene's triangles and looks on the device.
+
+use super::pipelines::{Layouts, group};
+use anyhow::{Context as _, Result};
+use std::ops::Range;
+use umbrage::{
+    Aabb, Geometry, Material, NO_MATERIAL, Texture,
+    glam::{UVec2, Vec2, Vec3},
+    picture,
+    wgpu::{CasterMesh, Indices, LightSet, VertexLayout},
+};
+use wgpu::util::DeviceExt as _;
+
+/// Triangles that are one caster of the light sets: few enough that a lamp leaves out what it can't reach.
+const CASTER_TRIANGLES: u32 = 16_384;
+/// Bytes from one material's numbers to the next, as dynamic offsets of uniform buffers ask.
+const MATERIAL_STRIDE: u64 = 256;
+
+/// A vertex beside its position: normal and texture coordinate.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Looks {
+    normal: [f32; 3],
+    uv: [f32; 2],
+}
+
+/// Triangles of one material.
+struct Draw {
+    indices: Range<u32>,
+    material: u32,
+    /// Index among the bind groups.
+    group: usize,
+}
+
+/// What the renderer and the light sets draw.
+pub(crate) struct SceneBuffers {
+    positions: wgpu::Buffer,
+    looks: wgpu::Buffer,
+    /// In the order of the geometry's triangles.
+    indices: wgpu::Buffer,
+    /// Sorted by material.
+    sorted: wgpu::Buffer,
+    draws: Vec<Draw>,
+    groups: Vec<wgpu::BindGroup>,
+    casters: Vec<(Range<u32>, Aabb)>,
+}
+
+impl SceneBuffers {
+    /// Uploads a scene.
+    ///
+    /// # Errors
+    /// Errors if a buffer would be larger than the device allows.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layouts: &Layouts,
+        geometry: &Geometry,
+        materials: &[Material],
+        textures: &[Texture],
+    ) -> Result<Self> {
+        let most = device.limits().max_buffer_size;
+        let largest = (geometry.positions().len() * size_of::<Looks>())
+            .max(geometry.triangles().len() * size_of::<[u32; 3]>());
+        anyhow::ensure!(
+            largest as u64 <= most,
+            "the scene takes buffers of {largest} bytes, and this device has at most {most}; use a smaller scene"
+        );
+        let buffer = |label, usage, contents: &[u8]| {
+            // Buffers can't be empty.
+            let contents = if contents.is_empty() {
+                &[0; 12]
+            } else {
+                contents
+            };
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage,
+            })
+        };
+        let storage = wgpu::BufferUsages::STORAGE;
+        let vertex = wgpu::BufferUsages::VERTEX;
+        let index = wgpu::BufferUsages::INDEX;
+        let triangles = geometry.triangles();
+        let (sorted, runs) = sorted_by_material(geometry);
+        let looks_of_materials = MaterialGroups::new(device, queue, layouts, materials, textures)?;
+        let draws = runs
+            .into_iter()
+            .map(|(material, indices)| {
+                let material = if material == NO_MATERIAL {
+                    materials.len() as u32
+                } else {
+                    material
+                };
+                let group = looks_of_materials.group_of[material as usize];
+                Draw {
+                    indices,
+                    material,
+                    group,
+                }
+            })
+            .collect();
+        Ok(Self {
+            positions: buffer(
+                "positions",
+                vertex | storage,
+                bytemuck::cast_slice(geometry.positions()),
+            ),
+            looks: buffer("looks", vertex, bytemuck::cast_slice(&looks(geometry))),
+            indices: buffer(
+                "triangles",
+                index | storage,
+                bytemuck::cast_slice(triangles),
+            ),
+            sorted: buffer(
+                "triangles by material",
+                index,
+                bytemuck::cast_slice(&sorted),
+            ),
+            draws,
+            groups: looks_of_materials.groups,
+            casters: casters(geometry),
+        })
+    }
+
+    /// Draws all triangles. Materials are at bind group `group`.
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, group: u32) {
+        pass.set_vertex_buffer(0, self.positions.slice(..));
+        pass.set_vertex_buffer(1, self.looks.slice(..));
+        pass.set_index_buffer(self.sorted.slice(..), wgpu::IndexFormat::Uint32);
+        for draw in &self.draws {
+            let offset = draw.material * MATERIAL_STRIDE as u32;
+            pass.set_bind_group(group, &self.groups[draw.group], &[offset]);
+            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+        }
+    }
+
+    /// Adds all casters to a set.
+    ///
+    /// # Errors
+    /// Errors if the set refuses one.
+    pub(crate) fn add_casters(&self, set: &mut LightSet) -> Result<()> {
+        for (triangles, bounds) in &self.casters {
+            let mesh = set.add_mesh(&CasterMesh {
+                label: "part of the scene",
+                vertices: &self.positions,
+                layout: VertexLayout::PACKED,
+                indices: Some(Indices {
+                    buffer: &self.indices,
+                    format: wgpu::IndexFormat::Uint32,
+                }),
+                range: 3 * triangles.start..3 * triangles.end,
+                base_vertex: 0,
+                bounds: *bounds,
+            })?;
+            set.add_caster(mesh, umbrage::glam::Affine3A::IDENTITY)?;
+        }
+        Ok(())
+    }
+}
+
+fn looks(geometry: &Geometry) -> Vec<Looks> {
+    let uvs = geometry.uvs();
+    let uv_of = |i: usize| uvs.get(i).copied().unwrap_or(Vec2::ZERO);
+    let vertex = |(i, normal): (usize, &Vec3)| Looks {
+        normal: normal.to_array(),
+        uv: uv_of(i).to_array(),
+    };
+    geometry.normals().iter().enumerate().map(vertex).collect()
+}
+
+/// Returns the vertex indices of all triangles in the order of their materials, and each material's range of them.
+fn sorted_by_material(geometry: &Geometry) -> (Vec<[u32; 3]>, Vec<(u32, Range<u32>)>) {
+    let triangles = geometry.triangles();
+    let materials = geometry.materials();
+    let material_of = |id: u32| materials.get(id as usize).copied().unwrap_or(NO_MATERIAL);
+    let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+    order.sort_by_key(|&id| material_of(id));
+    let sorted = order.iter().map(|&id| triangles[id as usize]).collect();
+    let mut runs: Vec<(u32, Range<u32>)> = Vec::new();
+    for (place, &id) in (0_u32..).zip(&order) {
+        let end = 3 * (place + 1);
+        match runs.last_mut() {
+            Some((material, run)) if *material == material_of(id) => run.end = end,
+            _ => runs.push((material_of(id), 3 * place..end)),
+        }
+    }
+    (sorted, runs)
+}
+
+fn casters(geometry: &Geometry) -> Vec<(Range<u32>, Aabb)> {
+    let all = geometry.casters();
+    let begins = all.clone().step_by(CASTER_TRIANGLES as usize);
+    let part = |begin: u32| {
+        let part = begin..(begin + CASTER_TRIANGLES).min(all.end);
+        let bounds = Aabb::around(geometry.vertices_of(part.clone()));
+        (part, bounds)
+    };
+    begins.map(part).collect()
+}
+
+/// Bind groups with the looks of materials; the last material is that of triangles without one.
+struct MaterialGroups {
+    groups: Vec<wgpu::BindGroup>,
+    /// For each material.
+    group_of: Vec<usize>,
+}
+
+impl MaterialGroups {
+    fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layouts: &Layouts,
+        materials: &[Material],
+        textures: &[Texture],
+    ) -> Result<Self> {
+        let none = Material::default();
+        let all: Vec<&Material> = materials.iter().chain([&none]).collect();
+        let mut numbers = vec![0_u8; all.len() * MATERIAL_STRIDE as usize];
+        for (material, bytes) in all.iter().zip(numbers.chunks_mut(MATERIAL_STRIDE as usize)) {
+            let shininess = (1_u32 << material.shininess_log2) as f32;
+            let floats: [[f32; 4]; 3] = [
+                material.diffuse.extend(1.0).to_array(),
+                material.specular.extend(shininess).to_array(),
+                material.emissive.extend(0.0).to_array(),
+            ];
+            bytes[..48].copy_from_slice(bytemuck::cast_slice(&floats));
+        }
+        let numbers = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("materials"),
+            contents: &numbers,
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..wgpu::SamplerDescriptor::default()
+        });
+        let white = Texture {
+            name: "white".to_owned(),
+            size: UVec2::ONE,
+            texels: vec![[1.0; 4]],
+        };
+        let mut kinds: Vec<Option<usize>> = Vec::new();
+        let mut groups = Vec::new();
+        let mut group_of = Vec::new();
+        for material in all {
+            let kind = material.diffuse_texture;
+            if let Some(known) = kinds.iter().position(|other| *other == kind) {
+                group_of.push(known);
+                continue;
+            }
+            let texture = match kind {
+                Some(index) => textures
+                    .get(index)
+                    .context("a material names a texture that isn't there")?,
+                None => &white,
+            };
+            let view = upload(device, queue, texture);
+            let bytes = wgpu::BufferBinding {
+                buffer: &numbers,
+                offset: 0,
+                size: std::num::NonZeroU64::new(48),
+            };
+            let resources = [
+                wgpu::BindingResource::Buffer(bytes),
+                wgpu::BindingResource::TextureView(&view),
+                wgpu::BindingResource::Sampler(&sampler),
+            ];
+            group_of.push(groups.len());
+            groups.push(group(device, &layouts.material, resources));
+            kinds.push(kind);
+        }
+        Ok(Self { groups, group_of })
+    }
+}
+
+/// Uploads a texture of colours, with smaller and smaller copies down to a texel.
+fn upload(device: &wgpu::Device, queue: &wgpu::Queue, texture: &Texture) -> wgpu::TextureView {
+    let most = device.limits().max_texture_dimension_2d;
+    let mut size = texture.size;
+    let mut texels = texture.texels.clone();
+    while size.max_element() > most {
+        (size, texels) = halved(size, &texels);
+    }
+    let levels = 32 - size.max_element().leading_zeros();
+    let uploaded = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(&texture.name),
+        size: extent(size),
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8UnormSrgb,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    for level in 0..levels {
+        let bytes: Vec<u8> = texels
+            .iter()
+            .flat_map(|&[r, g, b, _]| {
+                [
+                    picture::encode(r),
+                    picture::encode(g),
+                    picture::encode(b),
+                    255,
+                ]
+            })
+            .collect();
+        let place = wgpu::TexelCopyTextureInfo {
+            mip_level: level,
+            ..uploaded.as_image_copy()
+        };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * size.x),
+            rows_per_image: None,
+        };
+        queue.write_texture(place, &bytes, layout, extent(size));
+        (size, texels) = halved(size, &texels);
+    }
+    uploaded.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn extent(size: UVec2) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width: size.x,
+        height: size.y,
+        depth_or_array_layers: 1,
+    }
+}
+
+/// Returns an image of half the size: means of four texels.
+fn halved(size: UVec2, texels: &[[f32; 4]]) -> (UVec2, Vec<[f32; 4]>) {
+    let smaller = (size / 2).max(UVec2::ONE);
+    let at = |x: u32, y: u32| {
+        let x = x.min(size.x - 1);
+        let y = y.min(size.y - 1);
+        umbrage::glam::Vec4::from(texels[(y * size.x + x) as usize])
+    };
+    let mut out = Vec::with_capacity((smaller.x * smaller.y) as usize);
+    for y in 0..smaller.y {
+        for x in 0..smaller.x {
+            let upper = at(2 * x, 2 * y) + at(2 * x + 1, 2 * y);
+            let lower = at(2 * x, 2 * y + 1) + at(2 * x + 1, 2 * y + 1);
+            out.push((0.25 * (upper + lower)).to_array());
+        }
+    }
+    (smaller, out)
+}

@@ -1,0 +1,229 @@
+//! Draws the scene through light sets, as any program would: one set for each of the two techniques that are compared.
+
+mod buffers;
+pub(crate) mod mask;
+mod overlay;
+mod pipelines;
+mod side;
+
+use crate::{lights::EditLight, settings::SideSettings, stage::Stage};
+use anyhow::Result;
+use buffers::SceneBuffers;
+use overlay::Overlay;
+use pipelines::{COLOR, COLOR_AS_READ, DEPTH, Layouts};
+use side::Side;
+use umbrage::{Camera, glam::UVec2};
+
+/// The background, linear.
+const BACKGROUND: wgpu::Color = wgpu::Color {
+    r: 0.42,
+    g: 0.52,
+    b: 0.66,
+    a: 1.0,
+};
+
+/// Which of the two sides are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Shown {
+    /// One of them: 0 or 1.
+    One(usize),
+    /// The first left of this share of the width, the second right of it.
+    Both(f32),
+}
+
+/// What a frame is drawn from.
+pub(crate) struct FrameSettings<'a> {
+    pub camera: &'a Camera,
+    pub stage: &'a Stage,
+    pub lights: &'a [EditLight],
+    pub sides: [&'a SideSettings; 2],
+    pub shown: Shown,
+}
+
+pub(crate) struct Renderer {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    layouts: Layouts,
+    scene: SceneBuffers,
+    pub sides: [Side; 2],
+    pub overlays: [Overlay; 2],
+    overlay_pipeline: wgpu::RenderPipeline,
+    targets: Option<Targets>,
+}
+
+/// What is as large as the picture.
+struct Targets {
+    size: UVec2,
+    color: wgpu::TextureView,
+    as_read: wgpu::TextureView,
+    depth: wgpu::TextureView,
+}
+
+impl Renderer {
+    /// Uploads a scene.
+    ///
+    /// # Errors
+    /// Errors if the device has no room for it.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        stage: &Stage,
+        sides: [&SideSettings; 2],
+    ) -> Result<Self> {
+        let layouts = Layouts::new(device);
+        let scene = SceneBuffers::new(
+            device,
+            queue,
+            &layouts,
+            &stage.geometry,
+            &stage.materials,
+            &stage.textures,
+        )?;
+        let sides = [
+            Side::new(device, &layouts, &scene, sides[0])?,
+            Side::new(device, &layouts, &scene, sides[1])?,
+        ];
+        let overlays = [
+            Overlay::new(device, &layouts),
+            Overlay::new(device, &layouts),
+        ];
+        Ok(Self {
+            overlay_pipeline: pipelines::overlay(device, &layouts),
+            device: device.clone(),
+            queue: queue.clone(),
+            layouts,
+            scene,
+            sides,
+            overlays,
+            targets: None,
+        })
+    }
+
+    /// Draws a frame and submits it. Returns what it was drawn into, for the panel to show; it is the same until the size changes.
+    ///
+    /// # Errors
+    /// Errors if a set refuses what it is given.
+    pub(crate) fn frame(&mut self, frame: &FrameSettings<'_>) -> Result<&wgpu::TextureView> {
+        let size = frame.camera.size;
+        if self.targets.as_ref().is_none_or(|t| t.size != size) {
+            self.targets = Some(Targets::new(&self.device, size));
+        }
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let drawn: &[usize] = match frame.shown {
+            Shown::One(0) => &[0],
+            Shown::One(_) => &[1],
+            Shown::Both(_) => &[0, 1],
+        };
+        for &i in drawn {
+            let side = &mut self.sides[i];
+            side.apply(frame.lights, frame.sides[i])?;
+            side.prepare(
+                &self.device,
+                &self.queue,
+                &self.layouts,
+                frame.camera,
+                frame.stage,
+                frame.lights,
+            )?;
+            side.set.encode(&mut encoder)?;
+        }
+        self.encode_picture(&mut encoder, frame.shown)?;
+        self.queue.submit([encoder.finish()]);
+        match &self.targets {
+            Some(targets) => Ok(&targets.as_read),
+            None => anyhow::bail!("the picture has no size"),
+        }
+    }
+
+    fn encode_picture(&self, encoder: &mut wgpu::CommandEncoder, shown: Shown) -> Result<()> {
+        let Some(targets) = &self.targets else {
+            return Ok(());
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("picture"),
+            color_attachments: &[color_attachment(
+                &targets.color,
+                wgpu::LoadOp::Clear(BACKGROUND),
+            )],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &targets.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        let size = targets.size;
+        let parts = parts(shown, size.x);
+        for (i, part) in parts {
+            if part.start < part.end {
+                pass.set_scissor_rect(part.start, 0, part.end - part.start, size.y);
+                self.sides[i].draw(&mut pass, &self.scene)?;
+            }
+        }
+        drop(pass);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("figures"),
+            color_attachments: &[color_attachment(&targets.color, wgpu::LoadOp::Load)],
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(&self.overlay_pipeline);
+        for (i, part) in self::parts(shown, size.x) {
+            let share = [part.start, part.end].map(|x| x as f32 / size.x as f32);
+            self.overlays[i].draw(&self.queue, &mut pass, share);
+        }
+        Ok(())
+    }
+}
+
+/// Returns which columns each side is drawn into.
+fn parts(shown: Shown, width: u32) -> Vec<(usize, std::ops::Range<u32>)> {
+    match shown {
+        Shown::One(side) => vec![(side.min(1), 0..width)],
+        Shown::Both(divider) => {
+            let column = (divider.clamp(0.0, 1.0) * width as f32).round() as u32;
+            vec![(0, 0..column), (1, column..width)]
+        }
+    }
+}
+
+fn color_attachment(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    Some(wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        },
+    })
+}
+
+impl Targets {
+    fn new(device: &wgpu::Device, size: UVec2) -> Self {
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        let image = pipelines::texture(device, size, COLOR, drawn | read, &[COLOR_AS_READ]);
+        let depth = pipelines::texture(device, size, DEPTH, drawn, &[]);
+        let view_as = |format, usage| {
+            image.create_view(&wgpu::TextureViewDescriptor {
+                format: Some(format),
+                usage: Some(usage),
+                ..wgpu::TextureViewDescriptor::default()
+            })
+        };
+        Self {
+            size,
+            color: view_as(COLOR, drawn),
+            as_read: view_as(COLOR_AS_READ, wgpu::TextureUsages::TEXTURE_BINDING),
+            depth: depth.create_view(&wgpu::TextureViewDescriptor::default()),
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! The renderer's pipelines, bind groups and textures.
+
+use super::buffers::Looks;
+use umbrage::glam::UVec2;
+
+/// What the picture is drawn into: colours are encoded as sRGB as they are written.
+pub(crate) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// The same texels as the panel reads them: as they are.
+pub(crate) const COLOR_AS_READ: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Reversed: 1 at the near plane, 0 endlessly far.
+pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Bind groups of the forward shader. The light set has one of its own.
+pub(crate) const FRAME_GROUP: u32 = 0;
+pub(crate) const MATERIAL_GROUP: u32 = 1;
+pub(crate) const SET_GROUP: u32 = 2;
+
+/// Layouts of the renderer's own bind groups.
+pub(crate) struct Layouts {
+    pub frame: wgpu::BindGroupLayout,
+    pub material: wgpu::BindGroupLayout,
+    pub overlay: wgpu::BindGroupLayout,
+}
+
+impl Layouts {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
+        let uniforms = |has_dynamic_offset| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: None,
+        };
+        let image = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        Self {
+            frame: layout(device, &[uniforms(false)]),
+            material: layout(device, &[uniforms(true), image, sampler]),
+            overlay: layout(device, &[uniforms(false), image]),
+        }
+    }
+}
+
+/// Returns the pipeline that draws lit surfaces with a set's shadows. The set's text stands before the renderer's own.
+pub(crate) fn forward(
+    device: &wgpu::Device,
+    layouts: &Layouts,
+    set_text: &str,
+    set_layout: &wgpu::BindGroupLayout,
+) -> wgpu::RenderPipeline {
+    let text = [set_text, include_str!("shaders/forward.wgsl")].concat();
+    let groups = [
+        Some(&layouts.frame),
+        Some(&layouts.material),
+        Some(set_layout),
+    ];
+    let buffers = [
+        Some(wgpu::VertexBufferLayout {
+            array_stride: 12,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+        }),
+        Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<Looks>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2],
+        }),
+    ];
+    let depth = wgpu::DepthStencilState {
+        format: DEPTH,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    };
+    let list = wgpu::PrimitiveTopology::TriangleList;
+    pipeline(
+        device,
+        text,
+        &groups,
+        &buffers,
+        list,
+        Some(depth),
+        COLOR.into(),
+    )
+}
+
+/// Returns the pipeline that lays a picture of figures over the image.
+pub(crate) fn overlay(device: &wgpu::Device, layouts: &Layouts) -> wgpu::RenderPipeline {
+    let text = include_str!("shaders/overlay.wgsl").to_owned();
+    let target = wgpu::ColorTargetState {
+        format: COLOR,
+        blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+        write_mask: wgpu::ColorWrites::ALL,
+    };
+    let strip = wgpu::PrimitiveTopology::TriangleStrip;
+    pipeline(
+        device,
+        text,
+        &[Some(&layouts.overlay)],
+        &[],
+        strip,
+        None,
+        target,
+    )
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    text: String,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+    buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
+    topology: wgpu::PrimitiveTopology,
+    depth_stencil: Option<wgpu::DepthStencilState>,
+    target: wgpu::ColorTargetState,
+) -> wgpu::RenderPipeline {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        bind_group_layouts: groups,
+        ..wgpu::PipelineLayoutDescriptor::default()
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: None,
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("place"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers,
+        },
+        primitive: wgpu::PrimitiveState {
+            topology,
+            ..wgpu::PrimitiveState::default()
+        },
+        depth_stencil,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("shade"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(target)],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn layout(device: &wgpu::Device, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = (0..)
+        .zip(types)
+        .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty,
+            count: None,
+        })
+        .collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &entries,
+    })
+}
+
+/// Returns a bind group with these resources at the bindings 0, 1, ..
+pub(crate) fn group<const N: usize>(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    resources: [wgpu::BindingResource<'_>; N],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout,
+        entries: &entries,
+    })
+}
+
+/// Returns a texture without smaller copies.
+pub(crate) fn texture(
+    device: &wgpu::Device,
+    size: UVec2,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+    view_formats: &[wgpu::TextureFormat],
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats,
+    })
+}

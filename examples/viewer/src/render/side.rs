@@ -1,0 +1,208 @@
+//! One half of a comparison: a light set whose lights all have the same technique.
+
+use super::{
+    buffers::SceneBuffers,
+    pipelines::{self, FRAME_GROUP, Layouts, MATERIAL_GROUP, SET_GROUP, group},
+};
+use crate::{
+    lights::{EditLight, MAX_LIGHTS},
+    settings::SideSettings,
+    stage::Stage,
+};
+use anyhow::Result;
+use umbrage::{
+    Camera, Light,
+    glam::{Mat4, Vec3},
+    wgpu::{FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, SetLight, Unserved},
+};
+
+/// Bytes of the uniform `frame`: a matrix, three vectors, four vectors for each lamp.
+const FRAME_BYTES: u64 = 16 * (4 + 3 + 4 * MAX_LIGHTS as u64);
+
+pub(crate) struct Side {
+    pub set: LightSet,
+    /// Of the lights that are on, in their order.
+    pub ids: Vec<LightId>,
+    /// What the set's lights are.
+    lights: Vec<Light>,
+    settings: SideSettings,
+    uniforms: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+    /// Made for this revision of the set's text.
+    forward: Option<(u64, wgpu::RenderPipeline)>,
+}
+
+impl Side {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        scene: &SceneBuffers,
+        settings: &SideSettings,
+    ) -> Result<Self> {
+        let options = LightSetOptions {
+            group: SET_GROUP,
+            ..LightSetOptions::default()
+        };
+        let mut set = LightSet::new(device, options)?;
+        scene.add_casters(&mut set)?;
+        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("frame"),
+            size: FRAME_BYTES,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let frame_group = group(device, &layouts.frame, [uniforms.as_entire_binding()]);
+        Ok(Self {
+            set,
+            ids: Vec::new(),
+            lights: Vec::new(),
+            settings: settings.clone(),
+            uniforms,
+            frame_group,
+            forward: None,
+        })
+    }
+
+    /// Brings the set's lights to what the user set.
+    pub(crate) fn apply(&mut self, lights: &[EditLight], settings: &SideSettings) -> Result<()> {
+        let wanted: Vec<Light> = lights.iter().filter(|l| l.is_on).map(|l| l.light).collect();
+        let alike = |a: &Light, b: &Light| {
+            // Cascades are for directional lights alone, so that another kind has another technique.
+            std::mem::discriminant(a) == std::mem::discriminant(b)
+        };
+        let same_kinds = wanted.len() == self.lights.len()
+            && wanted.iter().zip(&self.lights).all(|(a, b)| alike(a, b));
+        if !same_kinds || *settings != self.settings {
+            for id in self.ids.drain(..) {
+                self.set.remove_light(id)?;
+            }
+            for light in &wanted {
+                self.ids.push(self.set.add_light(SetLight {
+                    light: *light,
+                    technique: settings.technique(light),
+                    priority: 1.0,
+                })?);
+            }
+            self.settings = settings.clone();
+            self.lights = wanted;
+            return Ok(());
+        }
+        for ((id, old), new) in self.ids.iter().zip(&mut self.lights).zip(&wanted) {
+            if old != new {
+                self.set.set_light(*id, *new)?;
+                *old = *new;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the set ready for a frame, and writes what its shader reads.
+    pub(crate) fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layouts: &Layouts,
+        camera: &Camera,
+        stage: &Stage,
+        lights: &[EditLight],
+    ) -> Result<()> {
+        let frame = SetFrame {
+            camera,
+            geometry: Some(FrameGeometry {
+                triangles: &stage.geometry,
+                revision: stage.geometry.fingerprint(),
+            }),
+        };
+        self.set.prepare(device, queue, &frame)?;
+        let (_, layout) = self.set.bind_group()?;
+        let revision = self.set.wgsl_revision();
+        if self
+            .forward
+            .as_ref()
+            .is_none_or(|(made_for, _)| *made_for != revision)
+        {
+            let pipeline = pipelines::forward(device, layouts, self.set.wgsl(), layout);
+            self.forward = Some((revision, pipeline));
+        }
+        let bytes = self.frame_bytes(camera, lights)?;
+        queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&bytes));
+        Ok(())
+    }
+
+    fn frame_bytes(&self, camera: &Camera, lights: &[EditLight]) -> Result<Vec<f32>> {
+        let view_from_world = Mat4::from(camera.world_from_view.inverse());
+        let clip_from_world = camera.clip_from_view * view_from_world;
+        let mut floats: Vec<f32> = clip_from_world.to_cols_array().to_vec();
+        floats.extend(camera.eye().extend(self.ids.len() as f32).to_array());
+        floats.extend([0.16, 0.19, 0.25, 0.0]);
+        floats.extend([0.09, 0.08, 0.07, 0.0]);
+        let on = lights.iter().filter(|light| light.is_on);
+        for (light, id) in on.zip(&self.ids) {
+            let index = self.set.index_of(*id)?;
+            floats.extend(lamp(light, index));
+        }
+        floats.resize(FRAME_BYTES as usize / 4, 0.0);
+        Ok(floats)
+    }
+
+    /// Draws the scene lit by this side's lights.
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &SceneBuffers) -> Result<()> {
+        let (group, _) = self.set.bind_group()?;
+        let Some((_, pipeline)) = &self.forward else {
+            anyhow::bail!("a side was drawn before it was prepared");
+        };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(FRAME_GROUP, &self.frame_group, &[]);
+        pass.set_bind_group(SET_GROUP, group, &[]);
+        scene.draw(pass, MATERIAL_GROUP);
+        Ok(())
+    }
+
+    /// Returns why lights have no shadows, each reason once.
+    pub(crate) fn refusals(&self) -> Vec<String> {
+        let mut out: Vec<String> = Vec::new();
+        for (_, unserved) in self.set.unserved() {
+            let reason = match unserved {
+                Unserved::Waiting => continue,
+                other => other.to_string(),
+            };
+            if !out.contains(&reason) {
+                out.push(reason);
+            }
+        }
+        out
+    }
+}
+
+/// A lamp as the shader has it.
+fn lamp(light: &EditLight, index: u32) -> [f32; 16] {
+    let place = match light.light.position() {
+        Some(position) => position.extend(1.0),
+        None => light.light.direction_from(Vec3::ZERO).extend(0.0),
+    };
+    // Lights that shine every way have cones beyond all cosines.
+    let (axis, inner, outer) = match light.light {
+        Light::Spot {
+            direction,
+            inner,
+            outer,
+            ..
+        } => {
+            // The two are apart, so that there is something to step over.
+            let outer_cosine = outer.cos();
+            (
+                direction.normalize(),
+                inner.cos().max(outer_cosine + 1e-4),
+                outer_cosine,
+            )
+        }
+        _ => (Vec3::ZERO, -2.0, -3.0),
+    };
+    let vectors = [
+        place.to_array(),
+        axis.extend(outer).to_array(),
+        light.linear_color().extend(index as f32).to_array(),
+        [inner, 0.0, 0.0, 0.0],
+    ];
+    bytemuck::cast(vectors)
+}

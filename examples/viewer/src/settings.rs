@@ -1,0 +1,178 @@
+//! What the user sets for each of the two sides.
+
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage::{
+    Cascades, Fit, Layout, Light, ShadowTechnique,
+    techniques::{self, FrameRules, LightPreset, ShadowMap, TechniqueEntry, TechniquePreset},
+};
+
+/// How maps are laid around what is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum FitKind {
+    /// Around all that casts.
+    Tight,
+    /// Around all there is, casters or not.
+    Whole,
+    /// Around what the camera sees, in steps of whole texels.
+    Stable,
+    /// Around the camera, in steps of whole texels.
+    AroundCamera,
+}
+
+impl FitKind {
+    pub(crate) const ALL: [Self; 4] = [Self::Tight, Self::Whole, Self::Stable, Self::AroundCamera];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Tight => "tight",
+            Self::Whole => "whole scene",
+            Self::Stable => "stable",
+            Self::AroundCamera => "around the camera",
+        }
+    }
+}
+
+/// A technique with all its settings, for all lights.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SideSettings {
+    /// The technique, with its map if it has one.
+    pub preset: TechniquePreset,
+    pub fit: FitKind,
+    /// Metres around the camera, for fits that ask for it.
+    pub range: f32,
+    /// Maps of a directional light; 1 for a single one.
+    pub cascades: u32,
+}
+
+/// The same as a file holds it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct SavedSide {
+    preset: String,
+    fit: FitKind,
+    range: f32,
+    cascades: u32,
+}
+
+impl SideSettings {
+    /// Returns a technique's default settings. `range` is how far a camera sees, metres.
+    pub(crate) fn new(entry: &TechniqueEntry, range: f32) -> Self {
+        Self {
+            preset: (entry.preset)(),
+            fit: FitKind::Tight,
+            range,
+            cascades: 1,
+        }
+    }
+
+    /// Takes another technique, with its own default settings on maps of the same kind and size.
+    pub(crate) fn choose(&mut self, entry: &TechniqueEntry) {
+        let side = self.preset.map().map(|map| map.size);
+        self.preset = (entry.preset)();
+        if let (Some(side), Some(own)) = (side, self.preset.map().copied()) {
+            self.preset = self.preset.with_map(ShadowMap { size: side, ..own });
+        }
+    }
+
+    /// Returns the technique for a light: cascades are for directional ones.
+    pub(crate) fn technique(&self, light: &Light) -> Arc<dyn ShadowTechnique> {
+        self.preset_for(light).technique()
+    }
+
+    /// Returns the settings for a light as a program would load them.
+    pub(crate) fn preset_for(&self, light: &Light) -> TechniquePreset {
+        let Some(own) = self.preset.map() else {
+            return self.preset.clone();
+        };
+        let is_directional = light.position().is_none();
+        let layout = if is_directional && self.cascades > 1 {
+            Layout::Cascades(Cascades {
+                count: self.cascades,
+                ..Cascades::default()
+            })
+        } else {
+            own.layout
+        };
+        let fit = match self.fit {
+            FitKind::Tight => Fit::Tight,
+            FitKind::Whole => Fit::Whole,
+            FitKind::Stable => Fit::Stable { range: self.range },
+            FitKind::AroundCamera => Fit::AroundCamera { range: self.range },
+        };
+        self.preset.with_map(ShadowMap {
+            fit,
+            layout,
+            ..*own
+        })
+    }
+
+    /// Takes a preset: of a file, or of a plan.
+    pub(crate) fn take(&mut self, preset: &TechniquePreset) {
+        self.preset = preset.clone();
+        let Some(map) = preset.map() else {
+            return;
+        };
+        self.cascades = 1;
+        if let Layout::Cascades(cascades) = map.layout {
+            self.cascades = cascades.count;
+        }
+        self.fit = FitKind::Tight;
+        match map.fit {
+            Fit::Whole => self.fit = FitKind::Whole,
+            Fit::Stable { range } => {
+                self.fit = FitKind::Stable;
+                self.range = range;
+            }
+            Fit::AroundCamera { range } => {
+                self.fit = FitKind::AroundCamera;
+                self.range = range;
+            }
+            Fit::Tight | Fit::Manual { .. } => {}
+        }
+    }
+
+    /// Returns the text of a preset file for a light.
+    pub(crate) fn preset_text(&self, light: &Light) -> anyhow::Result<String> {
+        let preset = LightPreset {
+            technique: self.preset_for(light),
+            frame: FrameRules::default(),
+        };
+        Ok(preset.to_toml()?)
+    }
+
+    pub(crate) fn saved(&self) -> anyhow::Result<SavedSide> {
+        Ok(SavedSide {
+            preset: self.preset.to_toml()?,
+            fit: self.fit,
+            range: self.range,
+            cascades: self.cascades,
+        })
+    }
+
+    pub(crate) fn of_saved(saved: &SavedSide) -> anyhow::Result<Self> {
+        Ok(Self {
+            preset: TechniquePreset::from_toml(&saved.preset)?,
+            fit: saved.fit,
+            range: saved.range,
+            cascades: saved.cascades.clamp(1, 8),
+        })
+    }
+
+    /// A few words for labels.
+    pub(crate) fn label(&self) -> String {
+        let technique = self.preset.technique();
+        let settings = technique.settings();
+        if settings.is_empty() {
+            return technique.name().to_owned();
+        }
+        format!("{} ({settings})", technique.name())
+    }
+}
+
+/// Returns a technique of the list.
+///
+/// # Panics
+/// Panics if there is none of that name.
+pub(crate) fn entry(name: &str) -> &'static TechniqueEntry {
+    techniques::find(name).unwrap_or_else(|| panic!("`{name}` is in no list of techniques"))
+}
