@@ -1,25 +1,21 @@
 //! The program: what is shown, what the user does with it, and what is measured meanwhile.
 
 use crate::{
-    camera::{Mode, ViewCamera},
+    camera::Mode,
+    device::{DeviceErrors, put, taken},
     gizmo::{self, LightHandles},
     lights::EditLight,
     measure::{
-        figures::{self, MaskError, Picture},
-        truth::{TruthRequest, TruthSoFar},
-        worker::{News, Worker},
+        figures::Picture,
+        view_figures::{Question, ViewFigures},
     },
     panel,
-    render::{
-        FrameSettings, Renderer, Shown,
-        mask::{PendingMask, ReceiverTextures},
-    },
-    settings::{SavedSide, SideSettings, entry},
+    render::{FrameSettings, Renderer, Shown},
     stage::Stage,
+    state::{Saved, Settings, Start},
 };
 use anyhow::{Context as _, Result};
 use eframe::egui_wgpu::RenderState;
-use serde::{Deserialize, Serialize};
 use std::sync::{Arc, Mutex, PoisonError};
 use umbrage::{
     Camera,
@@ -35,53 +31,6 @@ const FLUENT: f32 = 20.0;
 const COARSEST: f32 = 0.25;
 /// How long nothing must have changed before errors are measured.
 const REST: Duration = Duration::from_millis(250);
-/// Rays for each pixel of lights with an extent.
-const TRUTH_RAYS: u32 = 256;
-
-/// How the program begins.
-#[derive(Default)]
-pub(crate) struct Start {
-    pub scene: Option<String>,
-    pub techniques: [Option<String>; 2],
-    /// Whether the settings of the last time are forgotten.
-    pub is_fresh: bool,
-    /// Shown at first.
-    pub message: Option<String>,
-}
-
-/// What is kept from one time to the next.
-#[derive(Serialize, Deserialize)]
-struct Saved {
-    scene: String,
-    sides: Vec<SavedSide>,
-    view: ViewCamera,
-    split: Option<f32>,
-    picture: Picture,
-}
-
-/// What the panel shows and changes.
-pub(crate) struct Settings {
-    pub sides: [SideSettings; 2],
-    pub lights: Vec<EditLight>,
-    /// Index of the light whose handles are shown, and which is measured.
-    pub chosen: usize,
-    /// Where the two sides meet, as a share of the width; none if one side is shown.
-    pub split: Option<f32>,
-    /// Which side is shown alone.
-    pub shown_side: usize,
-    pub picture: Picture,
-    pub opacity: f32,
-    pub view: ViewCamera,
-    pub shows_help: bool,
-}
-
-/// What is known of a side.
-#[derive(Default)]
-pub(crate) struct Measured {
-    pending: Option<PendingMask>,
-    mask: Option<Vec<f32>>,
-    pub error: Option<MaskError>,
-}
 
 /// What frames took.
 #[derive(Clone, Copy, Default)]
@@ -104,59 +53,11 @@ pub(crate) struct App {
     texture: Option<(egui::TextureId, UVec2)>,
     camera: Option<Camera>,
     changed: Instant,
-    worker: Worker,
-    /// Counted up with each question for truth.
-    asked: u64,
-    pub truth: Option<Box<TruthSoFar>>,
-    receivers: Option<ReceiverTextures>,
-    pub measured: [Measured; 2],
-    /// What the figures are of; something else makes them stale.
-    measured_for: Option<MeasuredFor>,
+    pub figures: ViewFigures,
     pub message: Option<String>,
     errors: DeviceErrors,
     lost: Arc<Mutex<Option<String>>>,
     screenshot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
-}
-
-#[derive(Clone, PartialEq)]
-struct MeasuredFor {
-    camera: Camera,
-    light: umbrage::Light,
-    scene: u64,
-}
-
-/// What the device reports behind the program's back.
-#[derive(Clone, Default)]
-struct DeviceErrors {
-    fault: Arc<Mutex<Option<String>>>,
-    loss: Arc<Mutex<Option<String>>>,
-}
-
-fn taken(place: &Mutex<Option<String>>) -> Option<String> {
-    place.lock().unwrap_or_else(PoisonError::into_inner).take()
-}
-
-fn put(place: &Mutex<Option<String>>, message: String) {
-    place
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .get_or_insert(message);
-}
-
-/// What the program asks of an adapter: all that it has in sizes, so that large scenes and windows have room.
-pub(crate) fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
-    let has = adapter.limits();
-    let timed = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
-    wgpu::DeviceDescriptor {
-        label: Some("umbrage viewer"),
-        required_features: adapter.features() & timed,
-        required_limits: wgpu::Limits {
-            max_buffer_size: has.max_buffer_size,
-            max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
-            ..wgpu::Limits::default().using_resolution(has)
-        },
-        ..wgpu::DeviceDescriptor::default()
-    }
 }
 
 impl App {
@@ -222,12 +123,7 @@ impl App {
             texture: None,
             camera: None,
             changed: Instant::now(),
-            worker: Worker::new(move || wake.request_repaint()),
-            asked: 0,
-            truth: None,
-            receivers: None,
-            measured: [Measured::default(), Measured::default()],
-            measured_for: None,
+            figures: ViewFigures::new(move || wake.request_repaint()),
             message,
             errors,
             lost,
@@ -248,7 +144,8 @@ impl App {
                 self.settings.show(&stage);
                 self.stage = stage;
                 self.renderer = renderer;
-                self.forget_figures();
+                self.figures.forget();
+                // The overlays went with the old renderer.
                 self.message = None;
                 self.touch();
             }
@@ -259,16 +156,6 @@ impl App {
     /// Notes that something changed.
     fn touch(&mut self) {
         self.changed = Instant::now();
-    }
-
-    fn forget_figures(&mut self) {
-        self.truth = None;
-        self.receivers = None;
-        self.measured = [Measured::default(), Measured::default()];
-        self.measured_for = None;
-        for overlay in &mut self.renderer.overlays {
-            overlay.clear();
-        }
     }
 
     fn shown(&self) -> Shown {
@@ -472,138 +359,65 @@ impl App {
 
     fn lights(&mut self, ui: &egui::Ui, rect: egui::Rect, camera: &Camera) {
         let settings = &mut self.settings;
-        let bounds = &self.stage.bounds;
+        let looked_at = &settings.view.looked_at();
         gizmo::markers(
             ui,
             rect,
             camera,
-            bounds,
+            looked_at,
             &settings.lights,
             &mut settings.chosen,
         );
         let mut has_moved = false;
         if let Some(light) = settings.lights.get_mut(settings.chosen) {
-            has_moved = self.handles.show(ui, rect, camera, bounds, light);
+            has_moved = self.handles.show(ui, rect, camera, looked_at, light);
         }
         if has_moved {
             self.touch();
         }
     }
 
-    /// Asks for truth once nothing moves, and takes what is there of it.
+    /// Asks for truth once nothing moves, and takes what is there of it and of the sides' masks.
     fn measure(&mut self, ctx: &egui::Context) -> Result<()> {
-        let Some(camera) = self.camera else {
+        let chosen = self.settings.lights.get(self.settings.chosen);
+        let light = chosen.filter(|light| light.is_on).map(|light| light.light);
+        let (Some(camera), Some(light)) = (self.camera, light) else {
             return Ok(());
         };
-        let light = self
-            .settings
-            .lights
-            .get(self.settings.chosen)
-            .filter(|light| light.is_on);
-        let Some(light) = light.map(|light| light.light) else {
-            return Ok(());
-        };
-        let wanted = MeasuredFor {
+        let on = |light: &&EditLight| light.is_on;
+        let place = self.settings.lights[..self.settings.chosen]
+            .iter()
+            .filter(on)
+            .count();
+        let question = Question {
             camera,
             light,
-            scene: self.stage.geometry.fingerprint(),
+            place,
+            geometry: &self.stage.geometry,
         };
         let rests = self.changed.elapsed() >= REST;
-        if self.measured_for.as_ref() != Some(&wanted) {
-            if self.measured_for.is_some() {
-                self.forget_figures();
-            }
-            if rests && camera.size.element_product() > 0 {
-                self.asked += 1;
-                self.worker.ask(TruthRequest {
-                    camera,
-                    geometry: self.stage.geometry.clone(),
-                    light,
-                    samples: TRUTH_RAYS,
-                    number: self.asked,
-                });
-                self.measured_for = Some(wanted);
-            }
-            return Ok(());
+        let is_new = self
+            .figures
+            .update(&self.render, &mut self.renderer, &question, rests)?;
+        if is_new {
+            self.compare();
         }
-        match self.worker.news() {
-            Some(News::Truth(truth)) if truth.number == self.asked => {
-                if self.receivers.is_none() {
-                    let textures = ReceiverTextures::new(
-                        &self.render.device,
-                        &self.render.queue,
-                        &truth.receivers,
-                    );
-                    self.receivers = Some(textures);
-                }
-                self.truth = Some(truth);
-                self.compare()?;
-            }
-            Some(News::Failed(error)) => self.message = Some(error),
-            _ => {}
-        }
-        self.fetch_masks(ctx)
-    }
-
-    /// Has both sides make the chosen light's mask, and takes it when it is there.
-    fn fetch_masks(&mut self, ctx: &egui::Context) -> Result<()> {
-        let Some(receivers) = &self.receivers else {
-            return Ok(());
-        };
-        let on = |i: &usize| self.settings.lights[*i].is_on;
-        let place = (0..self.settings.chosen).filter(on).count();
-        let mut has_news = false;
-        for (side, measured) in self.renderer.sides.iter_mut().zip(&mut self.measured) {
-            if let Some(pending) = &measured.pending {
-                ctx.request_repaint_after(Duration::from_millis(10));
-                if let Some(mask) = pending.take()? {
-                    measured.mask = Some(mask);
-                    measured.pending = None;
-                    has_news = true;
-                }
-            } else if measured.mask.is_none()
-                && let Some(&light) = side.ids.get(place)
-                && side.set.bind_group().is_ok()
-            {
-                let (device, queue) = (&self.render.device, &self.render.queue);
-                let pending = PendingMask::request(device, queue, &mut side.set, light, receivers)?;
-                measured.pending = Some(pending);
-                ctx.request_repaint();
-            }
-        }
-        self.render.device.poll(wgpu::PollType::Poll)?;
-        if has_news {
-            self.compare()?;
+        if self.figures.is_waiting() {
+            ctx.request_repaint_after(Duration::from_millis(10));
         }
         Ok(())
     }
 
     /// Compares masks with truth, and lays a picture of it over the sides.
-    pub(crate) fn compare(&mut self) -> Result<()> {
-        let Some(truth) = &self.truth else {
-            return Ok(());
-        };
-        for (measured, overlay) in self.measured.iter_mut().zip(&mut self.renderer.overlays) {
-            let mask = measured.mask.as_deref();
-            measured.error = mask.map(|mask| figures::mask_error(truth, mask));
-            overlay.opacity = self.settings.opacity;
-            match figures::picture(self.settings.picture, truth, mask) {
-                Some(rgba) => overlay.show(
-                    &self.render.device,
-                    &self.render.queue,
-                    truth.receivers.size,
-                    &rgba,
-                ),
-                None => overlay.clear(),
-            }
-        }
-        Ok(())
+    pub(crate) fn compare(&mut self) {
+        let (picture, opacity) = (self.settings.picture, self.settings.opacity);
+        self.figures
+            .compare(&self.render, &mut self.renderer, picture, opacity);
     }
 
     /// Forgets a side's mask, since its technique changed.
     pub(crate) fn forget_mask(&mut self, side: usize) {
-        self.measured[side] = Measured::default();
-        self.renderer.overlays[side].clear();
+        self.figures.forget_mask(side, &mut self.renderer);
         self.touch();
     }
 
@@ -695,27 +509,14 @@ impl eframe::App for App {
         }
         if flight(&ctx) != Vec3::ZERO || self.changed.elapsed() < REST {
             ctx.request_repaint();
-        } else if self.measured_for.is_none() {
+        } else if !self.figures.is_asked() {
             ctx.request_repaint_after(REST);
         }
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        let sides: Result<Vec<SavedSide>> = self
-            .settings
-            .sides
-            .iter()
-            .map(SideSettings::saved)
-            .collect();
-        let Ok(sides) = sides else {
+        let Ok(saved) = self.settings.saved(&self.stage) else {
             return;
-        };
-        let saved = Saved {
-            scene: self.stage.argument.clone(),
-            sides,
-            view: self.settings.view,
-            split: self.settings.split,
-            picture: self.settings.picture,
         };
         eframe::set_value(storage, eframe::APP_KEY, &saved);
     }
@@ -723,52 +524,5 @@ impl eframe::App for App {
     #[cfg(target_arch = "wasm32")]
     fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
         Some(self)
-    }
-}
-
-impl Settings {
-    fn new(stage: &Stage, saved: Option<&Saved>, techniques: &[Option<String>; 2]) -> Self {
-        let range = 0.5 * stage.bounds.diagonal();
-        let side = |i: usize, usual: &str| {
-            if let Some(name) = &techniques[i] {
-                return SideSettings::new(entry(name), range);
-            }
-            let kept = saved.and_then(|saved| SideSettings::of_saved(saved.sides.get(i)?).ok());
-            kept.unwrap_or_else(|| SideSettings::new(entry(usual), range))
-        };
-        let mut out = Self {
-            sides: [side(0, "pcf"), side(1, "exact")],
-            lights: Vec::new(),
-            chosen: 0,
-            split: saved.map_or(Some(0.5), |saved| saved.split),
-            shown_side: 0,
-            picture: saved.map_or(Picture::Nothing, |saved| saved.picture),
-            opacity: 1.0,
-            view: ViewCamera::new(&stage.camera, &stage.bounds),
-            shows_help: false,
-        };
-        out.show(stage);
-        if let Some(saved) = saved
-            && saved.scene == stage.argument
-        {
-            out.view = saved.view;
-        }
-        out
-    }
-
-    /// Takes a scene's lights and camera.
-    fn show(&mut self, stage: &Stage) {
-        let count = stage.lights.len();
-        self.lights = stage
-            .lights
-            .iter()
-            .take(crate::lights::MAX_LIGHTS)
-            .map(|light| EditLight::of_scene(*light, count))
-            .collect();
-        self.chosen = 0;
-        self.view = ViewCamera::new(&stage.camera, &stage.bounds);
-        for side in &mut self.sides {
-            side.range = 0.5 * stage.bounds.diagonal();
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! The camera that the user moves.
 
+use crate::lights::LookedAt;
 use serde::{Deserialize, Serialize};
 use umbrage::{
     Aabb, Camera,
@@ -136,6 +137,14 @@ impl ViewCamera {
     /// The way the camera looks.
     pub(crate) fn ahead(&self) -> Vec3 {
         self.rotation() * Vec3::NEG_Z
+    }
+
+    /// Returns the point that the camera goes around, and how large what is around it looks.
+    pub(crate) fn looked_at(&self) -> LookedAt {
+        LookedAt {
+            point: self.pivot(),
+            reach: 0.6 * self.distance * (0.5 * self.fov_y).tan(),
+        }
     }
 
     fn pivot(&self) -> Vec3 {

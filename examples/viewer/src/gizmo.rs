@@ -1,12 +1,12 @@
 //! Markers of lights, and the handles by which they are dragged and turned.
 
-use crate::lights::EditLight;
+use crate::lights::{EditLight, LookedAt};
 use transform_gizmo::{
     EnumSet, Gizmo, GizmoConfig, GizmoInteraction, GizmoMode, GizmoOrientation, GizmoResult,
     math::Transform, mint,
 };
 use umbrage::{
-    Aabb, Camera, Light,
+    Camera, Light,
     glam::{DMat4, DQuat, Mat4, Quat, Vec3},
 };
 
@@ -48,13 +48,13 @@ pub(crate) fn markers(
     ui: &egui::Ui,
     rect: egui::Rect,
     camera: &Camera,
-    bounds: &Aabb,
+    looked_at: &LookedAt,
     lights: &[EditLight],
     chosen: &mut usize,
 ) {
     let painter = ui.painter_at(rect);
     for (i, light) in lights.iter().enumerate() {
-        let Some(at) = place_in(rect, camera, light.marker(bounds)) else {
+        let Some(at) = place_in(rect, camera, light.marker(looked_at)) else {
             continue;
         };
         if !rect.contains(at) {
@@ -114,7 +114,7 @@ impl LightHandles {
         ui: &egui::Ui,
         rect: egui::Rect,
         camera: &Camera,
-        bounds: &Aabb,
+        looked_at: &LookedAt,
         light: &mut EditLight,
     ) -> bool {
         let turns = self.turns && light.can_turn();
@@ -124,7 +124,7 @@ impl LightHandles {
             GizmoMode::all_translate()
         };
         self.configure(ui, rect, camera, modes);
-        let at = light.marker(bounds);
+        let at = light.marker(looked_at);
         let target = Transform {
             scale: mint::Vector3 {
                 x: 1.0,
@@ -160,7 +160,7 @@ impl LightHandles {
             }
             _ => {
                 let to: [f64; 3] = places[0].translation.into();
-                light.move_marker(Vec3::from(to.map(|x| x as f32)), bounds);
+                light.move_marker(Vec3::from(to.map(|x| x as f32)), looked_at);
             }
         }
         true

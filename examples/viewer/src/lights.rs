@@ -20,6 +20,15 @@ pub(crate) struct EditLight {
     pub is_on: bool,
 }
 
+/// What the camera looks at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LookedAt {
+    /// World space, metres.
+    pub point: Vec3,
+    /// How far from it directional lights are marked, metres.
+    pub reach: f32,
+}
+
 /// The kinds, in the order of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Kind {
@@ -85,20 +94,19 @@ impl EditLight {
         }
     }
 
-    /// Where the light is drawn and dragged: its middle, or for directional ones a point of the scene's upper half, towards them.
-    pub(crate) fn marker(&self, bounds: &Aabb) -> Vec3 {
-        match self.light.position() {
-            Some(position) => position,
-            None => middle_of(bounds) - direction_of(&self.light) * (0.4 * reach_of(bounds)),
-        }
+    /// Where the light is drawn and dragged: its middle. Directional ones, which have no place, are marked beside what the camera looks
+    /// at, on the side from which they shine.
+    pub(crate) fn marker(&self, looked_at: &LookedAt) -> Vec3 {
+        let away = direction_of(&self.light) * looked_at.reach;
+        self.light.position().unwrap_or(looked_at.point - away)
     }
 
-    /// Puts the marker elsewhere. A directional light shines from there to the scene's middle.
-    pub(crate) fn move_marker(&mut self, to: Vec3, bounds: &Aabb) {
+    /// Puts the marker elsewhere. A directional light shines from there to what the camera looks at.
+    pub(crate) fn move_marker(&mut self, to: Vec3, looked_at: &LookedAt) {
         match &mut self.light {
             Light::Directional { direction, .. } => {
-                let along = middle_of(bounds) - to;
-                if along.length() > 1e-6 * reach_of(bounds) {
+                let along = looked_at.point - to;
+                if along.length() > 1e-3 * looked_at.reach {
                     *direction = along.normalize();
                 }
             }
@@ -132,7 +140,10 @@ impl EditLight {
         if Kind::of(&self.light) == kind {
             return;
         }
-        let position = self.marker(bounds);
+        let position = self.marker(&LookedAt {
+            point: middle_of(bounds),
+            reach: 0.4 * reach_of(bounds),
+        });
         let to_middle = (middle_of(bounds) - position).normalize_or(Vec3::NEG_Y);
         let direction = match self.light {
             Light::Directional { .. } | Light::Spot { .. } => direction_of(&self.light),

@@ -2,6 +2,7 @@
 
 mod app;
 mod camera;
+mod device;
 mod gizmo;
 mod lights;
 mod measure;
@@ -11,6 +12,7 @@ mod panel;
 mod render;
 mod settings;
 mod stage;
+mod state;
 #[cfg(target_arch = "wasm32")]
 mod web;
 

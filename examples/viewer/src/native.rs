@@ -1,6 +1,6 @@
 //! The program on the desktop: its command line, and the window.
 
-use crate::app::{App, Start, device_descriptor};
+use crate::{app::App, device::device_descriptor, state::Start};
 use anyhow::{Context as _, Result};
 use clap::Parser;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};

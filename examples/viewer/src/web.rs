@@ -1,6 +1,6 @@
 //! The program in a browser: its canvas, and what the page says where it can't run.
 
-use crate::app::{App, Start, device_descriptor};
+use crate::{app::App, device::device_descriptor, state::Start};
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::sync::Arc;
 use wasm_bindgen::JsCast as _;

@@ -2,4 +2,5 @@
 
 pub(crate) mod figures;
 pub(crate) mod truth;
+pub(crate) mod view_figures;
 pub(crate) mod worker;

@@ -127,10 +127,8 @@ fn view(app: &mut App, ui: &mut egui::Ui) {
                 .on_hover_text("Opacity");
         });
     }
-    if before != (settings.picture, settings.opacity)
-        && let Err(error) = app.compare()
-    {
-        app.message = Some(format!("{error:#}"));
+    if before != (settings.picture, settings.opacity) {
+        app.compare();
     }
 }
 
@@ -157,7 +155,7 @@ fn figures(app: &App, ui: &mut egui::Ui) {
                 format!("{} ({mebibytes:.1} MiB)", report.redrawn),
             );
         }
-        if let Some(truth) = &app.truth {
+        if let Some(truth) = &app.figures.truth {
             row("truth traced", format!("{:.0} %", 100.0 * truth.progress));
         }
     });

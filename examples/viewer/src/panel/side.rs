@@ -177,7 +177,7 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
             .technique()
             .name()
             .to_owned();
-        if let Some(error) = app.measured[side].error {
+        if let Some(error) = app.figures.sides[side].error {
             text += &match error.rmse {
                 0.0 => "\nexact".to_owned(),
                 rmse => format!("\nRMSE {rmse:.4}, {:.2} % wrong", 100.0 * error.wrong),

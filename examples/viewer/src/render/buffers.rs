@@ -5,7 +5,7 @@ use anyhow::{Context as _, Result};
 use std::ops::Range;
 use umbrage::{
     Aabb, Geometry, Material, NO_MATERIAL, Texture,
-    glam::{UVec2, Vec2, Vec3},
+    glam::{Mat4, UVec2, Vec2, Vec3, Vec4},
     picture,
     wgpu::{CasterMesh, Indices, LightSet, VertexLayout},
 };
@@ -13,6 +13,8 @@ use wgpu::util::DeviceExt as _;
 
 /// Triangles that are one caster of the light sets: few enough that a lamp leaves out what it can't reach.
 const CASTER_TRIANGLES: u32 = 16_384;
+/// Triangles that are drawn together: few enough that a camera leaves out what it doesn't see.
+const DRAWN_TRIANGLES: u32 = 4096;
 /// Bytes from one material's numbers to the next, as dynamic offsets of uniform buffers ask.
 const MATERIAL_STRIDE: u64 = 256;
 
@@ -24,9 +26,10 @@ pub(crate) struct Looks {
     uv: [f32; 2],
 }
 
-/// Triangles of one material.
+/// Triangles of one material, near each other.
 struct Draw {
     indices: Range<u32>,
+    bounds: Aabb,
     material: u32,
     /// Index among the bind groups.
     group: usize,
@@ -84,22 +87,21 @@ impl SceneBuffers {
         let triangles = geometry.triangles();
         let (sorted, runs) = sorted_by_material(geometry);
         let looks_of_materials = MaterialGroups::new(device, queue, layouts, materials, textures)?;
-        let draws = runs
-            .into_iter()
-            .map(|(material, indices)| {
-                let material = if material == NO_MATERIAL {
-                    materials.len() as u32
-                } else {
-                    material
-                };
-                let group = looks_of_materials.group_of[material as usize];
-                Draw {
-                    indices,
-                    material,
-                    group,
-                }
-            })
-            .collect();
+        let draw = |run: Run| {
+            let without = materials.len() as u32;
+            let material = if run.material == NO_MATERIAL {
+                without
+            } else {
+                run.material
+            };
+            Draw {
+                indices: run.indices,
+                bounds: run.bounds,
+                material,
+                group: looks_of_materials.group_of[material as usize],
+            }
+        };
+        let draws = runs.into_iter().map(draw).collect();
         Ok(Self {
             positions: buffer(
                 "positions",
@@ -123,12 +125,15 @@ impl SceneBuffers {
         })
     }
 
-    /// Draws all triangles. Materials are at bind group `group`.
-    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, group: u32) {
+    /// Draws all triangles that may be seen. Materials are at bind group `group`.
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, group: u32, seen: &SeenPart) {
         pass.set_vertex_buffer(0, self.positions.slice(..));
         pass.set_vertex_buffer(1, self.looks.slice(..));
         pass.set_index_buffer(self.sorted.slice(..), wgpu::IndexFormat::Uint32);
         for draw in &self.draws {
+            if !seen.may_show(&draw.bounds) {
+                continue;
+            }
             let offset = draw.material * MATERIAL_STRIDE as u32;
             pass.set_bind_group(group, &self.groups[draw.group], &[offset]);
             pass.draw_indexed(draw.indices.clone(), 0, 0..1);
@@ -169,23 +174,98 @@ fn looks(geometry: &Geometry) -> Vec<Looks> {
     geometry.normals().iter().enumerate().map(vertex).collect()
 }
 
-/// Returns the vertex indices of all triangles in the order of their materials, and each material's range of them.
-fn sorted_by_material(geometry: &Geometry) -> (Vec<[u32; 3]>, Vec<(u32, Range<u32>)>) {
+/// Triangles that are drawn together.
+struct Run {
+    material: u32,
+    indices: Range<u32>,
+    bounds: Aabb,
+}
+
+/// Returns the vertex indices of all triangles sorted by their materials and, in each, by where they are; and the runs of that list
+/// that are drawn together.
+fn sorted_by_material(geometry: &Geometry) -> (Vec<[u32; 3]>, Vec<Run>) {
     let triangles = geometry.triangles();
     let materials = geometry.materials();
     let material_of = |id: u32| materials.get(id as usize).copied().unwrap_or(NO_MATERIAL);
+    let bounds = geometry.bounds();
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
-    order.sort_by_key(|&id| material_of(id));
+    order.sort_by_cached_key(|&id| {
+        let [a, b, c] = geometry.corners(id);
+        (material_of(id), place_on_curve((a + b + c) / 3.0, &bounds))
+    });
     let sorted = order.iter().map(|&id| triangles[id as usize]).collect();
-    let mut runs: Vec<(u32, Range<u32>)> = Vec::new();
+    let mut runs: Vec<Run> = Vec::new();
     for (place, &id) in (0_u32..).zip(&order) {
-        let end = 3 * (place + 1);
+        let [begin, end] = [3 * place, 3 * (place + 1)];
+        let around = Aabb::around(geometry.corners(id));
         match runs.last_mut() {
-            Some((material, run)) if *material == material_of(id) => run.end = end,
-            _ => runs.push((material_of(id), 3 * place..end)),
+            Some(run)
+                if run.material == material_of(id)
+                    && end - run.indices.start <= 3 * DRAWN_TRIANGLES =>
+            {
+                run.indices.end = end;
+                run.bounds = run.bounds.union(&around);
+            }
+            _ => runs.push(Run {
+                material: material_of(id),
+                indices: begin..end,
+                bounds: around,
+            }),
         }
     }
     (sorted, runs)
+}
+
+/// Returns where a point lies along a curve through all of a box that stays near where it is: the bits of its coordinates in turn
+/// (Morton 1966, "A computer oriented geodetic data base and a new technique in file sequencing").
+fn place_on_curve(point: Vec3, bounds: &Aabb) -> u32 {
+    let size = (bounds.max - bounds.min).max(Vec3::splat(1e-20));
+    let cell = ((point - bounds.min) / size * 1023.0).clamp(Vec3::ZERO, Vec3::splat(1023.0));
+    let mut place = 0;
+    for bit in (0..10).rev() {
+        for coordinate in cell.to_array() {
+            place = place << 1 | (coordinate as u32 >> bit & 1);
+        }
+    }
+    place
+}
+
+/// What a camera sees in a part of its picture.
+pub(crate) struct SeenPart {
+    pub clip_from_world: Mat4,
+    /// From one share of the width to another, 0..=1.
+    pub part: [f32; 2],
+}
+
+impl SeenPart {
+    /// Whether something of a box may be seen: it is not, if all of its corners are beyond one side.
+    fn may_show(&self, bounds: &Aabb) -> bool {
+        let [left, right] = self.part.map(|share| 2.0 * share - 1.0);
+        let mut outside = [true; 5];
+        for i in 0..8 {
+            let pick = |bit: u32, axis: usize| {
+                if i >> bit & 1 == 0 {
+                    bounds.min[axis]
+                } else {
+                    bounds.max[axis]
+                }
+            };
+            let corner = Vec4::new(pick(0, 0), pick(1, 1), pick(2, 2), 1.0);
+            let clip = self.clip_from_world * corner;
+            // Depth is reversed: what is behind the eye is nearer than the near plane.
+            let beyond = [
+                clip.x < left * clip.w,
+                clip.x > right * clip.w,
+                clip.y < -clip.w,
+                clip.y > clip.w,
+                clip.z > clip.w,
+            ];
+            for (outside, beyond) in outside.iter_mut().zip(beyond) {
+                *outside &= beyond;
+            }
+        }
+        !outside.contains(&true)
+    }
 }
 
 fn casters(geometry: &Geometry) -> Vec<(Range<u32>, Aabb)> {
@@ -338,7 +418,7 @@ fn halved(size: UVec2, texels: &[[f32; 4]]) -> (UVec2, Vec<[f32; 4]>) {
     let at = |x: u32, y: u32| {
         let x = x.min(size.x - 1);
         let y = y.min(size.y - 1);
-        umbrage::glam::Vec4::from(texels[(y * size.x + x) as usize])
+        Vec4::from(texels[(y * size.x + x) as usize])
     };
     let mut out = Vec::with_capacity((smaller.x * smaller.y) as usize);
     for y in 0..smaller.y {

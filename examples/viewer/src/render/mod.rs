@@ -8,10 +8,10 @@ mod side;
 
 use crate::{lights::EditLight, settings::SideSettings, stage::Stage};
 use anyhow::Result;
-use buffers::SceneBuffers;
+use buffers::{SceneBuffers, SeenPart};
 use overlay::Overlay;
 use pipelines::{COLOR, COLOR_AS_READ, DEPTH, Layouts};
-use side::Side;
+use side::{Side, clip_from_world};
 use umbrage::{Camera, glam::UVec2};
 
 /// The background, linear.
@@ -129,7 +129,7 @@ impl Renderer {
             )?;
             side.set.encode(&mut encoder)?;
         }
-        self.encode_picture(&mut encoder, frame.shown)?;
+        self.encode_picture(&mut encoder, frame)?;
         self.queue.submit([encoder.finish()]);
         match &self.targets {
             Some(targets) => Ok(&targets.as_read),
@@ -137,7 +137,11 @@ impl Renderer {
         }
     }
 
-    fn encode_picture(&self, encoder: &mut wgpu::CommandEncoder, shown: Shown) -> Result<()> {
+    fn encode_picture(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameSettings<'_>,
+    ) -> Result<()> {
         let Some(targets) = &self.targets else {
             return Ok(());
         };
@@ -158,11 +162,16 @@ impl Renderer {
             ..wgpu::RenderPassDescriptor::default()
         });
         let size = targets.size;
+        let shown = frame.shown;
         let parts = parts(shown, size.x);
         for (i, part) in parts {
             if part.start < part.end {
                 pass.set_scissor_rect(part.start, 0, part.end - part.start, size.y);
-                self.sides[i].draw(&mut pass, &self.scene)?;
+                let seen = SeenPart {
+                    clip_from_world: clip_from_world(frame.camera),
+                    part: [part.start, part.end].map(|x| x as f32 / size.x as f32),
+                };
+                self.sides[i].draw(&mut pass, &self.scene, &seen)?;
             }
         }
         drop(pass);

@@ -1,7 +1,7 @@
 //! One half of a comparison: a light set whose lights all have the same technique.
 
 use super::{
-    buffers::SceneBuffers,
+    buffers::{SceneBuffers, SeenPart},
     pipelines::{self, FRAME_GROUP, Layouts, MATERIAL_GROUP, SET_GROUP, group},
 };
 use crate::{
@@ -130,8 +130,7 @@ impl Side {
     }
 
     fn frame_bytes(&self, camera: &Camera, lights: &[EditLight]) -> Result<Vec<f32>> {
-        let view_from_world = Mat4::from(camera.world_from_view.inverse());
-        let clip_from_world = camera.clip_from_view * view_from_world;
+        let clip_from_world = clip_from_world(camera);
         let mut floats: Vec<f32> = clip_from_world.to_cols_array().to_vec();
         floats.extend(camera.eye().extend(self.ids.len() as f32).to_array());
         floats.extend([0.16, 0.19, 0.25, 0.0]);
@@ -146,7 +145,12 @@ impl Side {
     }
 
     /// Draws the scene lit by this side's lights.
-    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &SceneBuffers) -> Result<()> {
+    pub(crate) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        scene: &SceneBuffers,
+        seen: &SeenPart,
+    ) -> Result<()> {
         let (group, _) = self.set.bind_group()?;
         let Some((_, pipeline)) = &self.forward else {
             anyhow::bail!("a side was drawn before it was prepared");
@@ -154,7 +158,7 @@ impl Side {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(FRAME_GROUP, &self.frame_group, &[]);
         pass.set_bind_group(SET_GROUP, group, &[]);
-        scene.draw(pass, MATERIAL_GROUP);
+        scene.draw(pass, MATERIAL_GROUP, seen);
         Ok(())
     }
 
@@ -172,6 +176,11 @@ impl Side {
         }
         out
     }
+}
+
+/// Returns the matrix from the world to the picture.
+pub(crate) fn clip_from_world(camera: &Camera) -> Mat4 {
+    camera.clip_from_view * Mat4::from(camera.world_from_view.inverse())
 }
 
 /// A lamp as the shader has it.

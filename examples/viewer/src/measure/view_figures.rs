@@ -1,0 +1,200 @@
+//! The errors of both sides at the present view: asked for when nothing moves, and forgotten when something does.
+
+use super::{
+    figures::{self, MaskError, Picture},
+    truth::{TruthRequest, TruthSoFar},
+    worker::{News, Worker},
+};
+use crate::render::{
+    Renderer,
+    mask::{PendingMask, ReceiverTextures},
+};
+use anyhow::Result;
+use eframe::egui_wgpu::RenderState;
+use umbrage::{Camera, Geometry, Light};
+
+/// Rays for each pixel of lights with an extent.
+const TRUTH_RAYS: u32 = 256;
+
+/// What is known of a side.
+#[derive(Default)]
+pub(crate) struct SideFigures {
+    pending: Option<PendingMask>,
+    mask: Option<Vec<f32>>,
+    pub error: Option<MaskError>,
+}
+
+/// What is to be measured.
+pub(crate) struct Question<'a> {
+    pub camera: Camera,
+    pub light: Light,
+    /// Index of the light among those that are on.
+    pub place: usize,
+    pub geometry: &'a Geometry,
+}
+
+/// What figures are of; with anything else they are stale.
+#[derive(Clone, PartialEq)]
+struct MeasuredFor {
+    camera: Camera,
+    light: Light,
+    scene: u64,
+}
+
+pub(crate) struct ViewFigures {
+    worker: Worker,
+    /// Counted up with each question for truth.
+    asked: u64,
+    measured_for: Option<MeasuredFor>,
+    receivers: Option<ReceiverTextures>,
+    pub truth: Option<Box<TruthSoFar>>,
+    pub sides: [SideFigures; 2],
+}
+
+impl ViewFigures {
+    /// `wake` is called when there is news.
+    pub(crate) fn new(wake: impl Fn() + Send + 'static) -> Self {
+        Self {
+            worker: Worker::new(wake),
+            asked: 0,
+            measured_for: None,
+            receivers: None,
+            truth: None,
+            sides: [SideFigures::default(), SideFigures::default()],
+        }
+    }
+
+    /// Whether truth was asked for.
+    pub(crate) fn is_asked(&self) -> bool {
+        self.measured_for.is_some()
+    }
+
+    /// Whether masks are on their way.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.sides.iter().any(|side| side.pending.is_some())
+    }
+
+    /// Forgets all.
+    pub(crate) fn forget(&mut self) {
+        self.truth = None;
+        self.receivers = None;
+        self.sides = [SideFigures::default(), SideFigures::default()];
+        self.measured_for = None;
+    }
+
+    /// Forgets a side's mask, since its technique changed.
+    pub(crate) fn forget_mask(&mut self, side: usize, renderer: &mut Renderer) {
+        self.sides[side] = SideFigures::default();
+        renderer.overlays[side].clear();
+    }
+
+    /// Asks for truth if nothing moves, and takes what is there. Returns whether there is something new.
+    pub(crate) fn update(
+        &mut self,
+        render: &RenderState,
+        renderer: &mut Renderer,
+        question: &Question<'_>,
+        rests: bool,
+    ) -> Result<bool> {
+        let wanted = MeasuredFor {
+            camera: question.camera,
+            light: question.light,
+            scene: question.geometry.fingerprint(),
+        };
+        if self.measured_for.as_ref() != Some(&wanted) {
+            if self.measured_for.is_some() {
+                self.forget();
+                renderer
+                    .overlays
+                    .iter_mut()
+                    .for_each(|overlay| overlay.clear());
+            }
+            if rests {
+                self.ask(question);
+                self.measured_for = Some(wanted);
+            }
+            return Ok(false);
+        }
+        let mut is_new = false;
+        match self.worker.news() {
+            Some(News::Truth(truth)) if truth.number == self.asked => {
+                if self.receivers.is_none() {
+                    let textures =
+                        ReceiverTextures::new(&render.device, &render.queue, &truth.receivers);
+                    self.receivers = Some(textures);
+                }
+                self.truth = Some(truth);
+                is_new = true;
+            }
+            Some(News::Failed(error)) => anyhow::bail!(error),
+            _ => {}
+        }
+        let has_masks = self.fetch_masks(render, renderer, question.place)?;
+        Ok(is_new || has_masks)
+    }
+
+    fn ask(&mut self, question: &Question<'_>) {
+        self.asked += 1;
+        self.worker.ask(TruthRequest {
+            camera: question.camera,
+            geometry: question.geometry.clone(),
+            light: question.light,
+            samples: TRUTH_RAYS,
+            number: self.asked,
+        });
+    }
+
+    /// Has both sides make a light's mask, and takes masks that are there. Returns whether one is.
+    fn fetch_masks(
+        &mut self,
+        render: &RenderState,
+        renderer: &mut Renderer,
+        light: usize,
+    ) -> Result<bool> {
+        let Some(receivers) = &self.receivers else {
+            return Ok(false);
+        };
+        let mut has_news = false;
+        for (side, figures) in renderer.sides.iter_mut().zip(&mut self.sides) {
+            if let Some(pending) = &figures.pending {
+                if let Some(mask) = pending.take()? {
+                    figures.mask = Some(mask);
+                    figures.pending = None;
+                    has_news = true;
+                }
+            } else if figures.mask.is_none()
+                && let Some(&light) = side.ids.get(light)
+                && side.set.bind_group().is_ok()
+            {
+                let (device, queue) = (&render.device, &render.queue);
+                let pending = PendingMask::request(device, queue, &mut side.set, light, receivers)?;
+                figures.pending = Some(pending);
+            }
+        }
+        render.device.poll(wgpu::PollType::Poll)?;
+        Ok(has_news)
+    }
+
+    /// Compares masks with truth, and lays a picture of it over the sides.
+    pub(crate) fn compare(
+        &mut self,
+        render: &RenderState,
+        renderer: &mut Renderer,
+        picture: Picture,
+        opacity: f32,
+    ) {
+        let Some(truth) = &self.truth else {
+            return;
+        };
+        let size = truth.receivers.size;
+        for (side, overlay) in self.sides.iter_mut().zip(&mut renderer.overlays) {
+            let mask = side.mask.as_deref();
+            side.error = mask.map(|mask| figures::mask_error(truth, mask));
+            overlay.opacity = opacity;
+            match figures::picture(picture, truth, mask) {
+                Some(rgba) => overlay.show(&render.device, &render.queue, size, &rgba),
+                None => overlay.clear(),
+            }
+        }
+    }
+}
