@@ -15,4 +15,7 @@ pub enum MeasureError {
     /// A technique has parameters that cannot be used.
     #[error(transparent)]
     Plan(#[from] RecipeError),
+    /// A plan was called off: see [`Cancel`](crate::Cancel).
+    #[error("the plan was called off")]
+    Cancelled,
 }

@@ -21,6 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cancel;
 pub mod cost;
 mod error;
 mod estimate;
@@ -32,6 +33,7 @@ mod search;
 pub mod statistics;
 pub mod truth;
 
+pub use cancel::Cancel;
 pub use error::MeasureError;
 pub use estimate::{
     error::Estimate, sampled_truth::Coverage, scene::RendererData, weighting::Weighting,

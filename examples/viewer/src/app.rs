@@ -1,15 +1,16 @@
 //! The program: what is shown, what the user does with it, and what is measured meanwhile.
 
 use crate::{
+    bookmarks,
     camera::Mode,
     device::{DeviceErrors, put, taken},
     gizmo::{self, LightHandles},
-    lights::EditLight,
     measure::{
         figures::Picture,
-        view_figures::{Question, ViewFigures},
+        view_figures::{Question, ShownFigures, ViewFigures},
     },
-    panel,
+    panel::{self, maps::MapPicture},
+    plan_job::{PlanJob, PlanRequest},
     render::{FrameSettings, Renderer, Shown},
     stage::Stage,
     state::{Saved, Settings, Start},
@@ -18,8 +19,10 @@ use anyhow::{Context as _, Result};
 use eframe::egui_wgpu::RenderState;
 use std::sync::{Arc, Mutex, PoisonError};
 use umbrage::{
-    Camera,
+    Camera, Light,
     glam::{UVec2, Vec2, Vec3},
+    plan::Plan,
+    scenes::Failure,
 };
 use web_time::{Duration, Instant};
 
@@ -54,6 +57,9 @@ pub(crate) struct App {
     camera: Option<Camera>,
     changed: Instant,
     pub figures: ViewFigures,
+    pub plan_job: PlanJob,
+    pub plan: Option<Plan>,
+    pub maps: [MapPicture; 2],
     pub message: Option<String>,
     errors: DeviceErrors,
     lost: Arc<Mutex<Option<String>>>,
@@ -124,6 +130,9 @@ impl App {
             camera: None,
             changed: Instant::now(),
             figures: ViewFigures::new(move || wake.request_repaint()),
+            plan_job: PlanJob::default(),
+            plan: None,
+            maps: Default::default(),
             message,
             errors,
             lost,
@@ -153,9 +162,32 @@ impl App {
         }
     }
 
+    /// Shows a scene in which a method fails: the fault on the left, the cure on the right.
+    pub(crate) fn show_failure(&mut self, failure: Failure, scene: &str) {
+        self.open(scene);
+        let range = self.settings.sides[0].range;
+        let light = self.settings.lights.first().map(|light| light.light);
+        self.settings.sides = [
+            bookmarks::fault(failure, range),
+            bookmarks::cure(light.as_ref(), range),
+        ];
+        self.settings.split = Some(0.5);
+    }
+
     /// Notes that something changed.
     fn touch(&mut self) {
         self.changed = Instant::now();
+    }
+
+    /// Whether nothing has moved for a while.
+    pub(crate) fn rests(&self) -> bool {
+        self.changed.elapsed() >= REST
+    }
+
+    /// Returns the camera and the light that is measured; none while that is off.
+    pub(crate) fn looked_at(&self) -> Option<(Camera, Light)> {
+        let question = question(self.camera, &self.settings, &self.stage)?;
+        Some((question.camera, question.light))
     }
 
     fn shown(&self) -> Shown {
@@ -236,6 +268,9 @@ impl App {
                 Picture::Error => Picture::Nothing,
                 _ => Picture::Error,
             };
+        }
+        if pressed(egui::Key::M) {
+            settings.shows_maps = !settings.shows_maps;
         }
         if pressed(egui::Key::F1) {
             settings.shows_help = !settings.shows_help;
@@ -379,23 +414,10 @@ impl App {
 
     /// Asks for truth once nothing moves, and takes what is there of it and of the sides' masks.
     fn measure(&mut self, ctx: &egui::Context) -> Result<()> {
-        let chosen = self.settings.lights.get(self.settings.chosen);
-        let light = chosen.filter(|light| light.is_on).map(|light| light.light);
-        let (Some(camera), Some(light)) = (self.camera, light) else {
+        let Some(question) = question(self.camera, &self.settings, &self.stage) else {
             return Ok(());
         };
-        let on = |light: &&EditLight| light.is_on;
-        let place = self.settings.lights[..self.settings.chosen]
-            .iter()
-            .filter(on)
-            .count();
-        let question = Question {
-            camera,
-            light,
-            place,
-            geometry: &self.stage.geometry,
-        };
-        let rests = self.changed.elapsed() >= REST;
+        let rests = self.rests();
         let is_new = self
             .figures
             .update(&self.render, &mut self.renderer, &question, rests)?;
@@ -410,9 +432,46 @@ impl App {
 
     /// Compares masks with truth, and lays a picture of it over the sides.
     pub(crate) fn compare(&mut self) {
-        let (picture, opacity) = (self.settings.picture, self.settings.opacity);
-        self.figures
-            .compare(&self.render, &mut self.renderer, picture, opacity);
+        let Some(question) = question(self.camera, &self.settings, &self.stage) else {
+            return;
+        };
+        let shown = ShownFigures {
+            picture: self.settings.picture,
+            opacity: self.settings.opacity,
+        };
+        let techniques = self.settings.sides.each_ref();
+        let (render, renderer) = (&self.render, &mut self.renderer);
+        let compared = self
+            .figures
+            .compare(render, renderer, &question, techniques, &shown);
+        if let Err(error) = compared {
+            self.message = Some(format!("{error:#}"));
+        }
+    }
+
+    /// Begins to look for the least that the view needs.
+    pub(crate) fn start_plan(&mut self, ctx: &egui::Context) {
+        let Some(question) = question(self.camera, &self.settings, &self.stage) else {
+            self.message = Some("Choose a light that is on: plans are made for one.".to_owned());
+            return;
+        };
+        let request = PlanRequest {
+            camera: question.camera,
+            geometry: question.geometry.clone(),
+            light: question.light,
+            error: f64::from(self.settings.plan_error),
+            motion: self.settings.motion,
+        };
+        let wake = ctx.clone();
+        self.plan_job.start(request, move || wake.request_repaint());
+    }
+
+    fn take_plan(&mut self) {
+        match self.plan_job.take() {
+            Some(Ok(plan)) => self.plan = Some(plan),
+            Some(Err(error)) => self.message = Some(error),
+            None => {}
+        }
     }
 
     /// Forgets a side's mask, since its technique changed.
@@ -462,6 +521,22 @@ impl App {
     }
 }
 
+/// Returns what is to be measured; none while the chosen light is off.
+fn question<'a>(
+    camera: Option<Camera>,
+    settings: &Settings,
+    stage: &'a Stage,
+) -> Option<Question<'a>> {
+    let chosen = settings.lights.get(settings.chosen)?;
+    let before = &settings.lights[..settings.chosen];
+    chosen.is_on.then_some(Question {
+        camera: camera?,
+        light: chosen.light,
+        place: before.iter().filter(|light| light.is_on).count(),
+        geometry: &stage.geometry,
+    })
+}
+
 /// Returns where the keys that are down fly: to the right, up and forward.
 fn flight(ctx: &egui::Context) -> Vec3 {
     ctx.input(|input| {
@@ -490,6 +565,7 @@ impl eframe::App for App {
         self.take_files(&ctx);
         self.keys(&ctx);
         self.save_screenshot();
+        self.take_plan();
         let is_moving = self.changed.elapsed() < REST;
         let passed = if is_moving {
             passed

@@ -136,7 +136,9 @@ impl LightHandles {
         };
         let pointer = ui.input(|input| input.pointer.clone());
         let cursor = pointer.hover_pos().unwrap_or_default();
-        let is_over_picture = rect.contains(cursor) && !ui.ctx().egui_is_using_pointer();
+        // Not where a window lies over the picture.
+        let is_on_top = ui.ctx().layer_id_at(cursor) == Some(ui.layer_id());
+        let is_over_picture = rect.contains(cursor) && is_on_top;
         let interaction = GizmoInteraction {
             cursor_pos: (cursor.x, cursor.y),
             hovered: is_over_picture || self.is_held,

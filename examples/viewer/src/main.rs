@@ -1,6 +1,7 @@
 //! A window to see shadows in: drag the lights, compare techniques side by side, measure them against rays.
 
 mod app;
+mod bookmarks;
 mod camera;
 mod device;
 mod gizmo;
@@ -9,6 +10,7 @@ mod measure;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
 mod panel;
+mod plan_job;
 mod render;
 mod settings;
 mod stage;

@@ -9,6 +9,7 @@ use crate::{
 };
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
+use umbrage::plan::motion::FrameMotion;
 
 /// How the program begins.
 #[derive(Default)]
@@ -45,6 +46,11 @@ pub(crate) struct Settings {
     pub opacity: f32,
     pub view: ViewCamera,
     pub shows_help: bool,
+    pub shows_maps: bool,
+    /// Greatest error of a plan, as a share of that of no shadow.
+    pub plan_error: f32,
+    /// What moves from frame to frame, in costs.
+    pub motion: FrameMotion,
 }
 
 impl Settings {
@@ -71,6 +77,9 @@ impl Settings {
             opacity: 1.0,
             view: ViewCamera::new(&stage.camera, &stage.bounds),
             shows_help: false,
+            shows_maps: false,
+            plan_error: 0.25,
+            motion: FrameMotion::default(),
         };
         out.show(stage);
         if let Some(saved) = saved

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Cast, CastMode, Receivers, Recipe, ShadowTechnique, View,
     footprint::{at_least, side_of, texels_per_pixel_in},
-    glam::{Mat4, UVec2, Vec3},
+    glam::{Mat4, UVec2, Vec2, Vec3},
     math::transform,
 };
 
@@ -218,6 +218,87 @@ impl CastFootprint {
     }
 }
 
+/// Where a recipe looks receivers up on its maps: for pictures of texels and cascades.
+///
+/// ```
+/// use umbrage_core::{Geometry, ShadowTechnique, View};
+/// use umbrage_plan::footprint::MapPlaces;
+/// use umbrage_techniques::{Exact, Hard};
+///
+/// let scene = umbrage_scenes::by_argument("cubes")?;
+/// let geometry = Geometry::bake(&scene)?;
+/// let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+/// let recipe = Hard::default().recipe(&view)?;
+/// let places = MapPlaces::new(&recipe).expect("a map");
+/// let place = places.at(geometry.bounds().center()).expect("on the map");
+/// assert_eq!(place.layer, 0);
+/// assert!(place.texel.min_element() > 0.0 && place.texel.max_element() < 1024.0);
+///
+/// // Lists of casters are no map.
+/// assert!(MapPlaces::new(&Exact::default().recipe(&view)?).is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct MapPlaces<'a> {
+    recipe: &'a Recipe,
+    layers: Vec<Layer>,
+    /// Of all layers, texels.
+    size: Vec2,
+}
+
+/// A place on a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapPlace {
+    /// Index of the map's layer: of a cascade, or of a cube's face.
+    pub layer: u32,
+    /// Texels from the top left corner; the whole part is the texel's column and row.
+    pub texel: Vec2,
+}
+
+impl std::fmt::Debug for MapPlaces<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MapPlaces")
+            .field("layers", &self.layers.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> MapPlaces<'a> {
+    /// Returns where a recipe's lookups go; none if it draws no map.
+    pub fn new(recipe: &'a Recipe) -> Option<Self> {
+        let is_map = |cast: &&Cast| cast.mode == CastMode::Depth;
+        let maps: Vec<&Cast> = recipe.casts.iter().filter(is_map).collect();
+        let first = maps.first()?;
+        Some(Self {
+            recipe,
+            layers: maps.iter().map(|cast| Layer::of(cast)).collect(),
+            size: recipe.images[first.image].size.as_vec2(),
+        })
+    }
+
+    /// Returns where a receiver at `position` (world space) falls; none behind the light or beside its map. That a bias may move
+    /// receivers along their normals is neglected.
+    pub fn at(&self, position: Vec3) -> Option<MapPlace> {
+        let layer = layer_at(&self.layers, self.recipe, position)?;
+        let texel = texel_at(layer.clip_from_world, self.size, position)?;
+        let is_on_map = texel.cmpge(Vec2::ZERO).all() && texel.cmplt(self.size).all();
+        is_on_map.then_some(MapPlace {
+            layer: layer.index,
+            texel,
+        })
+    }
+}
+
+/// Returns where a point falls on a map of this size, texels from the top left corner; none behind the light.
+fn texel_at(clip_from_world: Mat4, size: Vec2, position: Vec3) -> Option<Vec2> {
+    let clip = transform(clip_from_world, position);
+    if clip.w <= 0.0 {
+        return None;
+    }
+    let u = (clip.x / clip.w * 0.5 + 0.5) * size.x;
+    let v = (0.5 - clip.y / clip.w * 0.5) * size.y;
+    Some(Vec2::new(u, v))
+}
+
 /// A layer of a recipe's maps.
 struct Layer {
     /// Its index among its image's.
@@ -292,18 +373,15 @@ fn touched_texels(
     reach: f32,
 ) -> Option<[TexelSpan; 2]> {
     let image = &recipe.images[cast.image];
-    let size = image.size.as_vec2();
     let position = receivers.position(i);
-    let clip = transform(cast.space.clip_from_world(), position);
-    if clip.w <= 0.0 || is_on_other_layer(cast, recipe, position) {
+    if is_on_other_layer(cast, recipe, position) {
         return None;
     }
+    let texel = texel_at(cast.space.clip_from_world(), image.size.as_vec2(), position)?;
     let kernel = &recipe.receive.kernel;
     let reach = kernel.reach(position, receivers.normal(i)).unwrap_or(reach);
-    let u = (clip.x / clip.w * 0.5 + 0.5) * size.x;
-    let v = (0.5 - clip.y / clip.w * 0.5) * size.y;
-    let columns = TexelSpan::around(u, reach, image.size.x);
-    let rows = TexelSpan::around(v, reach, image.size.y);
+    let columns = TexelSpan::around(texel.x, reach, image.size.x);
+    let rows = TexelSpan::around(texel.y, reach, image.size.y);
     Some([columns, rows])
 }
 

@@ -2,7 +2,8 @@
 
 use super::Hold;
 use crate::{
-    cost::CostModel, estimate::weighting::Weighting, motion::FrameMotion, truth::TruthOptions,
+    Cancel, cost::CostModel, estimate::weighting::Weighting, motion::FrameMotion,
+    truth::TruthOptions,
 };
 use glam::UVec2;
 use umbrage_core::Camera;
@@ -34,6 +35,8 @@ pub struct PlanOptions {
     pub hold: Hold,
     /// How much each pixel's error counts.
     pub weighting: Weighting,
+    /// Who calls the plan off.
+    pub cancel: Cancel,
 }
 
 impl Default for PlanOptions {
@@ -55,6 +58,7 @@ impl Default for PlanOptions {
             motion: FrameMotion::default(),
             hold: Hold::default(),
             weighting: Weighting::default(),
+            cancel: Cancel::default(),
         }
     }
 }

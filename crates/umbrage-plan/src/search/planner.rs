@@ -96,6 +96,7 @@ impl<'a> Planner<'a> {
         let mut views = Vec::new();
         for camera in cameras {
             camera.validate()?;
+            options.cancel.check()?;
             on_step(Step::Looking);
             let scene = PlanScene::new(camera, light, geometry, options.weighting)?;
             views.push(sampled_view(scene, samples, options, on_step)?);
@@ -111,6 +112,7 @@ impl<'a> Planner<'a> {
                 trials: Trials::new(views, counting),
                 families: Vec::new(),
                 on_step,
+                cancel: options.cancel.clone(),
                 is_timed: false,
             },
             techniques: options.registry.clone(),
@@ -461,6 +463,7 @@ fn sampled_view<'a>(
         seed: options.seed,
         truth: options.truth,
     };
+    options.cancel.check()?;
     let sampled = SampledTruth::draw(&mut scene, &density, &sampling, on_step)?;
     let verifier = Verifier {
         pilot,

@@ -6,7 +6,7 @@ use super::{
     trials::Trials,
 };
 use crate::{
-    MeasureError,
+    Cancel, MeasureError,
     progress::{OnStep, Step},
 };
 
@@ -15,6 +15,7 @@ pub(super) struct Search<'a> {
     pub(super) trials: Trials<'a>,
     pub(super) families: Vec<Family>,
     pub(super) on_step: &'a OnStep<'a>,
+    pub(super) cancel: Cancel,
     /// Whether what is found will be timed.
     pub(super) is_timed: bool,
 }
@@ -231,6 +232,7 @@ impl Search<'_> {
     ) -> Result<Option<Setting>, MeasureError> {
         let family = &self.families[place.family];
         let technique = family.preset().technique();
+        self.cancel.check()?;
         (self.on_step)(Step::Trying(technique.name(), self.trials.count()));
         best_bias(&mut self.trials, family, place.candidate, error_limit)
     }

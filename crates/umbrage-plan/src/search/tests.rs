@@ -7,13 +7,14 @@ use super::{
     *,
 };
 use crate::{
-    Estimate,
+    Estimate, Step,
     cost::{CostModel, KIND_NAMES, KINDS},
     motion::FrameMotion,
     truth,
     truth::TruthOptions,
 };
 use glam::UVec2;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use umbrage_core::{
     Camera, Fit, Light, Receivers, RecipeError, View,
     metrics::{Errors, Pixel},
@@ -600,4 +601,18 @@ fn second_looks_under_a_spot_see_what_it_lights() {
             "{size}: {e:?} for {whole}"
         );
     }
+}
+
+#[test]
+fn a_plan_that_is_called_off_tries_nothing_more() {
+    let options = small();
+    let tried = AtomicUsize::new(0);
+    let call_off = |step: Step<'_>| {
+        if matches!(step, Step::Trying(..)) && tried.fetch_add(1, Ordering::Relaxed) == 2 {
+            options.cancel.cancel();
+        }
+    };
+    let outcome = plan(&scene("cubes"), &Bounds::error(0.0), &options, &call_off);
+    assert!(matches!(outcome, Err(MeasureError::Cancelled)));
+    assert_eq!(tried.into_inner(), 3);
 }

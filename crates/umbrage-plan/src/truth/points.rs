@@ -48,12 +48,7 @@ impl ReceiverPoint {
     ///
     /// # Panics
     /// Panics if there is no such pixel, or nothing is seen there.
-    pub fn of_pixel(
-        camera: &Camera,
-        geometry: &Geometry,
-        receivers: &Receivers,
-        i: usize,
-    ) -> Self {
+    pub fn of_pixel(camera: &Camera, geometry: &Geometry, receivers: &Receivers, i: usize) -> Self {
         let position = receivers.position(i);
         let triangle = receivers.triangle[i];
         let mut reach = (camera.eye() - position).length();

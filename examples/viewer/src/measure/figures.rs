@@ -1,6 +1,6 @@
 //! Figures of a side's mask against truth, and pictures of them.
 
-use super::truth::TruthSoFar;
+use super::{places::Places, truth::TruthSoFar};
 
 /// Errors of a mask over the pixels that are traced and count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,6 +22,35 @@ pub(crate) enum Picture {
     Truth,
     /// What the technique says.
     Mask,
+    /// Texels of the map.
+    Texels,
+    /// The map's layers: cascades, faces of a cube.
+    Layers,
+    /// How many casters a lookup in lists asks.
+    Lists,
+}
+
+impl Picture {
+    /// All, with their names.
+    pub(crate) const ALL: [(Self, &'static str); 7] = [
+        (Self::Nothing, "nothing"),
+        (Self::Error, "error"),
+        (Self::Truth, "truth"),
+        (Self::Mask, "mask"),
+        (Self::Texels, "texels"),
+        (Self::Layers, "cascades"),
+        (Self::Lists, "lists"),
+    ];
+
+    /// What is shown of the lookups, if it is that.
+    pub(crate) const fn places(self) -> Option<Places> {
+        match self {
+            Self::Texels => Some(Places::Texels),
+            Self::Layers => Some(Places::Layers),
+            Self::Lists => Some(Places::Lists),
+            _ => None,
+        }
+    }
 }
 
 /// Compares a mask with truth.
@@ -46,7 +75,7 @@ pub(crate) fn mask_error(truth: &TruthSoFar, mask: &[f32]) -> MaskError {
     }
 }
 
-/// Returns a picture as sRGB and opacity, a byte each; none if there is nothing to lay over.
+/// Returns a picture of values as sRGB and opacity, a byte each; none if there is nothing to lay over.
 pub(crate) fn picture(kind: Picture, truth: &TruthSoFar, mask: Option<&[f32]>) -> Option<Vec<u8>> {
     let count = truth.visibility.len();
     let gray = |value: f32| {
@@ -65,7 +94,7 @@ pub(crate) fn picture(kind: Picture, truth: &TruthSoFar, mask: Option<&[f32]>) -
         }
     };
     let is_there = match kind {
-        Picture::Nothing => false,
+        Picture::Nothing | Picture::Texels | Picture::Layers | Picture::Lists => false,
         Picture::Truth => true,
         Picture::Error | Picture::Mask => mask.is_some(),
     };

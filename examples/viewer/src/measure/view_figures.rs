@@ -1,13 +1,18 @@
 //! The errors of both sides at the present view: asked for when nothing moves, and forgotten when something does.
 
 use super::{
+    cost::Cost,
     figures::{self, MaskError, Picture},
+    places::{self, SeenFrom},
     truth::{TruthRequest, TruthSoFar},
     worker::{News, Worker},
 };
-use crate::render::{
-    Renderer,
-    mask::{PendingMask, ReceiverTextures},
+use crate::{
+    render::{
+        Renderer,
+        mask::{PendingMask, ReceiverTextures},
+    },
+    settings::SideSettings,
 };
 use anyhow::Result;
 use eframe::egui_wgpu::RenderState;
@@ -22,6 +27,13 @@ pub(crate) struct SideFigures {
     pending: Option<PendingMask>,
     mask: Option<Vec<f32>>,
     pub error: Option<MaskError>,
+    pub cost: Option<Cost>,
+}
+
+/// What is laid over the picture, and how densely.
+pub(crate) struct ShownFigures {
+    pub picture: Picture,
+    pub opacity: f32,
 }
 
 /// What is to be measured.
@@ -176,25 +188,45 @@ impl ViewFigures {
     }
 
     /// Compares masks with truth, and lays a picture of it over the sides.
+    ///
+    /// # Errors
+    /// Errors if a technique refuses the light.
     pub(crate) fn compare(
         &mut self,
         render: &RenderState,
         renderer: &mut Renderer,
-        picture: Picture,
-        opacity: f32,
-    ) {
+        question: &Question<'_>,
+        techniques: [&SideSettings; 2],
+        shown: &ShownFigures,
+    ) -> Result<()> {
         let Some(truth) = &self.truth else {
-            return;
+            return Ok(());
         };
         let size = truth.receivers.size;
-        for (side, overlay) in self.sides.iter_mut().zip(&mut renderer.overlays) {
+        let seen = SeenFrom {
+            camera: &question.camera,
+            light: &question.light,
+            geometry: question.geometry,
+            receivers: &truth.receivers,
+        };
+        let sides = self.sides.iter_mut().zip(&mut renderer.overlays);
+        for ((side, overlay), settings) in sides.zip(techniques) {
             let mask = side.mask.as_deref();
             side.error = mask.map(|mask| figures::mask_error(truth, mask));
-            overlay.opacity = opacity;
-            match figures::picture(picture, truth, mask) {
+            let preset = settings.preset_for(&question.light);
+            if side.cost.is_none() && mask.is_some() {
+                side.cost = Some(Cost::of(&preset, &seen)?);
+            }
+            overlay.opacity = shown.opacity;
+            let rgba = match shown.picture.places() {
+                Some(places) => places::picture(places, &*preset.technique(), &seen)?,
+                None => figures::picture(shown.picture, truth, mask),
+            };
+            match rgba {
                 Some(rgba) => overlay.show(&render.device, &render.queue, size, &rgba),
                 None => overlay.clear(),
             }
         }
+        Ok(())
     }
 }

@@ -1,9 +1,11 @@
 //! The panel beside the picture, and what stands over it.
 
+mod chart;
 mod lights;
+pub(crate) mod maps;
 mod side;
 
-use crate::{app::App, camera::Mode, measure::figures::Picture};
+use crate::{app::App, bookmarks, camera::Mode, measure::figures::Picture};
 use umbrage::scenes;
 
 /// Points.
@@ -11,7 +13,7 @@ const WIDTH: f32 = 310.0;
 /// What the two sides are called.
 pub(crate) const SIDES: [&str; 2] = ["left", "right"];
 
-const KEYS: [(&str, &str); 13] = [
+const KEYS: [(&str, &str); 14] = [
     ("right mouse button", "looks around, or goes around"),
     ("middle mouse button", "moves sideways"),
     ("wheel", "ahead and back"),
@@ -22,6 +24,7 @@ const KEYS: [(&str, &str); 13] = [
     ("X", "both sides, or one"),
     ("F", "flips between the sides"),
     ("H", "errors as a picture"),
+    ("M", "the maps"),
     ("C", "copies the shown side's preset"),
     ("F12", "saves a screenshot"),
     ("F1", "these keys"),
@@ -42,6 +45,7 @@ pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
                         side::show(app, ui, i);
                     }
                     lights::show(app, ui);
+                    chart::show(app, ui);
                     figures(app, ui);
                 });
         });
@@ -64,6 +68,7 @@ fn scene(app: &mut App, ui: &mut egui::Ui) {
                     }
                 }
             });
+        failures(app, ui);
         if ui.button("?").on_hover_text("All keys (F1)").clicked() {
             app.settings.shows_help = !app.settings.shows_help;
         }
@@ -75,6 +80,24 @@ fn scene(app: &mut App, ui: &mut egui::Ui) {
     if let Some(name) = wanted {
         app.open(name);
     }
+}
+
+/// A menu of places where shadow methods fail.
+fn failures(app: &mut App, ui: &mut egui::Ui) {
+    ui.menu_button("Failures", |ui| {
+        ui.weak("left shows the fault, right the cure; F flips");
+        egui::ScrollArea::vertical()
+            .max_height(500.0)
+            .show(ui, |ui| {
+                for (failure, entry) in bookmarks::all() {
+                    let label = format!("{} {}", failure.row(), entry.name);
+                    if ui.button(label).on_hover_text(entry.summary).clicked() {
+                        app.show_failure(failure, entry.name);
+                        ui.close();
+                    }
+                }
+            });
+    });
 }
 
 fn view(app: &mut App, ui: &mut egui::Ui) {
@@ -103,19 +126,16 @@ fn view(app: &mut App, ui: &mut egui::Ui) {
             }
         }
         ui.weak("X, F");
+        ui.checkbox(&mut settings.shows_maps, "maps")
+            .on_hover_text("What the chosen light draws for each side (M)");
     });
     if is_split != settings.split.is_some() {
         settings.split = is_split.then_some(0.5);
     }
     let before = (settings.picture, settings.opacity);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label("Over it");
-        for (picture, name) in [
-            (Picture::Nothing, "nothing"),
-            (Picture::Error, "error"),
-            (Picture::Truth, "truth"),
-            (Picture::Mask, "mask"),
-        ] {
+        for (picture, name) in Picture::ALL {
             ui.selectable_value(&mut settings.picture, picture, name);
         }
     });
@@ -165,6 +185,7 @@ fn figures(app: &App, ui: &mut egui::Ui) {
 pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
     let rect = ui.max_rect();
     side::labels(app, ui, rect);
+    maps::show(app, ui, app.rests());
     if let Some(message) = app.message.clone() {
         egui::Window::new("message")
             .title_bar(false)

@@ -172,11 +172,7 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
                 egui::Align2::RIGHT_TOP,
             )
         };
-        let mut text = app.settings.sides[side]
-            .preset
-            .technique()
-            .name()
-            .to_owned();
+        let mut text = app.settings.sides[side].label();
         if let Some(error) = app.figures.sides[side].error {
             text += &match error.rmse {
                 0.0 => "\nexact".to_owned(),

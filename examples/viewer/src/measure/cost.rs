@@ -1,0 +1,59 @@
+//! What a setting costs by counts and prices: the same numbers that plans go by.
+
+use super::places::SeenFrom;
+use anyhow::Result;
+use umbrage::{
+    View, Work,
+    plan::{cost::CostModel, motion::FrameMotion},
+    techniques::TechniquePreset,
+};
+
+/// The prices: those of a device that draws.
+pub(crate) fn prices() -> CostModel {
+    CostModel::of("wgpu")
+}
+
+/// A setting's cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Cost {
+    /// Of maps and lists, milliseconds.
+    pub draw_ms: f64,
+    /// Of the lookups of all pixels, milliseconds.
+    pub lookup_ms: f64,
+    /// Whether maps are drawn again as the camera moves.
+    pub follows_camera: bool,
+}
+
+impl Cost {
+    /// Counts a setting's work.
+    ///
+    /// # Errors
+    /// Errors if the technique refuses the light.
+    pub(crate) fn of(preset: &TechniquePreset, seen: &SeenFrom<'_>) -> Result<Self> {
+        let view = View::new(seen.camera, seen.light, seen.geometry);
+        let recipe = preset.technique().recipe(&view)?;
+        let work = Work::of(&view.with_receivers(seen.receivers), &recipe);
+        let prices = prices();
+        let lookup_ms = prices.lookup_milliseconds(&work);
+        let map = preset.map();
+        Ok(Self {
+            draw_ms: prices.milliseconds(&work) - lookup_ms,
+            lookup_ms,
+            follows_camera: map.is_some_and(|map| map.follows_camera(seen.light)),
+        })
+    }
+
+    /// Returns what a frame costs, milliseconds.
+    pub(crate) fn milliseconds(&self, motion: FrameMotion) -> f64 {
+        let draws = match motion {
+            FrameMotion::Still => false,
+            FrameMotion::CameraMoves => self.follows_camera,
+            FrameMotion::AllMoves => true,
+        };
+        if draws {
+            self.lookup_ms + self.draw_ms
+        } else {
+            self.lookup_ms
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Speed against accuracy: where the two sides are, with what a plan found; and the least for this view.
+
+use super::SIDES;
+use crate::app::App;
+use egui_plot::{Legend, MarkerShape, Plot, PlotPoints, Points};
+use umbrage::plan::{Plan, Setting, motion::FrameMotion};
+
+/// Errors below this are drawn there: a logarithm has no zero.
+const LEAST_ERROR: f64 = 1e-4;
+const COLORS: [egui::Color32; 2] = [
+    egui::Color32::from_rgb(230, 159, 0),
+    egui::Color32::from_rgb(86, 180, 233),
+];
+
+/// Draws the planner's part of the panel.
+pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
+    ui.separator();
+    ui.horizontal(|ui| {
+        ui.label("The least for this view");
+        let mut percent = 100.0 * app.settings.plan_error;
+        let drag = egui::DragValue::new(&mut percent)
+            .range(0.0..=100.0)
+            .suffix(" %")
+            .max_decimals(1);
+        ui.add(drag)
+            .on_hover_text("Greatest error, as a share of that of no shadow at all");
+        app.settings.plan_error = percent / 100.0;
+    });
+    ui.horizontal(|ui| {
+        for motion in [
+            FrameMotion::Still,
+            FrameMotion::CameraMoves,
+            FrameMotion::AllMoves,
+        ] {
+            ui.selectable_value(&mut app.settings.motion, motion, motion.words());
+        }
+    });
+    match app.plan_job.at() {
+        Some(at) => {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(at);
+                if ui.button("Cancel").clicked() {
+                    app.plan_job.cancel();
+                }
+            });
+        }
+        None => {
+            if ui.button("Find it").clicked() {
+                app.start_plan(ui.ctx());
+            }
+        }
+    }
+    if let Some(plan) = app.plan.clone() {
+        outcome(app, ui, &plan);
+    }
+    plot(app, ui);
+}
+
+fn outcome(app: &mut App, ui: &mut egui::Ui, plan: &Plan) {
+    let Some(chosen) = &plan.chosen else {
+        let reason = plan.miss.as_ref().map_or("", |miss| miss.reason.as_str());
+        ui.label(reason);
+        return;
+    };
+    ui.strong(chosen.label());
+    ui.label(format!(
+        "RMSE {:.4}, {:.2} ms by counts",
+        chosen.estimate.error, chosen.milliseconds
+    ));
+    ui.horizontal(|ui| {
+        for (i, name) in SIDES.iter().enumerate() {
+            if ui.button(format!("Show it on the {name}")).clicked() {
+                app.settings.sides[i].take(&chosen.preset);
+                app.forget_mask(i);
+            }
+        }
+    });
+    egui::CollapsingHeader::new("Why").show(ui, |ui| {
+        for reason in &plan.reasons {
+            ui.label(reason);
+        }
+    });
+}
+
+fn point(milliseconds: f64, error: f64) -> [f64; 2] {
+    [
+        milliseconds.max(1e-3).log10(),
+        error.max(LEAST_ERROR).log10(),
+    ]
+}
+
+fn plot(app: &App, ui: &mut egui::Ui) {
+    let motion = app.settings.motion;
+    let powers = |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| {
+        let value = 10_f64.powf(mark.value);
+        if value >= 1.0 {
+            format!("{value:.0}")
+        } else {
+            format!("{value}")
+        }
+    };
+    Plot::new("speed against accuracy")
+        .height(190.0)
+        .x_axis_label("ms a frame, by counts")
+        .y_axis_label("RMSE")
+        .x_axis_formatter(powers)
+        .y_axis_formatter(powers)
+        .x_grid_spacer(|_| decades(-3..=4))
+        .y_grid_spacer(|_| decades(-4..=0))
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .include_x(0.0)
+        .include_x(2.0)
+        .include_y(-4.0)
+        .include_y(0.0)
+        .legend(Legend::default().text_style(egui::TextStyle::Small))
+        .show(ui, |plot| {
+            if let Some(plan) = &app.plan {
+                let others = plan.runners_up.iter().chain(&plan.chosen);
+                for setting in others {
+                    plot.points(of_plan(setting, plan.chosen.as_ref() == Some(setting)));
+                }
+            }
+            for (i, name) in SIDES.iter().enumerate() {
+                let figures = &app.figures.sides[i];
+                if let (Some(cost), Some(error)) = (figures.cost, figures.error) {
+                    let at = point(cost.milliseconds(motion), error.rmse);
+                    let marker = Points::new(*name, PlotPoints::from(vec![at]))
+                        .shape(MarkerShape::Circle)
+                        .radius(6.0)
+                        .color(COLORS[i]);
+                    plot.points(marker);
+                }
+            }
+        });
+}
+
+fn of_plan(setting: &Setting, is_chosen: bool) -> Points<'static> {
+    let at = point(setting.milliseconds, setting.estimate.error);
+    let (shape, color) = if is_chosen {
+        (MarkerShape::Asterisk, egui::Color32::WHITE)
+    } else {
+        (MarkerShape::Diamond, egui::Color32::GRAY)
+    };
+    let name = if is_chosen { "chosen" } else { "front" };
+    Points::new(name, PlotPoints::from(vec![at]))
+        .shape(shape)
+        .radius(4.5)
+        .color(color)
+}
+
+/// Grid lines at powers of ten.
+fn decades(range: std::ops::RangeInclusive<i32>) -> Vec<egui_plot::GridMark> {
+    range
+        .map(|power| egui_plot::GridMark {
+            value: f64::from(power),
+            step_size: 1.0,
+        })
+        .collect()
+}
