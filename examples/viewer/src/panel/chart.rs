@@ -1,7 +1,6 @@
 //! Speed against accuracy: where the two sides are, with what a plan found; and the least for this view.
 
-use super::SIDES;
-use crate::app::App;
+use crate::{app::App, render::SIDES};
 use egui_plot::{Legend, MarkerShape, Plot, PlotPoints, Points};
 use umbrage::plan::{Plan, Setting, motion::FrameMotion};
 

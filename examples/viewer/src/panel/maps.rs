@@ -1,7 +1,6 @@
 //! A window with the maps of both sides, as the light draws them.
 
-use super::SIDES;
-use crate::{app::App, settings::SideSettings};
+use crate::{app::App, render::SIDES, settings::SideSettings};
 use anyhow::Result;
 use umbrage::{Backend as _, Camera, Geometry, Light, Receivers, View, cpu::Cpu, glam::UVec2};
 

@@ -5,13 +5,12 @@ mod lights;
 pub(crate) mod maps;
 mod side;
 
+use crate::render::SIDES;
 use crate::{app::App, bookmarks, camera::Mode, measure::figures::Picture};
 use umbrage::scenes;
 
 /// Points.
 const WIDTH: f32 = 310.0;
-/// What the two sides are called.
-pub(crate) const SIDES: [&str; 2] = ["left", "right"];
 
 const KEYS: [(&str, &str); 14] = [
     ("right mouse button", "looks around, or goes around"),
@@ -174,6 +173,9 @@ fn figures(app: &App, ui: &mut egui::Ui) {
                 &format!("{name}: layers drawn"),
                 format!("{} ({mebibytes:.1} MiB)", report.redrawn),
             );
+        }
+        for (pass, time) in app.renderer.pass_times() {
+            row(pass, format!("{time:.2} ms"));
         }
         if let Some(truth) = &app.figures.truth {
             row("truth traced", format!("{:.0} %", 100.0 * truth.progress));

@@ -1,8 +1,8 @@
 //! Settings of a side, made from what the list of techniques says.
 
-use super::SIDES;
 use crate::{
     app::App,
+    render::SIDES,
     settings::{FitKind, SideSettings},
 };
 use umbrage::techniques::{self, Bias, ShadowMap, TechniquePreset};

@@ -3,6 +3,7 @@
 mod buffers;
 pub(crate) mod mask;
 mod overlay;
+mod pass_clock;
 mod pipelines;
 mod side;
 
@@ -10,9 +11,13 @@ use crate::{lights::EditLight, settings::SideSettings, stage::Stage};
 use anyhow::Result;
 use buffers::{SceneBuffers, SeenPart};
 use overlay::Overlay;
+use pass_clock::PassClock;
 use pipelines::{COLOR, COLOR_AS_READ, DEPTH, Layouts};
 use side::{Side, clip_from_world};
 use umbrage::{Camera, glam::UVec2};
+
+/// What the two sides are called.
+pub(crate) const SIDES: [&str; 2] = ["left", "right"];
 
 /// The background, linear.
 const BACKGROUND: wgpu::Color = wgpu::Color {
@@ -48,6 +53,7 @@ pub(crate) struct Renderer {
     pub sides: [Side; 2],
     pub overlays: [Overlay; 2],
     overlay_pipeline: wgpu::RenderPipeline,
+    clock: Option<PassClock>,
     targets: Option<Targets>,
 }
 
@@ -89,6 +95,7 @@ impl Renderer {
         ];
         Ok(Self {
             overlay_pipeline: pipelines::overlay(device, &layouts),
+            clock: PassClock::new(device, queue),
             device: device.clone(),
             queue: queue.clone(),
             layouts,
@@ -111,6 +118,28 @@ impl Renderer {
         let mut encoder = self
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        // Taken out while the frame is recorded, since both it and the sides change.
+        let mut clock = self.clock.take();
+        let is_timed = clock.as_mut().is_some_and(PassClock::begin);
+        let recorded = self.record(&mut encoder, frame, clock.as_mut().filter(|_| is_timed));
+        self.clock = clock;
+        recorded?;
+        self.queue.submit([encoder.finish()]);
+        if let Some(clock) = self.clock.as_ref().filter(|_| is_timed) {
+            clock.fetch();
+        }
+        match &self.targets {
+            Some(targets) => Ok(&targets.as_read),
+            None => anyhow::bail!("the picture has no size"),
+        }
+    }
+
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameSettings<'_>,
+        mut clock: Option<&mut PassClock>,
+    ) -> Result<()> {
         let drawn: &[usize] = match frame.shown {
             Shown::One(0) => &[0],
             Shown::One(_) => &[1],
@@ -127,20 +156,29 @@ impl Renderer {
                 frame.stage,
                 frame.lights,
             )?;
-            side.set.encode(&mut encoder)?;
+            match &mut clock {
+                Some(clock) => side.encode_timed(encoder, clock, SIDES[i])?,
+                None => side.set.encode(encoder)?,
+            }
         }
-        self.encode_picture(&mut encoder, frame)?;
-        self.queue.submit([encoder.finish()]);
-        match &self.targets {
-            Some(targets) => Ok(&targets.as_read),
-            None => anyhow::bail!("the picture has no size"),
+        let stamps = clock.as_mut().map(|clock| clock.of_picture());
+        self.encode_picture(encoder, frame, stamps)?;
+        if let Some(clock) = clock {
+            clock.resolve(encoder);
         }
+        Ok(())
+    }
+
+    /// Returns what the passes of a frame took on the device, milliseconds; of one of the last frames.
+    pub(crate) fn pass_times(&self) -> &[(String, f64)] {
+        self.clock.as_ref().map_or(&[], |clock| &clock.times)
     }
 
     fn encode_picture(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         frame: &FrameSettings<'_>,
+        stamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> Result<()> {
         let Some(targets) = &self.targets else {
             return Ok(());
@@ -159,6 +197,7 @@ impl Renderer {
                 }),
                 stencil_ops: None,
             }),
+            timestamp_writes: stamps,
             ..wgpu::RenderPassDescriptor::default()
         });
         let size = targets.size;

@@ -2,6 +2,7 @@
 
 use super::{
     buffers::{SceneBuffers, SeenPart},
+    pass_clock::PassClock,
     pipelines::{self, FRAME_GROUP, Layouts, MATERIAL_GROUP, SET_GROUP, group},
 };
 use crate::{
@@ -13,7 +14,10 @@ use anyhow::Result;
 use umbrage::{
     Camera, Light,
     glam::{Mat4, Vec3},
-    wgpu::{FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, SetLight, Unserved},
+    wgpu::{
+        CastTarget, FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, SetLight,
+        SetTimestamps, Unserved,
+    },
 };
 
 /// Bytes of the uniform `frame`: a matrix, three vectors, four vectors for each lamp.
@@ -142,6 +146,25 @@ impl Side {
         }
         floats.resize(FRAME_BYTES as usize / 4, 0.0);
         Ok(floats)
+    }
+
+    /// Records what the set draws, each pass between two timestamps.
+    pub(crate) fn encode_timed(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        clock: &mut PassClock,
+        name: &str,
+    ) -> Result<()> {
+        let mut passes = Vec::new();
+        let stamps = SetTimestamps {
+            queries: &clock.queries,
+            range: clock.rest(),
+        };
+        let own_draws = |_: &mut wgpu::RenderPass<'_>, _: &CastTarget| ();
+        self.set
+            .encode_timed(encoder, own_draws, &stamps, &mut passes)?;
+        clock.note(name, &passes);
+        Ok(())
     }
 
     /// Draws the scene lit by this side's lights.
