@@ -3,6 +3,7 @@
 mod app;
 mod camera;
 mod device;
+mod drops;
 mod gizmo;
 mod lights;
 mod measure;
