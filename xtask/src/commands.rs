@@ -62,7 +62,7 @@ const fn upkeep(name: &'static str, summary: &'static str) -> Command {
     }
 }
 
-pub(crate) const COMMANDS: [Command; 11] = [
+pub(crate) const COMMANDS: [Command; 12] = [
     measure(
         "compare",
         "Measure techniques on scenes: speed, and error against ray-traced truth",
@@ -108,4 +108,5 @@ pub(crate) const COMMANDS: [Command; 11] = [
         "Measure functions and files, and refuse what house style refuses",
     ),
     upkeep("ci", "Run tests, tidy, format, clippy, docs and packaging"),
+    upkeep("web", "Build the viewer for browsers, and serve it"),
 ];

@@ -6,11 +6,12 @@ use crate::{
     receive, shade,
 };
 use rayon::ThreadPool;
-use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, BackendLimits, Camera, Geometry, Image, Invalid, MAX_SIDE, Receivers,
     Recipe, Shadows, Simd, Snapping, Source, Timings, View,
 };
+// The standard library's, but in browsers, where that panics.
+use web_time::{Duration, Instant};
 
 /// What the player takes on.
 const LIMITS: BackendLimits = BackendLimits {

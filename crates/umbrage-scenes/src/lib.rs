@@ -4,7 +4,7 @@
 //!   visibility a formula tells; those of [`Kind::Failure`] provoke a known weakness; [`Kind::Speed`] is for timing;
 //!   [`Kind::Content`] is as what games and films show.
 //! * **A scene file** (`.toml`) or **a model** (`.obj`): [`load`].
-//! * **Either**: [`by_argument`], for command lines.
+//! * **Either**: [`by_argument`], for command lines; [`read`], for what a program has in memory.
 //!
 //! ```
 //! let scene = umbrage_scenes::by_argument("cubes")?;
@@ -112,4 +112,4 @@ pub use detail::{denoise, fitting_normal_map, with_tangents};
 pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
-pub use load::{by_argument, load, parse};
+pub use load::{by_argument, load, parse, read};

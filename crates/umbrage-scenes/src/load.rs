@@ -47,11 +47,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     match Kind::of(path) {
         Some(Kind::SceneFile) => file::load(path),
         Some(Kind::Model) => obj::load_scene(path),
-        None => Err(SceneError::Unreadable {
-            file: path.display().to_string(),
-            why: "is neither a .toml nor a .obj file".to_owned(),
-            help: "give a scene file or a Wavefront model, named so".to_owned(),
-        }),
+        None => Err(neither(path)),
     }
 }
 
@@ -62,6 +58,31 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
 /// Errors if [`load`] does.
 pub fn parse(text: &str, name: &str, folder: impl AsRef<Path>) -> Result<Scene, SceneError> {
     file::parse(text, Path::new(name), folder.as_ref())
+}
+
+/// Reads a scene file or a model from memory, such as a file that was dropped on a web page. `name` stands for the file in errors, and
+/// its ending tells the kind, as with [`load`]. Other files that it names are looked for beside `name`.
+///
+/// # Errors
+/// Errors if [`load`] does.
+pub fn read(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
+    let path = Path::new(name);
+    match Kind::of(path) {
+        Some(Kind::SceneFile) => match std::str::from_utf8(bytes) {
+            Ok(text) => file::parse(text, path, path.parent().unwrap_or(Path::new(""))),
+            Err(error) => Err(SceneError::unreadable(path, &std::io::Error::other(error))),
+        },
+        Some(Kind::Model) => obj::read_scene(path, bytes),
+        None => Err(neither(path)),
+    }
+}
+
+fn neither(path: &Path) -> SceneError {
+    SceneError::Unreadable {
+        file: path.display().to_string(),
+        why: "is neither a .toml nor a .obj file".to_owned(),
+        help: "give a scene file or a Wavefront model, named so".to_owned(),
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use crate::{
     bookmarks,
     camera::Mode,
     device::{DeviceErrors, put, taken},
+    drops::Drops,
     gizmo::{self, LightHandles},
     measure::{
         figures::Picture,
@@ -54,7 +55,7 @@ pub(crate) struct App {
     pub times: FrameTimes,
     last_frame: Option<Instant>,
     texture: Option<(egui::TextureId, UVec2)>,
-    camera: Option<Camera>,
+    pub camera: Option<Camera>,
     changed: Instant,
     pub figures: ViewFigures,
     pub plan_job: PlanJob,
@@ -64,6 +65,7 @@ pub(crate) struct App {
     errors: DeviceErrors,
     lost: Arc<Mutex<Option<String>>>,
     screenshot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
+    drops: Drops,
 }
 
 impl App {
@@ -104,6 +106,7 @@ impl App {
         let wanted = start
             .scene
             .or_else(|| saved.as_ref().map(|saved| saved.scene.clone()))
+            .filter(|scene| !scene.is_empty())
             .unwrap_or_else(|| FIRST_SCENE.to_owned());
         let stage = match Stage::load(&wanted) {
             Ok(stage) => stage,
@@ -137,13 +140,18 @@ impl App {
             errors,
             lost,
             screenshot: Arc::default(),
+            drops: Drops::default(),
             render,
         })
     }
 
     /// Shows another scene. If it can't be shown, the present one stays, and a message says why.
     pub(crate) fn open(&mut self, argument: &str) {
-        let opened = Stage::load(argument).and_then(|stage| {
+        self.open_stage(argument, Stage::load(argument));
+    }
+
+    fn open_stage(&mut self, name: &str, loaded: Result<Stage>) {
+        let opened = loaded.and_then(|stage| {
             let sides = [&self.settings.sides[0], &self.settings.sides[1]];
             let renderer = Renderer::new(&self.render.device, &self.render.queue, &stage, sides)?;
             Ok((stage, renderer))
@@ -158,7 +166,7 @@ impl App {
                 self.message = None;
                 self.touch();
             }
-            Err(error) => self.message = Some(format!("{argument}: {error:#}")),
+            Err(error) => self.message = Some(format!("{name}: {error:#}")),
         }
     }
 
@@ -199,11 +207,8 @@ impl App {
 
     /// Takes files that were dropped on the window.
     fn take_files(&mut self, ctx: &egui::Context) {
-        let files = ctx.input(|input| input.raw.dropped_files.clone());
-        for file in files {
-            if let Some(path) = panel::dropped_path(&file) {
-                self.open(&path);
-            }
+        for (name, stage) in self.drops.take(ctx) {
+            self.open_stage(&name, stage);
         }
     }
 

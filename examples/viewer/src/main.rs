@@ -4,6 +4,7 @@ mod app;
 mod bookmarks;
 mod camera;
 mod device;
+mod drops;
 mod gizmo;
 mod lights;
 mod measure;

@@ -1,11 +1,11 @@
 //! The scene that is shown.
 
 use anyhow::Result;
-use umbrage::{Aabb, Camera, Geometry, Light, Material, Texture, scenes};
+use umbrage::{Aabb, Camera, Geometry, Light, Material, Scene, Texture, scenes};
 
 /// A scene with its triangles placed.
 pub(crate) struct Stage {
-    /// How it was asked for: a built-in scene's name, or a file.
+    /// How it was asked for: a built-in scene's name, or a file. Empty for what was read from memory, which can't be asked for again.
     pub argument: String,
     pub name: String,
     pub geometry: Geometry,
@@ -23,13 +23,25 @@ impl Stage {
     /// # Errors
     /// Errors if there is no such scene, or the file can't be read.
     pub(crate) fn load(argument: &str) -> Result<Self> {
-        let scene = scenes::by_argument(argument)?;
+        Self::of_scene(argument, argument, scenes::by_argument(argument)?)
+    }
+
+    /// Reads a scene file or a model that is in memory.
+    ///
+    /// # Errors
+    /// Errors if it can't be read.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn read(name: &str, bytes: &[u8]) -> Result<Self> {
+        Self::of_scene("", name, scenes::read(name, bytes)?)
+    }
+
+    fn of_scene(argument: &str, name: &str, scene: Scene) -> Result<Self> {
         let geometry = Geometry::bake(&scene)?;
         let bounds = geometry.bounds();
         let camera = scene.cameras.first().copied();
         anyhow::ensure!(
             !geometry.triangles().is_empty(),
-            "`{argument}` has no triangles; there is nothing to see"
+            "`{name}` has no triangles; there is nothing to see"
         );
         Ok(Self {
             argument: argument.to_owned(),
@@ -37,7 +49,7 @@ impl Stage {
             geometry,
             camera: match camera {
                 Some(camera) => camera,
-                None => anyhow::bail!("`{argument}` has no camera"),
+                None => anyhow::bail!("`{name}` has no camera"),
             },
             materials: scene.materials,
             textures: scene.textures,

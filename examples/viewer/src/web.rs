@@ -1,23 +1,43 @@
-//! The program in a browser: its canvas, and what the page says where it can't run.
+//! The program in a browser: its canvas, and what the page says while it starts or when it ends.
 
-use crate::{app::App, device::device_descriptor, state::Start};
+mod query;
+mod report;
+mod widgets;
+
+use crate::{
+    app::App,
+    device::{device_descriptor, taken},
+};
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
-use std::sync::Arc;
+use query::Query;
+use std::sync::{Arc, Mutex, Once};
 use wasm_bindgen::JsCast as _;
 use web_sys::{Document, HtmlCanvasElement};
 
 /// Id of the page's canvas.
 const CANVAS: &str = "umbrage";
-/// Id of the element that says what goes on until the first picture.
+/// Id of the element that says what goes on until the first picture, and what ended the program.
 const STATUS: &str = "status";
 
 fn document() -> Option<Document> {
     web_sys::window()?.document()
 }
 
+fn status() -> Option<web_sys::Element> {
+    document()?.get_element_by_id(STATUS)
+}
+
+/// Shows a line on the page; nothing takes the line away.
 fn say(text: &str) {
-    if let Some(status) = document().and_then(|document| document.get_element_by_id(STATUS)) {
+    if let Some(status) = status() {
         status.set_text_content(Some(text));
+        status.remove_attribute("hidden").ok();
+    }
+}
+
+fn say_nothing() {
+    if let Some(status) = status() {
+        status.set_attribute("hidden", "").ok();
     }
 }
 
@@ -25,20 +45,14 @@ fn say(text: &str) {
 pub(crate) fn main() {
     eframe::WebLogger::init(log::LevelFilter::Warn).ok();
     wasm_bindgen_futures::spawn_local(async {
-        match run().await {
-            Ok(()) => {
-                if let Some(status) =
-                    document().and_then(|document| document.get_element_by_id(STATUS))
-                {
-                    status.remove();
-                }
-            }
-            Err(error) => say(&format!("The viewer can't run here: {error}")),
+        if let Err(error) = run().await {
+            say(&format!("The viewer can't run here: {error}"));
         }
     });
 }
 
 async fn run() -> Result<(), String> {
+    say("Opening the graphics device and the scene\u{2026}");
     let canvas = document()
         .and_then(|document| document.get_element_by_id(CANVAS))
         .and_then(|element| element.dyn_into::<HtmlCanvasElement>().ok())
@@ -54,12 +68,34 @@ async fn run() -> Result<(), String> {
         },
         ..eframe::WebOptions::default()
     };
-    let creator: eframe::AppCreator<'static> = Box::new(|context| {
-        let app = App::new(context, Start::default(), Arc::default())?;
+    let runner = eframe::WebRunner::new();
+    let of_app = runner.clone();
+    let creator: eframe::AppCreator<'static> = Box::new(move |context| {
+        let mut query = Query::of_page();
+        let lost: Arc<Mutex<Option<String>>> = Arc::default();
+        let mut app = App::new(context, std::mem::take(&mut query.start), lost.clone())?;
+        query.apply(&mut app.settings);
+        watch(&context.egui_ctx, lost);
+        report::offer(&of_app, &context.egui_ctx);
         Ok(Box::new(app))
     });
-    eframe::WebRunner::new()
+    runner
         .start(canvas, options, creator)
         .await
-        .map_err(|error| format!("{error:?}"))
+        .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))
+}
+
+/// Takes the page's line away with the first frame, and says so if the device is lost: there is no window to be opened again.
+fn watch(ctx: &egui::Context, lost: Arc<Mutex<Option<String>>>) {
+    let first = Once::new();
+    let at_end = move |_: &mut egui::Ui| {
+        first.call_once(|| {
+            say_nothing();
+            report::note_first_frame();
+        });
+        if let Some(loss) = taken(&lost) {
+            say(&format!("{loss} Load the page again."));
+        }
+    };
+    ctx.on_end_pass("page", Arc::new(at_end));
 }

@@ -88,13 +88,18 @@ const IN_BROWSERS: [&str; 4] = [
 ];
 
 /// What browsers run.
-const BROWSER_TARGET: &str = "wasm32-unknown-unknown";
+pub(crate) const BROWSER_TARGET: &str = "wasm32-unknown-unknown";
 
-/// Checks that what programs in browsers use compiles for them. Installs the target if it is missing.
-fn browser() -> Result<()> {
+/// Installs that target if it is missing.
+pub(crate) fn install_browser_target() -> Result<()> {
     let mut install = Command::new("rustup");
     install.args(["target", "add", BROWSER_TARGET]);
-    run(&mut install).context("the check for browsers needs a target, which rustup installs")?;
+    run(&mut install).context("programs for browsers need a target, which rustup installs")
+}
+
+/// Checks that what programs in browsers use compiles for them.
+fn browser() -> Result<()> {
+    install_browser_target()?;
     let mut command = cargo();
     command.args(["check", "--target", BROWSER_TARGET, "--no-default-features"]);
     command.args(["--features", "umbrage/wgpu"]);

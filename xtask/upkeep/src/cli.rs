@@ -1,8 +1,9 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
 
-/// Keeps umbrage in order: tests, house style, golden images, and all that a change has to pass.
+/// Keeps umbrage in order: tests, house style, golden images, all that a change has to pass, and the viewer's page.
 #[derive(Debug, Parser)]
 #[command(
     name = "cargo xtask",
@@ -25,6 +26,8 @@ pub(crate) enum Command {
     Tidy,
     /// Run tests, tidy, format, clippy, docs and packaging
     Ci(CiOptions),
+    /// Build the viewer for browsers, and serve it
+    Web(WebOptions),
 }
 
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -76,6 +79,28 @@ pub(crate) struct CiOptions {
     pub(crate) install_driver: bool,
 }
 
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask web                      build the page, and serve it at http://localhost:8000/
+  cargo xtask web --port 8123          at another port; 0 for one that is free
+  cargo xtask web --no-serve --out www only build it, into the folder www")]
+pub(crate) struct WebOptions {
+    /// Only build the page
+    #[arg(long)]
+    pub(crate) no_serve: bool,
+    /// Port of this machine to serve at
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 8000,
+        conflicts_with = "no_serve"
+    )]
+    pub(crate) port: u16,
+    /// Folder that the page is written into; else `web` in cargo's target folder
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::Cli;
@@ -95,6 +120,7 @@ mod tests {
         for arguments in [
             &["bless", "--all", "cubes.pcf"][..],
             &["ci", "--after-tests", "--install-driver"],
+            &["web", "--no-serve", "--port", "80"],
         ] {
             let error = Cli::try_parse_from(std::iter::once(&"xtask").chain(arguments))
                 .expect_err("wrong usage");

@@ -1,4 +1,4 @@
-//! `cargo xtask test`, `bless`, `tidy` and `ci`. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
+//! `cargo xtask test`, `bless`, `tidy`, `ci` and `web`. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
 
 #[path = "../../../crates/umbrage-cli/src/print.rs"]
 #[macro_use]
@@ -12,6 +12,7 @@ mod run;
 mod swiftshader;
 mod test;
 mod tidy;
+mod web;
 
 use clap::Parser as _;
 use cli::{Cli, Command};
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
         Command::Bless(options) => bless::bless(options),
         Command::Tidy => tidy::tidy(),
         Command::Ci(options) => ci::ci(options),
+        Command::Web(options) => web::web(options),
     };
     let Err(error) = done else {
         return ExitCode::SUCCESS;

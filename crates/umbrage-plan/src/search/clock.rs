@@ -1,9 +1,9 @@
 //! Times settings by the clock, in turn, so that what slows the machine down slows all of them.
 
 use crate::{MeasureError, estimate::scene::PlanScene, motion::FrameMotion};
-use std::time::{Duration, Instant};
 use umbrage_core::{Backend, BackendError, Geometry, Recipe, Timings, View};
 use umbrage_techniques::TechniquePreset;
+use web_time::{Duration, Instant};
 
 /// Rounds in which every setting is played once, at most.
 const MAX_ROUNDS: u32 = 24;

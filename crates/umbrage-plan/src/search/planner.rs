@@ -23,9 +23,9 @@ use crate::{
     progress::{OnStep, Step},
     truth::TruthOptions,
 };
-use std::time::Instant;
 use umbrage_core::{Backend, Camera, Geometry, Invalid, Light};
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset, Techniques};
+use web_time::Instant;
 
 /// Some cameras' views of a scene with their samples, and what was tried on them.
 pub struct Planner<'a> {

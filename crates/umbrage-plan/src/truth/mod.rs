@@ -23,15 +23,13 @@ pub(crate) use sampled::drawn;
 use crate::MeasureError;
 use ambiguity::Nudge;
 use glam::UVec2;
-use std::{
-    sync::atomic::{AtomicUsize, Ordering},
-    time::{Duration, Instant},
-};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use tracer::Tracer;
 use umbrage_core::{
     BackendError, Camera, Geometry, Invalid, Light, Receivers,
     metrics::{Pixel, TruthImage},
 };
+use web_time::{Duration, Instant};
 
 /// How carefully truth is traced.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -22,6 +22,15 @@ use umbrage_core::{Camera, Geometry, Instance, Mesh, Scene};
 
 /// A model alone, on a floor, framed, in the sun: see [`lone_model`].
 pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {
+    scene_of(load(path)?, path)
+}
+
+/// The same of a model in memory; `path` stands for its file.
+pub(crate) fn read_scene(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+    scene_of(read(path, bytes)?, path)
+}
+
+fn scene_of(model: Model, path: &Path) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
     let invalid = |source| SceneError::Invalid {
         file: file.clone(),
@@ -31,7 +40,7 @@ pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {
         name: name_of(path),
         ..Scene::default()
     };
-    for part in add(path, Some(&mut TextureFiles::default()), &mut scene)? {
+    for part in parts::add(model, path, Some(&mut TextureFiles::default()), &mut scene)? {
         let mut instance = Instance::new(part.mesh, Affine3A::IDENTITY);
         instance.material = part.material;
         scene.instances.push(instance);

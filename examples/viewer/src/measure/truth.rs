@@ -12,6 +12,8 @@ use umbrage::{
 const PASSES: [u32; 4] = [8, 4, 2, 1];
 /// Pixels traced in a step.
 const STEP: usize = 4096;
+/// The same in browsers, inside frames, for lights with an extent: each pixel takes hundreds of rays.
+const STEP_OF_FRAMES: usize = 128;
 
 /// What is asked for.
 #[derive(Clone)]
@@ -89,7 +91,9 @@ impl TruthJob {
     /// # Errors
     /// Errors if the light is not valid.
     pub(crate) fn step(&mut self) -> Result<bool> {
-        let rest = self.waiting.len().saturating_sub(STEP);
+        let is_quick = cfg!(not(target_arch = "wasm32")) || self.request.light.is_ideal();
+        let step = if is_quick { STEP } else { STEP_OF_FRAMES };
+        let rest = self.waiting.len().saturating_sub(step);
         let pixels = self.waiting.split_off(rest);
         let so_far = &mut self.so_far;
         let point = |&i: &u32| {

@@ -25,7 +25,7 @@ const TRUTH_RAYS: u32 = 256;
 #[derive(Default)]
 pub(crate) struct SideFigures {
     pending: Option<PendingMask>,
-    mask: Option<Vec<f32>>,
+    pub mask: Option<Vec<f32>>,
     pub error: Option<MaskError>,
     pub cost: Option<Cost>,
 }

@@ -223,11 +223,6 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
     }
 }
 
-/// Returns the path of a dropped file.
-pub(crate) fn dropped_path(file: &egui::DroppedFileHandle) -> Option<String> {
-    Some(file.path().display().to_string())
-}
-
 /// Writes a screenshot. Returns where.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn save_screenshot(image: &egui::ColorImage) -> anyhow::Result<String> {

@@ -1,0 +1,231 @@
+//! The viewer as a page: built, made small, and served.
+
+mod server;
+
+use crate::{
+    ci::{BROWSER_TARGET, install_browser_target},
+    cli::WebOptions,
+    run::{cargo, root, run},
+};
+use anyhow::{Context as _, Result, bail};
+use comfy_table::Table;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+const PACKAGE: &str = "umbrage-viewer";
+/// The profile of `Cargo.toml` that makes small programs.
+const PROFILE: &str = "web";
+/// What the page's script imports: `umbrage.js`, which loads `umbrage_bg.wasm`.
+const STEM: &str = "umbrage";
+const PAGE: &str = "examples/viewer/web/index.html";
+
+/// What the page shows where it can't run.
+const PICTURES: [&str; 3] = [
+    "docs/embed.png",
+    "docs/textbook/acne.fault.png",
+    "docs/textbook/acne.cure.png",
+];
+
+/// Most bytes of the page, compressed, without the pictures.
+const MOST_COMPRESSED: u64 = 8_000_000;
+
+/// Builds the page and, unless told otherwise, serves it until it is stopped.
+pub(crate) fn web(options: &WebOptions) -> Result<()> {
+    let target = target_folder()?;
+    let out = match &options.out {
+        Some(folder) => folder.clone(),
+        None => target.join("web"),
+    };
+    // A port that is taken is told before minutes of building.
+    let listener = match options.no_serve {
+        true => None,
+        false => Some(server::listen(options.port)?),
+    };
+    install_browser_target()?;
+    let mut build = cargo();
+    build.args(["build", "--package", PACKAGE, "--profile", PROFILE]);
+    run(build.args(["--target", BROWSER_TARGET]))?;
+    let built = target.join(BROWSER_TARGET).join(PROFILE);
+    let wasm = built.join(format!("{PACKAGE}.wasm"));
+    fs::create_dir_all(&out).with_context(|| format!("cannot make {}", out.display()))?;
+    bind(&target, &wasm, &out)?;
+    optimise(&out.join(format!("{STEM}_bg.wasm")))?;
+    copy(&root().join(PAGE), &out)?;
+    let pictures = out.join("pictures");
+    fs::create_dir_all(&pictures).with_context(|| format!("cannot make {}", pictures.display()))?;
+    for picture in PICTURES {
+        copy(&root().join(picture), &pictures)?;
+    }
+    print_sizes(&out)?;
+    println!("the page is in {}", out.display());
+    match listener {
+        Some(listener) => server::serve(&listener, &out),
+        None => Ok(()),
+    }
+}
+
+/// Returns cargo's target folder.
+fn target_folder() -> Result<PathBuf> {
+    let output = cargo()
+        .args(["metadata", "--format-version", "1", "--no-deps"])
+        .output()?;
+    let metadata: serde_json::Value =
+        serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
+    let folder = metadata["target_directory"].as_str();
+    Ok(PathBuf::from(
+        folder.context("cargo metadata names no target folder")?,
+    ))
+}
+
+/// Writes the module that browsers load, and the script that loads it.
+fn bind(target: &Path, wasm: &Path, out: &Path) -> Result<()> {
+    let mut command = Command::new(bindgen(target)?);
+    command.args(["--target", "web", "--no-typescript", "--out-name", STEM]);
+    run(command.arg("--out-dir").arg(out).arg(wasm))
+}
+
+/// Returns the program `wasm-bindgen` of the version that the viewer is built with; installs it if there is none.
+fn bindgen(target: &Path) -> Result<PathBuf> {
+    let version = locked_version(&fs::read_to_string(root().join("Cargo.lock"))?)?;
+    let tools = target.join("tools");
+    let name = format!("wasm-bindgen{}", std::env::consts::EXE_SUFFIX);
+    let own = tools.join("bin").join(name);
+    for program in [own.clone(), PathBuf::from("wasm-bindgen")] {
+        if says_version(&program, &version) {
+            return Ok(program);
+        }
+    }
+    println!(
+        "installing wasm-bindgen {version} into {}: it writes the script that loads the viewer, and must be of the version in Cargo.lock",
+        tools.display()
+    );
+    let mut install = cargo();
+    install.args(["install", "wasm-bindgen-cli", "--locked", "--version"]);
+    install.arg(&version).arg("--force").arg("--root");
+    run(install.arg(&tools)).with_context(|| {
+        format!("put wasm-bindgen {version} on the PATH by hand, or connect to crates.io")
+    })?;
+    Ok(own)
+}
+
+/// Returns the version of `wasm-bindgen` in a lock file.
+fn locked_version(lock: &str) -> Result<String> {
+    let mut lines = lock.lines();
+    lines
+        .find(|line| *line == "name = \"wasm-bindgen\"")
+        .and_then(|_| {
+            lines
+                .next()?
+                .strip_prefix("version = \"")?
+                .strip_suffix('"')
+        })
+        .map(str::to_owned)
+        .context("Cargo.lock names no wasm-bindgen: run `cargo check -p umbrage-viewer`")
+}
+
+/// Whether a program is there, and is of that version.
+fn says_version(program: &Path, version: &str) -> bool {
+    let Ok(output) = Command::new(program).arg("--version").output() else {
+        return false;
+    };
+    let told = String::from_utf8_lossy(&output.stdout);
+    told.split_whitespace().nth(1) == Some(version)
+}
+
+/// Makes a module smaller where `wasm-opt` is installed. Old releases of it don't know what compilers write today: then the module
+/// stays as it is.
+fn optimise(wasm: &Path) -> Result<()> {
+    if Command::new("wasm-opt").arg("--version").output().is_err() {
+        println!(
+            "wasm-opt is not on the PATH: it would make the page some percent smaller (Debian's package binaryen)"
+        );
+        return Ok(());
+    }
+    let smaller = wasm.with_extension("smaller");
+    let mut command = Command::new("wasm-opt");
+    command.args(["-O2", "--all-features"]).arg(wasm);
+    match run(command.arg("-o").arg(&smaller)) {
+        Ok(()) => {
+            fs::rename(&smaller, wasm).with_context(|| format!("cannot replace {}", wasm.display()))
+        }
+        Err(error) => {
+            println!("{error:#}; the page works without, some percent larger");
+            Ok(())
+        }
+    }
+}
+
+fn copy(file: &Path, folder: &Path) -> Result<()> {
+    let name = file.file_name().context("what is copied is a file")?;
+    let to = folder.join(name);
+    fs::copy(file, &to)
+        .with_context(|| format!("cannot copy {} to {}", file.display(), to.display()))?;
+    Ok(())
+}
+
+/// Prints what has to be loaded before the first picture.
+fn print_sizes(out: &Path) -> Result<()> {
+    let mut table = Table::new();
+    table.set_header(["file", "bytes", "compressed (gzip)"]);
+    let mut sum = Some(0);
+    for name in ["index.html", "umbrage.js", "umbrage_bg.wasm"] {
+        let file = out.join(name);
+        let bytes = fs::metadata(&file)
+            .with_context(|| format!("cannot read {}", file.display()))?
+            .len();
+        let small = compressed(&file);
+        sum = sum.zip(small).map(|(sum, small)| sum + small);
+        table.add_row([name, &bytes.to_string(), &told(small)]);
+    }
+    table.add_row(["all", "", &told(sum)]);
+    println!("{table}");
+    match sum {
+        Some(sum) if sum > MOST_COMPRESSED => bail!(
+            "the page has {sum} bytes compressed, over {MOST_COMPRESSED}: see what grew in {}",
+            out.display()
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn told(bytes: Option<u64>) -> String {
+    bytes.map_or("gzip is missing".to_owned(), |bytes| bytes.to_string())
+}
+
+/// Returns the bytes of a file as servers send it; none where there is no `gzip`.
+fn compressed(file: &Path) -> Option<u64> {
+    let mut gzip = Command::new("gzip");
+    gzip.args(["-9", "-c"]).arg(file).stderr(Stdio::null());
+    let output = gzip.output().ok()?;
+    output
+        .status
+        .success()
+        .then_some(output.stdout.len() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lock_file_tells_the_version() {
+        let lock = "[[package]]\nname = \"wasm-bindgen\"\nversion = \"0.2.130\"\n";
+        assert_eq!(locked_version(lock).expect("told"), "0.2.130");
+        assert!(locked_version("name = \"wasm-bindgen-futures\"").is_err());
+    }
+
+    #[test]
+    fn the_page_and_its_pictures_are_there() {
+        let page = fs::read_to_string(root().join(PAGE)).expect("readable");
+        for picture in PICTURES {
+            let file = root().join(picture);
+            assert!(file.is_file(), "{picture}");
+            let name = file.file_name().expect("a name").to_string_lossy();
+            assert!(page.contains(&format!("pictures/{name}")), "{picture}");
+        }
+        assert!(page.contains(&format!("./{STEM}.js")));
+    }
+}
