@@ -1,8 +1,10 @@
 //! The program: what is shown, what the user does with it, and what is measured meanwhile.
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::told::file::ToldFile;
 use crate::{
     bookmarks,
-    camera::Mode,
+    camera::{Mode, ViewCamera},
     device::{DeviceErrors, put, taken},
     drops::Drops,
     gizmo::{self, LightHandles},
@@ -58,6 +60,10 @@ pub(crate) struct App {
     pub camera: Option<Camera>,
     changed: Instant,
     pub figures: ViewFigures,
+    #[cfg(not(target_arch = "wasm32"))]
+    told: Option<ToldFile>,
+    /// Where the chosen light's marker is in the window, points.
+    pub marker: Option<egui::Pos2>,
     pub plan_job: PlanJob,
     pub plan: Option<Plan>,
     pub maps: [MapPicture; 2],
@@ -132,7 +138,10 @@ impl App {
             texture: None,
             camera: None,
             changed: Instant::now(),
+            #[cfg(not(target_arch = "wasm32"))]
+            told: start.told.map(ToldFile::new),
             figures: ViewFigures::new(move || wake.request_repaint()),
+            marker: None,
             plan_job: PlanJob::default(),
             plan: None,
             maps: Default::default(),
@@ -274,6 +283,10 @@ impl App {
                 _ => Picture::Error,
             };
         }
+        if pressed(egui::Key::Home) {
+            settings.view = ViewCamera::new(&self.stage.camera, &self.stage.bounds);
+            self.changed = Instant::now();
+        }
         if pressed(egui::Key::M) {
             settings.shows_maps = !settings.shows_maps;
         }
@@ -409,7 +422,9 @@ impl App {
             &mut settings.chosen,
         );
         let mut has_moved = false;
+        self.marker = None;
         if let Some(light) = settings.lights.get_mut(settings.chosen) {
+            self.marker = gizmo::place_in(rect, camera, light.marker(looked_at));
             has_moved = self.handles.show(ui, rect, camera, looked_at, light);
         }
         if has_moved {
@@ -469,6 +484,17 @@ impl App {
         };
         let wake = ctx.clone();
         self.plan_job.start(request, move || wake.request_repaint());
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn tell(&mut self, ctx: &egui::Context) {
+        // Taken out while it reads the rest.
+        if let Some(mut told) = self.told.take() {
+            if let Err(error) = told.update(self, ctx) {
+                self.message = Some(format!("{error:#}"));
+            }
+            self.told = Some(told);
+        }
     }
 
     fn take_plan(&mut self) {
@@ -588,6 +614,8 @@ impl eframe::App for App {
         if let Err(error) = self.measure(&ctx) {
             self.message = Some(format!("{error:#}"));
         }
+        #[cfg(not(target_arch = "wasm32"))]
+        self.tell(&ctx);
         if flight(&ctx) != Vec3::ZERO || self.changed.elapsed() < REST {
             ctx.request_repaint();
         } else if !self.figures.is_asked() {

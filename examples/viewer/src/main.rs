@@ -16,6 +16,7 @@ mod render;
 mod settings;
 mod stage;
 mod state;
+mod told;
 #[cfg(target_arch = "wasm32")]
 mod web;
 

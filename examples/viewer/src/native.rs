@@ -40,6 +40,9 @@ struct Options {
     /// Forgets the settings of the last time.
     #[arg(long)]
     fresh: bool,
+    /// Keeps what is shown and measured in this file, as JSON: for tests.
+    #[arg(long, value_name = "FILE")]
+    report: Option<std::path::PathBuf>,
     /// Lists the built-in scenes.
     #[arg(long)]
     list: bool,
@@ -89,6 +92,7 @@ fn run(options: &Options) -> Result<()> {
             techniques: [options.left.clone(), options.right.clone()],
             is_fresh: options.fresh,
             message: lost.take(),
+            told: options.report.clone(),
         };
         lost = open(options, start)?;
         if lost.is_none() {

@@ -20,6 +20,9 @@ pub(crate) struct Start {
     pub is_fresh: bool,
     /// Shown at first.
     pub message: Option<String>,
+    /// Where what is told goes, for tests.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub told: Option<std::path::PathBuf>,
 }
 
 /// What is kept from one time to the next.

@@ -2,7 +2,6 @@
 
 mod query;
 mod report;
-mod widgets;
 
 use crate::{
     app::App,

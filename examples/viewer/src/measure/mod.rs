@@ -1,6 +1,5 @@
 //! What is measured of the view while nothing moves: truth, errors, and where lookups go.
 
-#[cfg(target_arch = "wasm32")]
 pub(crate) mod against_cpu;
 pub(crate) mod cost;
 pub(crate) mod figures;

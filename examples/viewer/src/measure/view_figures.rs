@@ -81,6 +81,22 @@ impl ViewFigures {
         self.measured_for.is_some()
     }
 
+    /// The number of the last question for truth.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn asked(&self) -> u64 {
+        self.asked
+    }
+
+    /// Whether all of truth is traced, and both sides have their masks.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn is_complete(&self) -> bool {
+        let is_traced = self
+            .truth
+            .as_ref()
+            .is_some_and(|truth| truth.progress >= 1.0);
+        is_traced && self.sides.iter().all(|side| side.mask.is_some())
+    }
+
     /// Whether masks are on their way.
     pub(crate) fn is_waiting(&self) -> bool {
         self.sides.iter().any(|side| side.pending.is_some())

@@ -12,12 +12,13 @@ use umbrage::scenes;
 /// Points.
 const WIDTH: f32 = 310.0;
 
-const KEYS: [(&str, &str); 14] = [
+const KEYS: [(&str, &str); 15] = [
     ("right mouse button", "looks around, or goes around"),
     ("middle mouse button", "moves sideways"),
     ("wheel", "ahead and back"),
     ("W A S D, E Q", "fly; with shift faster"),
     ("O", "fly or orbit"),
+    ("Home", "back to the scene's own view"),
     ("click on a light", "chooses it; its handles move it"),
     ("R", "handles turn the light, or move it"),
     ("X", "both sides, or one"),

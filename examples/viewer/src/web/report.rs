@@ -2,10 +2,12 @@
 //! it is, `umbrage_agreement()` compares the device's masks with the CPU's, `umbrage_widgets()` tells where the panel's parts lie. All
 //! return JSON.
 
-use super::widgets::Widgets;
-use crate::{app::App, measure::against_cpu};
+use crate::{
+    app::App,
+    told::{self, widgets::Widgets},
+};
 use eframe::WebRunner;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::sync::atomic::{AtomicU32, Ordering};
 use wasm_bindgen::{JsValue, closure::Closure};
 
@@ -22,10 +24,14 @@ pub(super) fn note_first_frame() {
 /// Gives the page the functions.
 pub(super) fn offer(runner: &WebRunner, ctx: &egui::Context) {
     let ctx = ctx.clone();
-    offer_one("umbrage_widgets", move || Widgets::told(&ctx));
+    offer_one("umbrage_widgets", move || {
+        // What the next frame has is told by the next call.
+        ctx.request_repaint();
+        Widgets::told(&ctx)
+    });
     for (name, told) in [
         ("umbrage_report", report as fn(&App) -> Value),
-        ("umbrage_agreement", agreement),
+        ("umbrage_agreement", told::agreement),
     ] {
         let runner = runner.clone();
         offer_one(name, move || {
@@ -43,51 +49,7 @@ fn offer_one(name: &str, tell: impl Fn() -> Value + 'static) {
 }
 
 fn report(app: &App) -> Value {
-    let truth = app.figures.truth.as_ref();
-    let side = |i: usize| {
-        let error = app.figures.sides[i].error;
-        json!({
-            "technique": app.settings.sides[i].preset.technique().name(),
-            "label": app.settings.sides[i].label(),
-            "refusals": app.renderer.sides[i].refusals(),
-            "rmse": error.map(|e| e.rmse),
-            "wrong": error.map(|e| (e.wrong * e.pixels as f64).round()),
-            "pixels": error.map(|e| e.pixels),
-        })
-    };
-    json!({
-        "scene": app.stage.name,
-        "triangles": app.stage.geometry.triangles().len(),
-        "first_frame_ms": FIRST_FRAME.load(Ordering::Relaxed),
-        "split": app.settings.split,
-        "shown_side": app.settings.shown_side,
-        "picture": app.settings.picture,
-        "size": truth.map(|t| t.receivers.size.to_array()),
-        "truth": truth.map(|t| t.progress),
-        "sides": [side(0), side(1)],
-        "message": app.message,
-    })
-}
-
-fn agreement(app: &App) -> Value {
-    let compared = against_cpu::Compared::of_app(app);
-    let side = |i: usize| {
-        let Some(compared) = &compared else {
-            return Value::Null;
-        };
-        let technique = app.settings.sides[i].technique(&compared.light);
-        match compared.agree(technique.as_ref(), app.figures.sides[i].mask.as_deref()) {
-            Ok(found) => json!({
-                "technique": technique.name(),
-                "rounding": found.snapping.to_string(),
-                "pixels": found.agreement.compared,
-                "differing": found.agreement.differing,
-                "largest": found.agreement.largest,
-                "undecided": found.agreement.undecided,
-                "decided_off": found.agreement.violations,
-            }),
-            Err(error) => json!({ "technique": technique.name(), "error": format!("{error:#}") }),
-        }
-    };
-    json!({ "sides": [side(0), side(1)] })
+    let mut told = told::report(app);
+    told["first_frame_ms"] = FIRST_FRAME.load(Ordering::Relaxed).into();
+    told
 }

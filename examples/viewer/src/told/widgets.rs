@@ -4,17 +4,16 @@ use serde_json::{Value, json};
 
 /// Notes each frame's parts, once it was asked for them.
 #[derive(Default)]
-pub(super) struct Widgets {
+pub(crate) struct Widgets {
     parts: Vec<Value>,
 }
 
 impl Widgets {
     /// Returns the parts of the last frame: role, label, value, and the rectangle in points as left, top, right and bottom. Nothing until
     /// the frame after the first call.
-    pub(super) fn told(ctx: &egui::Context) -> Value {
+    pub(crate) fn told(ctx: &egui::Context) -> Value {
         ctx.add_plugin(Self::default());
         ctx.enable_accesskit();
-        ctx.request_repaint();
         ctx.with_plugin(|widgets: &mut Self| Value::Array(widgets.parts.clone()))
             .unwrap_or_default()
     }
