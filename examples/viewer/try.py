@@ -96,7 +96,13 @@ class Window:
 
     def click(self, words, nth=0, role=None):
         """Clicks on the n-th part of the panel with these words."""
-        left, top, right, bottom = self.place(words, nth, role)
+        for _ in range(20):
+            left, top, right, bottom = self.place(words, nth, role)
+            if top >= 0 and bottom <= HEIGHT:
+                break
+            # The panel is scrolled until the part shows.
+            self.move(20, HEIGHT / 2)
+            self.do("click", 5 if bottom > HEIGHT else 4)
         self.move((left + right) / 2, (top + bottom) / 2)
         self.do("click", 1)
         time.sleep(0.6)

@@ -6,7 +6,7 @@
 use crate::app::App;
 use anyhow::{Context as _, Result};
 use umbrage::{
-    Backend as _, Camera, DepthPlanes, Geometry, Light, Receivers, Recipe, ShadowTechnique,
+    Aabb, Backend as _, Camera, DepthPlanes, Geometry, Light, Receivers, Recipe, ShadowTechnique,
     Snapping, View,
     cpu::{Cpu, CpuOptions, PlaneShift},
     glam::Vec2,
@@ -23,6 +23,8 @@ pub(crate) struct Compared<'a> {
     camera: Camera,
     pub light: Light,
     geometry: &'a Geometry,
+    /// The box around all casters for which the light sets plan.
+    casters: Aabb,
     receivers: &'a Receivers,
 }
 
@@ -50,6 +52,7 @@ impl<'a> Compared<'a> {
             camera: app.camera?,
             light: app.settings.lights.get(app.settings.chosen)?.light,
             geometry: &app.stage.geometry,
+            casters: app.renderer.sides[0].set.casters_box(),
             receivers: &app.figures.truth.as_ref()?.receivers,
         })
     }
@@ -64,7 +67,10 @@ impl<'a> Compared<'a> {
         mask: Option<&[f32]>,
     ) -> Result<Found> {
         let mask = mask.context("the device's mask isn't there yet")?;
-        let view = View::new(&self.camera, &self.light, self.geometry);
+        let view = View {
+            casters: self.casters,
+            ..View::new(&self.camera, &self.light, self.geometry)
+        };
         let recipe = technique.recipe(&view)?;
         let seen = view.with_receivers(self.receivers);
         let mut best: Option<Found> = None;

@@ -3,7 +3,7 @@
 use super::places::SeenFrom;
 use anyhow::Result;
 use umbrage::{
-    View, Work,
+    Work,
     plan::{cost::CostModel, motion::FrameMotion},
     techniques::TechniquePreset,
 };
@@ -30,7 +30,7 @@ impl Cost {
     /// # Errors
     /// Errors if the technique refuses the light.
     pub(crate) fn of(preset: &TechniquePreset, seen: &SeenFrom<'_>) -> Result<Self> {
-        let view = View::new(seen.camera, seen.light, seen.geometry);
+        let view = seen.planned_view();
         let recipe = preset.technique().recipe(&view)?;
         let work = Work::of(&view.with_receivers(seen.receivers), &recipe);
         let prices = prices();

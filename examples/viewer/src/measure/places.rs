@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use umbrage::{
-    Camera, Geometry, Light, Receivers, ShadowTechnique, View,
+    Aabb, Camera, Geometry, Light, Receivers, ShadowTechnique, View,
     plan::footprint::{MapPlace, MapPlaces},
     techniques::{AskedCell, Exact},
 };
@@ -38,7 +38,19 @@ pub(crate) struct SeenFrom<'a> {
     pub camera: &'a Camera,
     pub light: &'a Light,
     pub geometry: &'a Geometry,
+    /// The box around all casters for which a light set plans: a little larger than they are.
+    pub casters: Aabb,
     pub receivers: &'a Receivers,
+}
+
+impl SeenFrom<'_> {
+    /// Returns the view for which a light set plans.
+    pub(crate) fn planned_view(&self) -> View<'_> {
+        View {
+            casters: self.casters,
+            ..View::new(self.camera, self.light, self.geometry)
+        }
+    }
 }
 
 /// Returns a picture as sRGB and opacity, a byte each; none if the technique has nothing of that kind.
@@ -50,7 +62,7 @@ pub(crate) fn picture(
     technique: &dyn ShadowTechnique,
     seen: &SeenFrom<'_>,
 ) -> Result<Option<Vec<u8>>> {
-    let view = View::new(seen.camera, seen.light, seen.geometry);
+    let view = seen.planned_view();
     if kind == Places::Lists {
         return lists(technique, &view, seen.receivers);
     }

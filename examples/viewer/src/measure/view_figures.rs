@@ -223,6 +223,7 @@ impl ViewFigures {
             camera: &question.camera,
             light: &question.light,
             geometry: question.geometry,
+            casters: renderer.sides[0].set.casters_box(),
             receivers: &truth.receivers,
         };
         let sides = self.sides.iter_mut().zip(&mut renderer.overlays);
