@@ -98,11 +98,13 @@ class Window:
         """Clicks on the n-th part of the panel with these words."""
         for _ in range(20):
             left, top, right, bottom = self.place(words, nth, role)
-            if top >= 0 and bottom <= HEIGHT:
+            if top >= 0 and bottom <= HEIGHT - 10:
                 break
             # The panel is scrolled until the part shows.
             self.move(20, HEIGHT / 2)
-            self.do("click", 5 if bottom > HEIGHT else 4)
+            self.do("click", 5 if bottom > HEIGHT - 10 else 4)
+            # It glides for a while.
+            time.sleep(1.5)
         self.move((left + right) / 2, (top + bottom) / 2)
         self.do("click", 1)
         time.sleep(0.6)
@@ -315,7 +317,7 @@ def kept(program, out):
     """Settings are remembered."""
     first = Window(program, out, ["cubes", "--left", "midpoint"])
     folder = first.folder
-    first.do("windowclose", first.window)
+    first.key("ctrl+q")
     first.program.wait(timeout=30)
     again = Window.__new__(Window)
     environment = dict(os.environ, WINIT_X11_SCALE_FACTOR="1", XDG_DATA_HOME=str(folder))
@@ -330,6 +332,8 @@ def kept(program, out):
 def fluent(program, out, scene):
     """While the camera moves frames stay quick, on fewer pixels."""
     window = Window(program, out, [scene, "--fresh", "--left", "pcf"])
+    # The left side alone.
+    window.key("f")
     window.key("f")
     window.move(800, 400)
     window.do("mousedown", 3)

@@ -35,6 +35,8 @@ const FIRST_SCENE: &str = "town";
 const FLUENT: f32 = 20.0;
 /// The least share of the picture's width and height that is drawn.
 const COARSEST: f32 = 0.25;
+/// Steps of the scale.
+const SCALE_STEPS: f32 = 16.0;
 /// How long nothing must have changed before errors are measured.
 const REST: Duration = Duration::from_millis(250);
 
@@ -56,6 +58,8 @@ pub(crate) struct App {
     pub scale: f32,
     pub times: FrameTimes,
     last_frame: Option<Instant>,
+    /// Whether something moved in the last frame.
+    was_moving: bool,
     texture: Option<(egui::TextureId, UVec2)>,
     pub camera: Option<Camera>,
     changed: Instant,
@@ -135,6 +139,7 @@ impl App {
             scale: 1.0,
             times: FrameTimes::default(),
             last_frame: None,
+            was_moving: false,
             texture: None,
             camera: None,
             changed: Instant::now(),
@@ -256,6 +261,12 @@ impl App {
             return;
         }
         let pressed = |key| ctx.input(|input| input.key_pressed(key));
+        if ctx.input(|input| input.modifiers.command) {
+            if pressed(egui::Key::Q) {
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            return;
+        }
         let settings = &mut self.settings;
         if pressed(egui::Key::F) {
             settings.split = None;
@@ -324,8 +335,13 @@ impl App {
         }
         let pixels = rect.size() * ui.ctx().pixels_per_point();
         let is_moving = self.changed.elapsed() < REST;
-        self.adapt(is_moving);
-        let scale = if is_moving { self.scale } else { 1.0 };
+        if is_moving && self.was_moving {
+            self.adapt(passed);
+        }
+        self.was_moving = is_moving;
+        // In steps, so that textures are not made anew with every frame.
+        let stepped = (self.scale * SCALE_STEPS).round() / SCALE_STEPS;
+        let scale = if is_moving { stepped } else { 1.0 };
         let most = self.render.device.limits().max_texture_dimension_2d as f32;
         let side = |length: f32| (length * scale).round().clamp(1.0, most) as u32;
         let size = UVec2::new(side(pixels.x), side(pixels.y));
@@ -371,15 +387,17 @@ impl App {
     }
 
     /// Draws fewer pixels while something moves and frames take long, and more again once they don't.
-    fn adapt(&mut self, is_moving: bool) {
-        let interval = self.times.interval.as_secs_f32();
-        if !is_moving || interval == 0.0 {
-            return;
-        }
+    fn adapt(&mut self, passed: Duration) {
+        let allowed = 1.0 / FLUENT;
         // What a frame takes goes with its pixels: with the square of the scale.
-        let wanted = self.scale * (1.0 / (FLUENT * interval)).sqrt();
-        let slowly = 0.7 * self.scale + 0.3 * wanted;
-        self.scale = slowly.clamp(COARSEST, 1.0);
+        let wanted = self.scale * (allowed / passed.as_secs_f32().max(1e-3)).sqrt();
+        let wanted = wanted.clamp(COARSEST, 1.0);
+        // Coarser at once, finer slowly.
+        self.scale = if wanted < self.scale {
+            wanted
+        } else {
+            0.8 * self.scale + 0.2 * wanted
+        };
     }
 
     fn divider(&mut self, ui: &egui::Ui, rect: egui::Rect) {
@@ -540,7 +558,7 @@ impl App {
         let passed = self.last_frame.map_or(Duration::ZERO, |last| now - last);
         self.last_frame = Some(now);
         // After a rest the time since the last frame says nothing.
-        if passed < Duration::from_secs(2) {
+        if self.was_moving {
             let old = self.times.interval;
             self.times.interval = if old.is_zero() {
                 passed
@@ -571,6 +589,9 @@ fn question<'a>(
 /// Returns where the keys that are down fly: to the right, up and forward.
 fn flight(ctx: &egui::Context) -> Vec3 {
     ctx.input(|input| {
+        if input.modifiers.command {
+            return Vec3::ZERO;
+        }
         let down = |key| f32::from(u8::from(input.key_down(key)));
         let along = |less, more| down(more) - down(less);
         Vec3::new(
@@ -597,12 +618,6 @@ impl eframe::App for App {
         self.keys(&ctx);
         self.save_screenshot();
         self.take_plan();
-        let is_moving = self.changed.elapsed() < REST;
-        let passed = if is_moving {
-            passed
-        } else {
-            passed.min(Duration::from_millis(50))
-        };
         panel::show(self, ui);
         let frame = egui::Frame::NONE;
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {

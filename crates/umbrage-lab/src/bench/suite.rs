@@ -123,7 +123,7 @@ pub fn run(
         }
         for entry in &entries {
             let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
-            for (radius, bar) in [(1, 2.5), (3, 5.0)] {
+            for (radius, bar) in [(1, 5.0), (3, 8.0)] {
                 tell(lookup(&stage, radius, bar, repetitions, &mut cpu, gpu)?);
             }
             tell(soft(&stage.with_extent(), repetitions, &mut cpu, gpu)?);
@@ -219,7 +219,7 @@ fn depth(
         ours: paired.ours,
         theirs: paired.theirs,
         ratio: paired.ratio,
-        bar: Some(3.0),
+        bar: Some(6.0),
         runs: repetitions.runs,
     })
 }
@@ -277,7 +277,7 @@ fn soft(
         ours: paired.ours,
         theirs: paired.theirs,
         ratio: paired.ratio,
-        bar: None,
+        bar: Some(6.0),
         runs: repetitions.runs,
     })
 }

@@ -12,7 +12,7 @@ use umbrage::scenes;
 /// Points.
 const WIDTH: f32 = 310.0;
 
-const KEYS: [(&str, &str); 15] = [
+const KEYS: [(&str, &str); 16] = [
     ("right mouse button", "looks around, or goes around"),
     ("middle mouse button", "moves sideways"),
     ("wheel", "ahead and back"),
@@ -28,6 +28,7 @@ const KEYS: [(&str, &str); 15] = [
     ("C", "copies the shown side's preset"),
     ("F12", "saves a screenshot"),
     ("F1", "these keys"),
+    ("Ctrl Q", "ends the program"),
 ];
 
 /// Draws the panel.
