@@ -23,8 +23,10 @@ from PIL import Image, ImageChops, ImageStat
 from playwright.sync_api import sync_playwright
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan"]
-SIZE = {"width": 1000, "height": 560}
+# Without the last two, the browser's compositor can't show a WebGPU canvas, and the device is lost with the first frame.
+WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan",
+          "--use-vulkan=swiftshader", "--use-angle=swiftshader"]
+SIZE = {"width": 960, "height": 540}
 # Seconds that a server on the same machine may take to show the first frame.
 MOST_START = 5
 BALL = """

@@ -102,12 +102,17 @@ fn bindgen(target: &Path) -> Result<PathBuf> {
         "installing wasm-bindgen {version} into {}: it writes the script that loads the viewer, and must be of the version in Cargo.lock",
         tools.display()
     );
-    let mut install = cargo();
-    install.args(["install", "wasm-bindgen-cli", "--locked", "--version"]);
-    install.arg(&version).arg("--force").arg("--root");
-    run(install.arg(&tools)).with_context(|| {
-        format!("put wasm-bindgen {version} on the PATH by hand, or connect to crates.io")
-    })?;
+    let install = |how: &[&str]| {
+        let mut install = cargo();
+        install.args(["install", "wasm-bindgen-cli", "--version", &version]);
+        run(install.args(how).arg("--root").arg(&tools))
+    };
+    // Mirrors of crates.io may lack what was locked.
+    install(&["--force", "--locked"])
+        .or_else(|_| install(&["--force"]))
+        .with_context(|| {
+            format!("put wasm-bindgen {version} on the PATH by hand, or connect to crates.io")
+        })?;
     Ok(own)
 }
 
