@@ -299,6 +299,9 @@ impl App {
         if pressed(egui::Key::C) && ctx.input(|input| input.modifiers.is_none()) {
             self.copy_preset(ctx, self.settings.shown_side);
         }
+        if pressed(egui::Key::H) {
+            self.compare();
+        }
     }
 
     /// Copies a side's settings for the chosen light, as a preset file has them.

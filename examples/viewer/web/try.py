@@ -77,8 +77,10 @@ class Viewer:
                              f"{self.page.inner_text('#status')}")
 
     def measured(self, seconds=240):
-        """Waits until truth is traced and both sides are compared with it."""
-        done = lambda r: r["truth"] == 1 and all(s["wrong"] is not None for s in r["sides"])
+        """Waits until truth is traced, and the sides that are shown are compared with it."""
+        def done(report):
+            shown = report["sides"] if report["split"] is not None else [report["sides"][report["shown_side"]]]
+            return report["truth"] == 1 and all(side["wrong"] is not None for side in shown)
         return self.wait(done, "truth", seconds)
 
     def shot(self, name):
@@ -130,7 +132,7 @@ def difference(a, b):
 
 
 def share(image, holds):
-    pixels = list(image.getdata())
+    pixels = list(image.get_flattened_data())
     return sum(map(holds, pixels)) / len(pixels)
 
 
@@ -206,6 +208,7 @@ def masks(viewer):
     exact = picture(viewer.shot("mask-exact"))
     viewer.key("f")
     viewer.wait(lambda r: r["shown_side"] == 0, "the other side")
+    viewer.measured()
     hard = picture(viewer.shot("mask-hard"))
     print(f"masks against truth, mean step of 256: exact {difference(truth, exact):.3f}, hard {difference(truth, hard):.3f}")
     assert difference(truth, exact) < 0.02 < difference(truth, hard)
@@ -230,6 +233,7 @@ def switched(viewer):
     report = viewer.wait(lambda r: r["split"] is None, "one side")
     viewer.key("f")
     viewer.wait(lambda r: r["shown_side"] != report["shown_side"], "the other side")
+    viewer.measured()
     viewer.shot("one-side")
 
 
