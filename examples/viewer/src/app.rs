@@ -446,6 +446,8 @@ impl App {
             .update(&self.render, &mut self.renderer, &question, rests)?;
         if is_new {
             self.compare();
+            // This frame was drawn before.
+            ctx.request_repaint();
         }
         if self.figures.is_waiting() {
             ctx.request_repaint_after(Duration::from_millis(10));

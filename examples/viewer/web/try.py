@@ -84,9 +84,13 @@ class Viewer:
         return self.wait(done, "truth", seconds)
 
     def shot(self, name):
-        """Returns what is seen, and keeps it."""
-        time.sleep(0.5)
-        png = self.page.screenshot()
+        """Returns what is seen once it stays the same, and keeps it: a software driver shows frames late."""
+        png = None
+        for _ in range(20):
+            time.sleep(0.7)
+            last, png = png, self.page.screenshot()
+            if last == png:
+                break
         (self.out / f"{name}.png").write_bytes(png)
         return Image.open(io.BytesIO(png)).convert("RGB")
 
@@ -95,7 +99,7 @@ class Viewer:
         time.sleep(0.5)
         return json.loads(self.page.evaluate("umbrage_widgets()"))
 
-    def click(self, role, words, nth=0, right_of=None):
+    def click(self, role, words, nth=0):
         """Clicks on the n-th part with these words."""
         widgets = self.widgets()
         found = [w for w in widgets if w["role"] == role and words in (w["label"], w["value"])]
@@ -154,7 +158,7 @@ def without_webgpu(playwright, program, address, out):
     assert "graphics device" in why or "WebGPU" in why, why
 
 
-def started(viewer, out):
+def started(viewer):
     viewer.open("?scene=cubes&left=hard&right=exact&split=0.5")
     report = viewer.report()
     seconds = report["first_frame_ms"] / 1000
@@ -179,9 +183,14 @@ def measured(viewer):
 
 
 def agreed(viewer):
+    """Compares the masks of the browser's device with those that the CPU half makes there."""
     told = json.loads(viewer.page.evaluate("umbrage_agreement()"))
     for side in told["sides"]:
-        print(f"against the CPU: {side}")
+        if "error" in side:
+            print(f"against the CPU: {side}")
+            continue
+        print(f"against the CPU: {side['technique']}: {side['differing']} of {side['pixels']} pixels differ, {side['undecided']} "
+              f"undecided, {side['decided_off']} decided are off")
         assert side.get("decided_off") == 0, side
 
 
@@ -211,7 +220,7 @@ def masks(viewer):
     viewer.measured()
     hard = picture(viewer.shot("mask-hard"))
     print(f"masks against truth, mean step of 256: exact {difference(truth, exact):.3f}, hard {difference(truth, hard):.3f}")
-    assert difference(truth, exact) < 0.02 < difference(truth, hard)
+    assert difference(truth, exact) < 0.02 < difference(truth, hard) < 5
     lit, dark = share(truth, lambda p: min(p) > 250), share(truth, lambda p: max(p) < 5)
     assert lit > 0.1 and dark > 0.02, (lit, dark)
 
@@ -222,13 +231,15 @@ def switched(viewer):
     before = viewer.shot("before-switch")
     viewer.click("ComboBox", "hard")
     viewer.shot("techniques")
-    viewer.click("Button", "volumes")
-    viewer.wait(lambda r: r["sides"][0]["technique"] == "volumes", "the other technique")
+    viewer.click("Button", "traced")
+    viewer.wait(lambda r: r["sides"][0]["technique"] == "traced", "the other technique")
     report = viewer.measured()
-    print(f"switched by clicks to {report['sides'][0]['label']}: {report['sides'][0]['wrong']} wrong")
-    viewer.key("h")
     after = viewer.shot("switched")
-    assert difference(halves(before)[0], halves(after)[0]) > 0.01, "the left half did not change"
+    changed = [difference(a, b) for a, b in zip(halves(before), halves(after))]
+    print(f"switched by clicks to {report['sides'][0]['label']}: {report['sides'][0]['wrong']} wrong; "
+          f"the left half changed by {changed[0]:.3f}, the right one by {changed[1]:.3f}")
+    assert report["sides"][0]["wrong"] == 0, report
+    assert changed[0] > 0.01 and changed[1] < 1e-3, changed
     viewer.key("x")
     report = viewer.wait(lambda r: r["split"] is None, "one side")
     viewer.key("f")
@@ -256,14 +267,16 @@ def dropped(viewer):
 
 def others(viewer):
     """Other techniques and lights on this device, against the CPU."""
-    for query in ["?scene=cubes&left=pcf&right=pcss", "?scene=cubes&left=vsm&right=soft", "?nonsense=1&scene=cubess"]:
-        viewer.open(query)
+    for left, right in [("pcf", "pcss"), ("pcf_disc", "pcf_merged"), ("midpoint", "second_depth"), ("pcf_hardware", "soft"),
+                        ("pcf_dithered", "planar")]:
+        viewer.open(f"?scene=cubes&left={left}&right={right}")
         report = viewer.measured()
-        if report["message"]:
-            print(f"{query}: {report['message']}")
-            continue
+        assert report["message"] is None, report
         agreed(viewer)
-    assert "cubess" in report["message"] and "nonsense" in report["message"], report
+    viewer.open("?nonsense=1&scene=cubess")
+    message = viewer.report()["message"]
+    print(f"an address with mistakes: {message}")
+    assert "cubess" in message and "nonsense" in message, message
 
 
 def main():
@@ -283,7 +296,7 @@ def main():
         browser = playwright.chromium.launch(
             executable_path=options.browser, headless=False, args=["--headless=new", *WEBGPU])
         viewer = Viewer(browser, address, options.out)
-        started(viewer, options.out)
+        started(viewer)
         measured(viewer)
         agreed(viewer)
         heat_map(viewer)
