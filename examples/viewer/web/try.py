@@ -185,9 +185,10 @@ def measured(viewer):
 def agreed(viewer):
     """Compares the masks of the browser's device with those that the CPU half makes there."""
     told = json.loads(viewer.page.evaluate("umbrage_agreement()"))
-    for side in told["sides"]:
-        if "error" in side:
-            print(f"against the CPU: {side}")
+    refused = [side["refusals"] for side in viewer.report()["sides"]]
+    for side, refusals in zip(told["sides"], refused):
+        if refusals:
+            print(f"against the CPU: {side['technique']}: {refusals}")
             continue
         print(f"against the CPU: {side['technique']}: {side['differing']} of {side['pixels']} pixels differ, {side['undecided']} "
               f"undecided, {side['decided_off']} decided are off")
