@@ -310,6 +310,9 @@ impl App {
         if pressed(egui::Key::C) && ctx.input(|input| input.modifiers.is_none()) {
             self.copy_preset(ctx, self.settings.shown_side);
         }
+        if pressed(egui::Key::H) {
+            self.compare();
+        }
     }
 
     /// Copies a side's settings for the chosen light, as a preset file has them.
@@ -461,6 +464,8 @@ impl App {
             .update(&self.render, &mut self.renderer, &question, rests)?;
         if is_new {
             self.compare();
+            // This frame was drawn before.
+            ctx.request_repaint();
         }
         if self.figures.is_waiting() {
             ctx.request_repaint_after(Duration::from_millis(10));

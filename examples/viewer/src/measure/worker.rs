@@ -126,13 +126,15 @@ mod frames {
     use super::*;
     use web_time::{Duration, Instant};
 
-    /// What a frame gives to truth.
-    const SLICE: Duration = Duration::from_millis(10);
+    /// What a frame gives to truth: half of what the frame itself takes, but no less than the first and no more than the second.
+    const SLICES: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(250)];
 
     /// Traces a little in each frame.
     pub(crate) struct Worker {
         job: Option<TruthJob>,
         wanted: Option<TruthRequest>,
+        /// When the last slice ended.
+        last: Option<Instant>,
         wake: Box<dyn Fn()>,
     }
 
@@ -142,6 +144,7 @@ mod frames {
             Self {
                 job: None,
                 wanted: None,
+                last: None,
                 wake: Box::new(wake),
             }
         }
@@ -175,10 +178,13 @@ mod frames {
             let Some(job) = &mut self.job else {
                 return Ok(false);
             };
+            let frame = self.last.map_or(Duration::ZERO, |last| begin - last);
+            let slice = (frame / 2).clamp(SLICES[0], SLICES[1]);
             let mut is_new = false;
-            while !job.is_done() && begin.elapsed() < SLICE && !is_new {
+            while !job.is_done() && begin.elapsed() < slice && !is_new {
                 is_new = job.step()?;
             }
+            self.last = Some(Instant::now());
             if !job.is_done() {
                 (self.wake)();
             }

@@ -13,7 +13,7 @@ struct Corner {
 }
 
 @vertex fn place(@builtin(vertex_index) i: u32) -> Corner {
-    let uv = vec2f(mix(cover.part.x, cover.part.y, f32(i & 1u)), f32(i >> 1u & 1u));
+    let uv = vec2f(mix(cover.part.x, cover.part.y, f32(i & 1u)), f32((i >> 1u) & 1u));
     return Corner(vec4f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y, 0.0, 1.0), uv);
 }
 
