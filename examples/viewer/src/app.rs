@@ -154,7 +154,7 @@ impl App {
             errors,
             lost,
             screenshot: Arc::default(),
-            drops: Drops::default(),
+            drops: Default::default(),
             render,
         })
     }

@@ -14,22 +14,13 @@ use umbrage::{
 const MARKER: f32 = 9.0;
 
 /// Handles of the chosen light.
+#[derive(Default)]
 pub(crate) struct LightHandles {
     gizmo: Gizmo,
     /// Whether they turn the light instead of moving it.
     pub turns: bool,
     /// Whether the mouse holds one.
     pub is_held: bool,
-}
-
-impl Default for LightHandles {
-    fn default() -> Self {
-        Self {
-            gizmo: Gizmo::default(),
-            turns: false,
-            is_held: false,
-        }
-    }
 }
 
 /// Returns where a point of the world is in the picture, points; none behind the camera.

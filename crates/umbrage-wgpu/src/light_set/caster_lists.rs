@@ -70,7 +70,10 @@ pub(crate) struct ItemLimits {
 }
 
 /// How lists were made. Public for tests alone.
-#[cfg_attr(not(feature = "testing"), expect(unreachable_pub))]
+#[cfg_attr(
+    not(feature = "testing"),
+    expect(unreachable_pub, reason = "public for tests alone")
+)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listing {
     /// Whether they had room at last.
