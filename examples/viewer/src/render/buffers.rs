@@ -62,8 +62,8 @@ impl SceneBuffers {
         textures: &[Texture],
     ) -> Result<Self> {
         let most = device.limits().max_buffer_size;
-        let largest =
-            (geometry.positions().len() * size_of::<Looks>()).maxsize_of_val(geometry.triangles());
+        let largest = (geometry.positions().len() * size_of::<Looks>())
+            .max(size_of_val(geometry.triangles()));
         anyhow::ensure!(
             largest as u64 <= most,
             "the scene takes buffers of {largest} bytes, and this device has at most {most}; use a smaller scene"
