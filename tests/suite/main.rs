@@ -1,5 +1,6 @@
 //! Tests across packages.
 
+mod absurd;
 mod add_shadows;
 mod assembled;
 mod functions;
