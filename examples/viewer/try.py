@@ -329,6 +329,20 @@ def kept(program, out):
     print("settings are remembered")
 
 
+def lost(program, out):
+    """A device that is lost in mid-flight: the window comes back, and says so."""
+    window = Window(program, out, ["cubes", "--left", "midpoint", "--lose-device-after", "6"])
+    # It is found out by the next frame, which takes an event.
+    time.sleep(7)
+    window.move(800, 400)
+    report = window.wait(lambda r: r["message"], "a message", 60)
+    assert "lost" in report["message"] and report["scene"] == "cubes", report
+    assert report["sides"][0]["technique"] == "midpoint", report
+    window.measured()
+    window.close()
+    print(f"told in the window: {report['message']}")
+
+
 def fluent(program, out, scene):
     """While the camera moves frames stay quick, on fewer pixels."""
     window = Window(program, out, [scene, "--fresh", "--left", "pcf"])
@@ -379,6 +393,7 @@ def main():
         failed_and_cured(window)
         window.close()
         kept(program, options.out)
+        lost(program, options.out)
         assert fluent(program, options.out, "cubes") >= 10
     finally:
         server.terminate()

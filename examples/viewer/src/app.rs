@@ -5,7 +5,7 @@ use crate::told::file::ToldFile;
 use crate::{
     bookmarks,
     camera::{Mode, ViewCamera},
-    device::{DeviceErrors, put, taken},
+    device::{Message, is_left, put, taken},
     drops::Drops,
     gizmo::{self, LightHandles},
     measure::{
@@ -72,8 +72,8 @@ pub(crate) struct App {
     pub plan: Option<Plan>,
     pub maps: [MapPicture; 2],
     pub message: Option<String>,
-    errors: DeviceErrors,
-    lost: Arc<Mutex<Option<String>>>,
+    fault: Message,
+    lost: Message,
     screenshot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
     drops: Drops,
 }
@@ -86,17 +86,25 @@ impl App {
     pub(crate) fn new(
         context: &eframe::CreationContext<'_>,
         start: Start,
-        lost: Arc<Mutex<Option<String>>>,
+        lost: Message,
     ) -> Result<Self> {
         let render = context.wgpu_render_state.clone().context(
             "no graphics device; install a graphics driver, such as Debian's mesa-vulkan-drivers",
         )?;
-        let errors = DeviceErrors::default();
-        let fault = errors.fault.clone();
+        let fault = Message::default();
+        let told_fault = fault.clone();
         render
             .device
-            .on_uncaptured_error(Arc::new(move |error| put(&fault, error.to_string())));
-        let loss = errors.loss.clone();
+            .on_uncaptured_error(Arc::new(move |error| put(&told_fault, error.to_string())));
+        let loss = lost.clone();
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(seconds) = start.loses_device_after {
+            let device = render.device.clone();
+            std::thread::spawn(move || {
+                std::thread::sleep(Duration::from_secs_f32(seconds.clamp(0.0, 1e6)));
+                device.destroy();
+            });
+        }
         let wake = context.egui_ctx.clone();
         render
             .device
@@ -151,7 +159,7 @@ impl App {
             plan: None,
             maps: Default::default(),
             message,
-            errors,
+            fault,
             lost,
             screenshot: Arc::default(),
             drops: Default::default(),
@@ -610,12 +618,14 @@ fn flight(ctx: &egui::Context) -> Vec3 {
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
-        if let Some(loss) = taken(&self.errors.loss) {
-            put(&self.lost, loss);
+        // A device that is lost says so now, before the panel's painter asks it for memory. What else is wrong the frame's passes say.
+        let _ = self.render.device.poll(wgpu::PollType::Poll);
+        if is_left(&self.lost) {
+            // Nothing can be drawn any more: the window is opened again, with another device.
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             return;
         }
-        if let Some(fault) = taken(&self.errors.fault) {
+        if let Some(fault) = taken(&self.fault) {
             self.message = Some(fault);
         }
         let passed = self.time_frame();
@@ -623,7 +633,11 @@ impl eframe::App for App {
         self.keys(&ctx);
         self.save_screenshot();
         self.take_plan();
+        let lights = self.settings.lights.clone();
         panel::show(self, ui);
+        if lights != self.settings.lights {
+            self.touch();
+        }
         let frame = egui::Frame::NONE;
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
             if let Err(error) = self.picture(ui, passed) {

@@ -2,20 +2,24 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What the device reports behind the program's back.
-#[derive(Clone, Default)]
-pub(crate) struct DeviceErrors {
-    pub(crate) fault: Arc<Mutex<Option<String>>>,
-    pub(crate) loss: Arc<Mutex<Option<String>>>,
+/// A place for what the device reports behind the program's back.
+pub(crate) type Message = Arc<Mutex<Option<String>>>;
+
+/// Whether a message was left.
+pub(crate) fn is_left(place: &Message) -> bool {
+    place
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .is_some()
 }
 
 /// Takes a message, if there is one.
-pub(crate) fn taken(place: &Mutex<Option<String>>) -> Option<String> {
+pub(crate) fn taken(place: &Message) -> Option<String> {
     place.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
 /// Leaves a message, unless an earlier one is still there.
-pub(crate) fn put(place: &Mutex<Option<String>>, message: String) {
+pub(crate) fn put(place: &Message, message: String) {
     place
         .lock()
         .unwrap_or_else(PoisonError::into_inner)

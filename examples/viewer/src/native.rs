@@ -1,10 +1,18 @@
 //! The program on the desktop: its command line, and the window.
 
-use crate::{app::App, device::device_descriptor, state::Start};
+use crate::{
+    app::App,
+    device::{Message, device_descriptor, taken},
+    state::Start,
+};
 use anyhow::{Context as _, Result};
 use clap::Parser;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
-use std::{process::ExitCode, sync::Arc};
+use std::{
+    panic::{self, AssertUnwindSafe},
+    process::ExitCode,
+    sync::Arc,
+};
 use umbrage::{glam::UVec2, scenes, techniques};
 
 const EXAMPLES: &str = "\
@@ -43,6 +51,9 @@ struct Options {
     /// Keeps what is shown and measured in this file, as JSON: for tests.
     #[arg(long, value_name = "FILE")]
     report: Option<std::path::PathBuf>,
+    /// Loses the graphics device after so many seconds: for tests.
+    #[arg(long, value_name = "SECONDS", hide = true)]
+    lose_device_after: Option<f32>,
     /// Lists the built-in scenes.
     #[arg(long)]
     list: bool,
@@ -85,19 +96,23 @@ fn run(options: &Options) -> Result<()> {
         // What can't be shown is told before there is a window.
         scenes::by_argument(scene)?;
     }
-    let mut lost = None;
+    let mut start = Start {
+        scene: options.scene.clone(),
+        techniques: [options.left.clone(), options.right.clone()],
+        is_fresh: options.fresh,
+        loses_device_after: options.lose_device_after,
+        ..Start::default()
+    };
     loop {
-        let start = Start {
-            scene: options.scene.clone(),
-            techniques: [options.left.clone(), options.right.clone()],
-            is_fresh: options.fresh,
-            message: lost.take(),
-            told: options.report.clone(),
-        };
-        lost = open(options, start)?;
-        if lost.is_none() {
+        start.told = options.report.clone();
+        let Some(loss) = open(options, start)? else {
             return Ok(());
-        }
+        };
+        // The window comes back as it was, with another device.
+        start = Start {
+            message: Some(format!("{loss} It was opened again.")),
+            ..Start::default()
+        };
     }
 }
 
@@ -114,7 +129,7 @@ fn open(options: &Options, start: Start) -> Result<Option<String>> {
     setup.instance_descriptor.backends =
         wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
     setup.device_descriptor = Arc::new(device_descriptor);
-    let lost = Arc::new(std::sync::Mutex::new(None));
+    let lost = Message::default();
     let of_app = lost.clone();
     let native = eframe::NativeOptions {
         viewport,
@@ -129,12 +144,18 @@ fn open(options: &Options, start: Start) -> Result<Option<String>> {
     };
     let creator: eframe::AppCreator<'_> =
         Box::new(move |context| Ok(Box::new(App::new(context, start, of_app)?)));
-    eframe::run_native("umbrage-viewer", native, creator)
-        .map_err(|error| anyhow::anyhow!("{error}"))
-        .context("no window can be opened; it takes a display and a graphics driver, such as Debian's mesa-vulkan-drivers")?;
-    let message = lost
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
-        .take();
-    Ok(message)
+    // The panel's painter panics if the device is lost while it paints, and leaves an event loop that can't be used again.
+    let run = AssertUnwindSafe(|| eframe::run_native("umbrage-viewer", native, creator));
+    let outcome = panic::catch_unwind(run);
+    let loss = taken(&lost);
+    match outcome {
+        Ok(outcome) => outcome
+            .map_err(|error| anyhow::anyhow!("{error}"))
+            .context("no window can be opened; it takes a display and a graphics driver, such as Debian's mesa-vulkan-drivers")?,
+        Err(panicked) => match loss {
+            Some(loss) => anyhow::bail!("{loss} Start the program again: its settings are kept."),
+            None => panic::resume_unwind(panicked),
+        },
+    }
+    Ok(loss)
 }

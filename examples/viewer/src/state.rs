@@ -21,6 +21,9 @@ pub(crate) struct Start {
     /// Shown at first.
     pub message: Option<String>,
     /// Where what is told goes, for tests.
+    /// When the device is given away, seconds: for tests.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub loses_device_after: Option<f32>,
     #[cfg(not(target_arch = "wasm32"))]
     pub told: Option<std::path::PathBuf>,
 }

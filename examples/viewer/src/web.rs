@@ -5,11 +5,11 @@ mod report;
 
 use crate::{
     app::App,
-    device::{device_descriptor, taken},
+    device::{Message, device_descriptor, taken},
 };
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use query::Query;
-use std::sync::{Arc, Mutex, Once};
+use std::sync::{Arc, Once};
 use wasm_bindgen::JsCast as _;
 use web_sys::{Document, HtmlCanvasElement};
 
@@ -71,7 +71,7 @@ async fn run() -> Result<(), String> {
     let of_app = runner.clone();
     let creator: eframe::AppCreator<'static> = Box::new(move |context| {
         let mut query = Query::of_page();
-        let lost: Arc<Mutex<Option<String>>> = Arc::default();
+        let lost = Message::default();
         let mut app = App::new(context, std::mem::take(&mut query.start), lost.clone())?;
         query.apply(&mut app.settings);
         watch(&context.egui_ctx, lost);
@@ -85,7 +85,7 @@ async fn run() -> Result<(), String> {
 }
 
 /// Takes the page's line away with the first frame, and says so if the device is lost: there is no window to be opened again.
-fn watch(ctx: &egui::Context, lost: Arc<Mutex<Option<String>>>) {
+fn watch(ctx: &egui::Context, lost: Message) {
     let first = Once::new();
     let at_end = move |_: &mut egui::Ui| {
         first.call_once(|| {

@@ -174,8 +174,16 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
         };
         let mut text = app.settings.sides[side].label();
         if let Some(error) = app.figures.sides[side].error {
+            let wrong = error.wrong * error.pixels as f64;
             text += &match error.rmse {
                 0.0 => "\nexact".to_owned(),
+                // A percentage of so few would say nothing.
+                rmse if wrong < 100.0 => {
+                    format!(
+                        "\nRMSE {rmse:.4}, {wrong:.0} of {} pixels wrong",
+                        error.pixels
+                    )
+                }
                 rmse => format!("\nRMSE {rmse:.4}, {:.2} % wrong", 100.0 * error.wrong),
             };
         }
