@@ -365,6 +365,7 @@ impl App {
             lights: &self.settings.lights,
             sides: [&self.settings.sides[0], &self.settings.sides[1]],
             shown,
+            prepares_both: !is_moving,
         };
         let view = self.renderer.frame(&frame)?;
         let mut egui_renderer = self.render.renderer.write();

@@ -43,6 +43,8 @@ pub(crate) struct FrameSettings<'a> {
     pub lights: &'a [EditLight],
     pub sides: [&'a SideSettings; 2],
     pub shown: Shown,
+    /// Whether a side that is not shown is made ready, too: its mask may be asked for.
+    pub prepares_both: bool,
 }
 
 pub(crate) struct Renderer {
@@ -141,6 +143,7 @@ impl Renderer {
         mut clock: Option<&mut PassClock>,
     ) -> Result<()> {
         let drawn: &[usize] = match frame.shown {
+            _ if frame.prepares_both => &[0, 1],
             Shown::One(0) => &[0],
             Shown::One(_) => &[1],
             Shown::Both(_) => &[0, 1],
@@ -201,17 +204,15 @@ impl Renderer {
             ..wgpu::RenderPassDescriptor::default()
         });
         let size = targets.size;
-        let shown = frame.shown;
-        let parts = parts(shown, size.x);
-        for (i, part) in parts {
-            if part.start < part.end {
-                pass.set_scissor_rect(part.start, 0, part.end - part.start, size.y);
-                let seen = SeenPart {
-                    clip_from_world: clip_from_world(frame.camera),
-                    part: [part.start, part.end].map(|x| x as f32 / size.x as f32),
-                };
-                self.sides[i].draw(&mut pass, &self.scene, &seen)?;
-            }
+        let parts = parts(frame.shown, size.x);
+        let share = |column: u32| column as f32 / size.x as f32;
+        for (i, part) in &parts {
+            pass.set_scissor_rect(part.start, 0, part.end - part.start, size.y);
+            let seen = SeenPart {
+                clip_from_world: clip_from_world(frame.camera),
+                part: [part.start, part.end].map(share),
+            };
+            self.sides[*i].draw(&mut pass, &self.scene, &seen)?;
         }
         drop(pass);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -220,23 +221,25 @@ impl Renderer {
             ..wgpu::RenderPassDescriptor::default()
         });
         pass.set_pipeline(&self.overlay_pipeline);
-        for (i, part) in self::parts(shown, size.x) {
-            let share = [part.start, part.end].map(|x| x as f32 / size.x as f32);
-            self.overlays[i].draw(&self.queue, &mut pass, share);
+        for (i, part) in &parts {
+            let part = [part.start, part.end].map(share);
+            self.overlays[*i].draw(&self.queue, &mut pass, part);
         }
         Ok(())
     }
 }
 
-/// Returns which columns each side is drawn into.
+/// Returns which columns each side is drawn into; sides without any are left out.
 fn parts(shown: Shown, width: u32) -> Vec<(usize, std::ops::Range<u32>)> {
-    match shown {
+    let mut parts = match shown {
         Shown::One(side) => vec![(side.min(1), 0..width)],
         Shown::Both(divider) => {
             let column = (divider.clamp(0.0, 1.0) * width as f32).round() as u32;
             vec![(0, 0..column), (1, column..width)]
         }
-    }
+    };
+    parts.retain(|(_, part)| !part.is_empty());
+    parts
 }
 
 fn color_attachment(
