@@ -84,14 +84,19 @@ impl SideSettings {
         let Some(own) = self.preset.map() else {
             return self.preset.clone();
         };
+        // Cascades are for directional lights; those of a plan or a file keep their other settings.
+        let cascades = match own.layout {
+            Layout::Cascades(cascades) => cascades,
+            _ => Cascades::default(),
+        };
         let is_directional = light.position().is_none();
-        let layout = if is_directional && self.cascades > 1 {
-            Layout::Cascades(Cascades {
+        let layout = match own.layout {
+            _ if is_directional && self.cascades > 1 => Layout::Cascades(Cascades {
                 count: self.cascades,
-                ..Cascades::default()
-            })
-        } else {
-            own.layout
+                ..cascades
+            }),
+            Layout::Cascades(_) => Layout::Auto,
+            other => other,
         };
         let fit = match self.fit {
             FitKind::Tight => Fit::Tight,
@@ -175,4 +180,40 @@ impl SideSettings {
 /// Panics if there is none of that name.
 pub(crate) fn entry(name: &str) -> &'static TechniqueEntry {
     techniques::find(name).unwrap_or_else(|| panic!("`{name}` is in no list of techniques"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage::glam::Vec3;
+
+    #[test]
+    fn what_is_taken_is_what_is_shown() {
+        let cascades = Cascades {
+            count: 3,
+            nearest: 7.0,
+            blend: 4.0,
+            ..Cascades::default()
+        };
+        let own = (entry("pcf").preset)();
+        let preset = own.with_map(ShadowMap {
+            layout: Layout::Cascades(cascades),
+            fit: Fit::Stable { range: 30.0 },
+            ..*own.map().expect("a map")
+        });
+        let mut side = SideSettings::new(entry("hard"), 1.0);
+        side.take(&preset);
+        let sun = Light::Directional {
+            direction: Vec3::NEG_Y,
+            angular_diameter: 0.0,
+        };
+        assert_eq!(side.preset_for(&sun), preset);
+        // Lamps have no cascades.
+        let lamp = Light::Point {
+            position: Vec3::Y,
+            radius: 0.0,
+        };
+        let of_lamp = side.preset_for(&lamp);
+        assert_eq!(of_lamp.map().expect("a map").layout, Layout::Auto);
+    }
 }

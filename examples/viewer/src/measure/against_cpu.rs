@@ -3,6 +3,7 @@
 //! Rasterisers round vertices each in their own way, and no call of a browser's tells which: known ways are tried, and the one that fits
 //! best is reported. A pixel is undecided where the CPU's own answer changes as maps or receivers move by what rounding may come to.
 
+use super::planned_view;
 use crate::app::App;
 use anyhow::{Context as _, Result};
 use umbrage::{
@@ -67,10 +68,7 @@ impl<'a> Compared<'a> {
         mask: Option<&[f32]>,
     ) -> Result<Found> {
         let mask = mask.context("the device's mask isn't there yet")?;
-        let view = View {
-            casters: self.casters,
-            ..View::new(&self.camera, &self.light, self.geometry)
-        };
+        let view = planned_view(&self.camera, &self.light, self.geometry, self.casters);
         let recipe = technique.recipe(&view)?;
         let seen = view.with_receivers(self.receivers);
         let mut best: Option<Found> = None;

@@ -121,7 +121,7 @@ mod tests {
     fn truth() -> TruthSoFar {
         TruthSoFar {
             number: 0,
-            receivers: Receivers::empty(UVec2::new(4, 1)),
+            receivers: Receivers::empty(UVec2::new(4, 1)).into(),
             visibility: vec![0.0, 1.0, 0.5, 1.0],
             is_traced: vec![true, true, true, false],
             is_left_out: vec![false, false, false, false],

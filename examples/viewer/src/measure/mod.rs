@@ -7,3 +7,19 @@ pub(crate) mod places;
 pub(crate) mod truth;
 pub(crate) mod view_figures;
 pub(crate) mod worker;
+
+use umbrage::{Aabb, Camera, Geometry, Light, View};
+
+/// Returns the view for which a light set plans: for its box around the casters, which is a little larger than they are. For another box
+/// maps lie a rounding elsewhere.
+pub(crate) fn planned_view<'a>(
+    camera: &'a Camera,
+    light: &'a Light,
+    geometry: &'a Geometry,
+    casters: Aabb,
+) -> View<'a> {
+    View {
+        casters,
+        ..View::new(camera, light, geometry)
+    }
+}

@@ -1,5 +1,6 @@
 //! Pictures of where lookups go: texels of maps, cascades, lists of casters.
 
+use super::planned_view;
 use anyhow::Result;
 use umbrage::{
     Aabb, Camera, Geometry, Light, Receivers, ShadowTechnique, View,
@@ -46,10 +47,7 @@ pub(crate) struct SeenFrom<'a> {
 impl SeenFrom<'_> {
     /// Returns the view for which a light set plans.
     pub(crate) fn planned_view(&self) -> View<'_> {
-        View {
-            casters: self.casters,
-            ..View::new(self.camera, self.light, self.geometry)
-        }
+        planned_view(self.camera, self.light, self.geometry, self.casters)
     }
 }
 

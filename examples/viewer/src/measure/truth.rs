@@ -2,6 +2,7 @@
 //! browsers, which have no threads.
 
 use anyhow::Result;
+use std::sync::Arc;
 use umbrage::{
     Camera, Geometry, Light, Receivers,
     cpu::Cpu,
@@ -30,7 +31,7 @@ pub(crate) struct TruthRequest {
 /// Truth as far as it is known.
 pub(crate) struct TruthSoFar {
     pub number: u64,
-    pub receivers: Receivers,
+    pub receivers: Arc<Receivers>,
     /// Share of the light that is seen, 0..=1, rows from the top: that of the block's first pixel where a pixel itself isn't traced yet.
     pub visibility: Vec<f32>,
     /// Whether the pixel itself was traced.
@@ -49,6 +50,8 @@ pub(crate) struct TruthJob {
     /// Pixels of this pass that are still to be traced, the next one last.
     waiting: Vec<u32>,
     traced: usize,
+    /// Pixels that receive.
+    all: usize,
 }
 
 impl TruthJob {
@@ -57,7 +60,7 @@ impl TruthJob {
     /// # Errors
     /// Errors if the camera is not valid.
     pub(crate) fn new(request: TruthRequest) -> Result<Self> {
-        let receivers = Cpu::new().receivers(&request.camera, &request.geometry)?;
+        let receivers = Arc::new(Cpu::new().receivers(&request.camera, &request.geometry)?);
         let count = receivers.len();
         let mut job = Self {
             so_far: TruthSoFar {
@@ -72,11 +75,14 @@ impl TruthJob {
                 receivers,
                 progress: 0.0,
             },
+            all: 0,
             request,
             pass: 0,
             waiting: Vec::new(),
             traced: 0,
         };
+        let left_out = &job.so_far.is_left_out;
+        job.all = left_out.iter().filter(|&&is_left_out| !is_left_out).count();
         job.waiting = job.pixels_of_pass();
         Ok(job)
     }
@@ -132,8 +138,7 @@ impl TruthJob {
             }
         }
         self.traced += pixels.len();
-        let all = so_far.receivers.receives.iter().filter(|&&r| r).count();
-        so_far.progress = self.traced as f32 / all.max(1) as f32;
+        so_far.progress = self.traced as f32 / self.all.max(1) as f32;
         if !self.waiting.is_empty() {
             return Ok(false);
         }

@@ -1,8 +1,8 @@
 //! A window with the maps of both sides, as the light draws them.
 
-use crate::{app::App, render::SIDES, settings::SideSettings};
+use crate::{app::App, measure::planned_view, render::SIDES, settings::SideSettings};
 use anyhow::Result;
-use umbrage::{Backend as _, Camera, Geometry, Light, Receivers, View, cpu::Cpu, glam::UVec2};
+use umbrage::{Aabb, Backend as _, Camera, Geometry, Light, Receivers, cpu::Cpu, glam::UVec2};
 
 /// Pixels of a shown layer's side, at most.
 const SHOWN_SIDE: u32 = 384;
@@ -58,7 +58,8 @@ fn update(app: &mut App, ctx: &egui::Context, side: usize) -> Result<()> {
     if app.maps[side].of.as_ref() == Some(&of) {
         return Ok(());
     }
-    let drawn = drawn(&of, &app.stage.geometry)?;
+    let casters = app.renderer.sides[side].set.casters_box();
+    let drawn = drawn(&of, &app.stage.geometry, casters)?;
     let picture = &mut app.maps[side];
     picture.of = Some(of);
     picture.shown = None;
@@ -72,10 +73,14 @@ fn update(app: &mut App, ctx: &egui::Context, side: usize) -> Result<()> {
 }
 
 /// Returns a few words and a picture of the first image that a technique draws; none if it draws none.
-fn drawn(of: &MapsOf, geometry: &Geometry) -> Result<Option<(String, egui::ColorImage)>> {
+fn drawn(
+    of: &MapsOf,
+    geometry: &Geometry,
+    casters: Aabb,
+) -> Result<Option<(String, egui::ColorImage)>> {
     // Nothing is looked up: the maps are all that is wanted.
     let nothing = Receivers::empty(of.camera.size);
-    let view = View::new(&of.camera, &of.light, geometry);
+    let view = planned_view(&of.camera, &of.light, geometry, casters);
     let technique = of.settings.technique(&of.light);
     let mut recipe = technique.recipe(&view)?;
     recipe.keep_images = true;
