@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README and of docs/causes.md, those of docs/exact.md, and docs/which.md again: some half an hour.
+# Makes the pictures of the README and of the pages in docs, the figures of docs/failures.md, and docs/which.md again: some half an hour.
+# (docs/embed.png is `examples/embed -- --png`, docs/viewer.png is made by examples/viewer/try.py.)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/pictures
@@ -12,6 +13,11 @@ done
 cargo run --release --example causes -- docs/causes
 cargo run --release --example lists -- docs/exact
 cargo run --release --example penumbrae -- docs/soft
+cargo run --release --example failures
+cargo xtask stability hills-yaw hills-yaw-stable --technique hard --backend cpu --out "$report/shimmer"
+for half in fault:hills-yaw.hard-512 cure:hills-yaw-stable.hard-512; do
+  cp "$report/shimmer/pictures/${half#*:}-4-cascades-log-from-4-m-bias-adaptive.png" "docs/failures/shimmer.${half%%:*}.png"
+done
 cargo run --release --example textbook -- "$report/textbook"
 mkdir -p docs/textbook
 for name in acne soft point-light contact; do

@@ -1,3 +1,5 @@
-//! What the examples beside this file share with the tests: techniques written as a user of the library would.
+//! What the examples beside this file share with the tests: a technique written as a user of the library would, and the faults that
+//! the documentation shows.
 
+pub mod failures;
 pub mod variance;

@@ -53,6 +53,9 @@ expect_exit "no display" 1 "without a display" env -u DISPLAY -u WAYLAND_DISPLAY
 expect_exit "a display that isn't there" 1 "without a display" env -u WAYLAND_DISPLAY DISPLAY=:987 "$embed"
 expect_exit "no adapter" 1 "no graphics adapter" env VK_DRIVER_FILES=/none VK_ICD_FILENAMES=/none "$embed" --png "$out/none.png"
 expect_exit "a picture too large" 1 "at most" "$embed" --png "$out/none.png" --size 100000x100
+echo "technique = 'magic'" >"$out/broken.preset.toml"
+expect_exit "a preset that isn't there" 1 "can't be read" "$embed" --preset "$out/none.toml" --png "$out/none.png"
+expect_exit "a broken preset" 1 "can't be used" "$embed" --preset "$out/broken.preset.toml" --png "$out/none.png"
 expect_exit "a folder that isn't there" 1 "can't write" "$embed" --png "$out/none/none.png" --size 64x64
 
 # ---- Pictures: forward and deferred show the same, another technique does not.
@@ -81,6 +84,9 @@ picture forward
 picture deferred --deferred
 picture forward-hard --technique hard
 picture forward-none --technique none
+echo "technique = 'hard'" >"$out/hard.preset.toml"
+picture preset --preset "$out/hard.preset.toml"
+differs "a preset's settings are taken" forward preset "$whole" 100
 same "forward and deferred show the same" forward deferred "$whole" 100
 differs "another technique differs" forward forward-hard "$whole" 100
 differs "shadows are there" forward forward-none "$whole" 5000

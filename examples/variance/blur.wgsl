@@ -1,4 +1,4 @@
-// Twin of `Blur` in variance.rs.
+// Twin of `Blur` in mod.rs.
 
 struct BlurUniforms {
     step: vec2i,

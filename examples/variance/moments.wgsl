@@ -1,4 +1,4 @@
-// Twin of `Moments` in variance.rs.
+// Twin of `Moments` in mod.rs.
 
 fn filter_texel(texel: vec2i, layer: i32) -> vec4f {
     let depth = load_0(texel, layer).x;

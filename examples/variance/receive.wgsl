@@ -1,4 +1,4 @@
-// Twin of `Chebyshev` in variance.rs.
+// Twin of `Chebyshev` in mod.rs.
 
 struct ChebyshevUniforms {
     lookup: ShadowMapUniforms,

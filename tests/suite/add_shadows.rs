@@ -1,4 +1,4 @@
-//! The page "Add shadows to my renderer" quotes its programs to the letter, and these draw shadows.
+//! The programs of the page "Add shadows to my renderer" draw shadows. (`pages.rs` compares the page with them.)
 
 #[allow(
     dead_code,
@@ -23,71 +23,6 @@ mod forward;
 mod renderer;
 
 use glam::{Affine3A, Vec3};
-use std::{fs, path::Path};
-
-const PAGE: &str = include_str!("../../docs/add_shadows.md");
-/// Stands before each quotation, with the file that it is from.
-const QUOTED: &str = "<!-- quoted from ";
-
-/// A part of a file that the page shows.
-struct Quotation {
-    file: String,
-    text: String,
-}
-
-/// Returns all quotations.
-///
-/// Panics if code stands there whose file isn't named.
-fn quotations(page: &str) -> Vec<Quotation> {
-    let mut out = Vec::new();
-    let mut lines = page.lines();
-    let mut before = "";
-    while let Some(line) = lines.next() {
-        if line == "```rust" || line == "```wgsl" {
-            let file = before
-                .strip_prefix(QUOTED)
-                .and_then(|rest| rest.strip_suffix(" -->"))
-                .unwrap_or_else(|| panic!("no file is named before {line} behind `{before}`"));
-            let quoted: Vec<&str> = lines.by_ref().take_while(|&line| line != "```").collect();
-            out.push(Quotation {
-                file: file.to_owned(),
-                text: quoted.join("\n"),
-            });
-        }
-        before = line;
-    }
-    out
-}
-
-/// Returns whether the file has these lines, all with the same indentation.
-fn has_lines(file: &str, text: &str) -> bool {
-    (0..8).any(|tabs| {
-        let indentation = "    ".repeat(tabs);
-        let indented = |line: &str| {
-            if line.is_empty() {
-                String::new()
-            } else {
-                format!("{indentation}{line}")
-            }
-        };
-        let lines: Vec<String> = text.lines().map(indented).collect();
-        format!("\n{file}").contains(&format!("\n{}\n", lines.join("\n")))
-    })
-}
-
-#[test]
-fn the_page_quotes_its_programs_to_the_letter() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let quotations = quotations(PAGE);
-    assert!(quotations.len() > 8, "{} quotations", quotations.len());
-    for Quotation { file, text } in quotations {
-        let program = fs::read_to_string(root.join(&file)).expect("the file is there");
-        assert!(
-            has_lines(&program, &text),
-            "docs/add_shadows.md quotes what isn't in {file}; quote it anew:\n{text}"
-        );
-    }
-}
 
 /// Returns the brightness, 0 to 255, of a point that the camera sees.
 fn brightness(pixels: &[u8], point: Vec3) -> u8 {

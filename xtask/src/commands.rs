@@ -62,7 +62,7 @@ const fn upkeep(name: &'static str, summary: &'static str) -> Command {
     }
 }
 
-pub(crate) const COMMANDS: [Command; 12] = [
+pub(crate) const COMMANDS: [Command; 14] = [
     measure(
         "compare",
         "Measure techniques on scenes: speed, and error against ray-traced truth",
@@ -109,4 +109,12 @@ pub(crate) const COMMANDS: [Command; 12] = [
     ),
     upkeep("ci", "Run tests, tidy, format, clippy, docs and packaging"),
     upkeep("web", "Build the viewer for browsers, and serve it"),
+    upkeep(
+        "site",
+        "Build the documentation as a site with the viewer in it, and serve it",
+    ),
+    upkeep(
+        "release-check",
+        "Run what a release has to pass besides `ci`: oldest Rust, licences, versions, Miri, publishing",
+    ),
 ];

@@ -1,5 +1,6 @@
 //! What can be wrong with a scene that somebody asks for.
 
+use crate::Files;
 use std::path::Path;
 use umbrage_core::Invalid;
 
@@ -87,9 +88,10 @@ impl std::fmt::Display for Place {
 }
 
 impl SceneError {
-    pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> Self {
+    /// The error of a file that was looked for among `files`.
+    pub(crate) fn unreadable(path: &Path, error: &std::io::Error, files: &dyn Files) -> Self {
         let help = match error.kind() {
-            std::io::ErrorKind::NotFound => "check the path",
+            std::io::ErrorKind::NotFound => files.help_for_missing(),
             std::io::ErrorKind::PermissionDenied => "allow reading it",
             _ => "check that it is a file that can be read",
         };

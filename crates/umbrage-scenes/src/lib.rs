@@ -4,7 +4,8 @@
 //!   visibility a formula tells; those of [`Kind::Failure`] provoke a known weakness; [`Kind::Speed`] is for timing;
 //!   [`Kind::Content`] is as what games and films show.
 //! * **A scene file** (`.toml`) or **a model** (`.obj`): [`load`].
-//! * **Either**: [`by_argument`], for command lines; [`read`], for what a program has in memory.
+//! * **Either**: [`by_argument`], for command lines.
+//! * **Files that are not on disk**: [`read`], with all that a scene file or a model names.
 //!
 //! ```
 //! let scene = umbrage_scenes::by_argument("cubes")?;
@@ -96,6 +97,7 @@ mod detail;
 mod entry;
 mod error;
 mod file;
+mod files;
 mod framing;
 mod load;
 mod lone_model;
@@ -112,4 +114,5 @@ pub use detail::{denoise, fitting_normal_map, with_tangents};
 pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
+pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile};
 pub use load::{by_argument, load, parse, read};

@@ -1,7 +1,7 @@
 //! One way in for all kinds of scenes.
 
 use crate::{
-    SceneError, all, file, find,
+    Files, FilesOnDisk, SceneError, all, file, find,
     nearest::{listed, nearest},
     obj,
 };
@@ -43,12 +43,7 @@ pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
 /// # Errors
 /// Errors if the file can't be read, understood or rendered: with the file, the line and the key, as far as there is one.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
-    let path = path.as_ref();
-    match Kind::of(path) {
-        Some(Kind::SceneFile) => file::load(path),
-        Some(Kind::Model) => obj::load_scene(path),
-        None => Err(neither(path)),
-    }
+    read(path, &FilesOnDisk)
 }
 
 /// Reads a scene from the text of a scene file. `name` stands for the file in errors, and gives the scene its name if
@@ -57,22 +52,19 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
 /// # Errors
 /// Errors if [`load`] does.
 pub fn parse(text: &str, name: &str, folder: impl AsRef<Path>) -> Result<Scene, SceneError> {
-    file::parse(text, Path::new(name), folder.as_ref())
+    file::parse(text, Path::new(name), folder.as_ref(), &FilesOnDisk)
 }
 
-/// Reads a scene file or a model from memory, such as a file that was dropped on a web page. `name` stands for the file in errors, and
-/// its ending tells the kind, as with [`load`]. Other files that it names are looked for beside `name`.
+/// Reads a scene file (`.toml`) or a model (`.obj`) that is not on disk, or not as files: see [`FilesInMemory`](crate::FilesInMemory).
+/// All that it names is looked for among `files`, too: models, `.mtl` files and textures.
 ///
 /// # Errors
 /// Errors if [`load`] does.
-pub fn read(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
-    let path = Path::new(name);
+pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneError> {
+    let path = path.as_ref();
     match Kind::of(path) {
-        Some(Kind::SceneFile) => match std::str::from_utf8(bytes) {
-            Ok(text) => file::parse(text, path, path.parent().unwrap_or(Path::new(""))),
-            Err(error) => Err(SceneError::unreadable(path, &std::io::Error::other(error))),
-        },
-        Some(Kind::Model) => obj::read_scene(path, bytes),
+        Some(Kind::SceneFile) => file::read(path, files),
+        Some(Kind::Model) => obj::read_scene(path, files),
         None => Err(neither(path)),
     }
 }

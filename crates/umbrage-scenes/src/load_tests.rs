@@ -26,31 +26,6 @@ fn unknown_names_bring_near_ones() {
 }
 
 #[test]
-fn what_is_in_memory_reads_like_a_file() {
-    let model = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nmtllib none.mtl";
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("Model.OBJ");
-    std::fs::write(&path, model).unwrap();
-    assert_eq!(
-        read("Model.OBJ", model.as_bytes()).unwrap(),
-        load(&path).unwrap()
-    );
-    let text = "[[light]]\nkind = \"directional\"\ndirection = [1, -2, 0.5]\n[[object]]\nshape = \"sphere\"";
-    assert_eq!(
-        read("ball.toml", text.as_bytes()).unwrap(),
-        parse(text, "ball.toml", "").unwrap()
-    );
-    for (name, bytes, word) in [
-        ("a.toml", &b"\xff"[..], "utf-8"),
-        ("a.obj", b"f 1 2 3", "a.obj"),
-        ("a.png", b"", "neither"),
-    ] {
-        let message = read(name, bytes).unwrap_err().to_string();
-        assert!(message.contains(word), "{message}");
-    }
-}
-
-#[test]
 fn other_files_are_refused() {
     for name in ["scene.gltf", "scene", "", "a.obj.zip"] {
         let message = load(name).unwrap_err().to_string();

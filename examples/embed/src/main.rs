@@ -16,17 +16,22 @@ mod window;
 use anyhow::{Context as _, Result};
 use clap::{Parser, builder::PossibleValuesParser};
 use settings::Settings;
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 use umbrage::{glam::UVec2, techniques};
 
 const EXAMPLES: &str = "\
 In the window:
-  the right mouse button, held, looks around; W A S D fly, E or space up, Q or shift down; the wheel changes the speed
+  the right mouse button, held, looks around; W A S D fly, E or space up, Q or shift down; the wheel changes the speed;
+  Ctrl+V takes a preset that was copied elsewhere
 
 Examples:
   embed                                          a window
   embed --png plaza.png                          a picture, without a display
-  embed --png plaza.png --size 1920x1080 --deferred --technique pcss --time 3";
+  embed --png plaza.png --size 1920x1080 --deferred --technique pcss --time 3
+  embed --preset cubes.preset.toml               with what `cargo xtask plan cubes` has found";
 
 /// A plaza with a sun in cascades, eight spots and two lanterns, whose shadows come from one light set.
 #[derive(Parser)]
@@ -44,6 +49,9 @@ struct Options {
     /// Begins with this technique.
     #[arg(long, value_name = "NAME", default_value = "pcf", value_parser = technique_names())]
     technique: String,
+    /// Begins with the settings in this file, as `cargo xtask plan` writes them.
+    #[arg(long, value_name = "FILE", conflicts_with = "technique")]
+    preset: Option<PathBuf>,
     /// Shows the scene as it is after this many seconds, and begins with it standing still.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
     time: Option<f32>,
@@ -82,9 +90,20 @@ fn main() -> ExitCode {
     }
 }
 
+fn take_preset(settings: &mut Settings, file: &Path) -> Result<()> {
+    let text = std::fs::read_to_string(file)
+        .with_context(|| format!("{} can't be read", file.display()))?;
+    settings
+        .paste(&text)
+        .with_context(|| format!("{} can't be used", file.display()))
+}
+
 fn run(options: &Options) -> Result<()> {
     let technique = techniques::find(&options.technique).context("the technique is in no list")?;
     let mut settings = Settings::new(technique);
+    if let Some(file) = &options.preset {
+        take_preset(&mut settings, file)?;
+    }
     settings.deferred = options.deferred;
     settings.moving = options.time.is_none();
     match &options.png {

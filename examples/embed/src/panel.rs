@@ -51,6 +51,7 @@ pub fn show(
         .vscroll(true)
         .show(ui.ctx(), |ui| {
             ui.set_max_width(WIDTH);
+            pasted(ui, settings);
             technique(ui, settings, renderer, camera);
             if settings.preset.map().is_some() {
                 maps(ui, settings);
@@ -67,9 +68,25 @@ pub fn show(
                 ui.checkbox(&mut settings.moving, "things move");
             });
             ui.label(format!("flies {speed:.1} m/s (mouse wheel)"));
+            ui.label("Ctrl+V takes a copied preset");
             ui.separator();
             report(ui, renderer, figures);
         });
+}
+
+/// Takes a preset from the clipboard, and says why where it is none.
+fn pasted(ui: &mut egui::Ui, settings: &mut Settings) {
+    let message = egui::Id::new("what is wrong with what was pasted");
+    for event in ui.input(|input| input.events.clone()) {
+        if let egui::Event::Paste(text) = event {
+            let wrong = settings.paste(&text).err().map(|error| error.to_string());
+            ui.data_mut(|data| data.insert_temp(message, wrong));
+        }
+    }
+    let wrong: Option<String> = ui.data(|data| data.get_temp(message)).flatten();
+    if let Some(wrong) = wrong {
+        ui.colored_label(ui.visuals().error_fg_color, wrong);
+    }
 }
 
 fn technique(ui: &mut egui::Ui, settings: &mut Settings, renderer: &Renderer, camera: &Camera) {

@@ -3,7 +3,7 @@
 use crate::scene::Lamp;
 use std::sync::Arc;
 use umbrage::{
-    Cascades, Fit, Layout, ShadowTechnique,
+    Cascades, Fit, Invalid, Layout, ShadowTechnique,
     techniques::{Bias, ShadowMap, TechniqueEntry, TechniquePreset},
 };
 
@@ -45,6 +45,24 @@ impl Settings {
     pub fn choose(&mut self, technique: &TechniqueEntry) {
         self.preset = (technique.preset)();
         self.bias = own_bias(&self.preset);
+    }
+
+    /// Takes a preset, as `cargo xtask plan` writes it and the viewer copies it: technique, bias, side of the map, and how many cascades.
+    /// What does not come from it is where maps lie: this program's stand still while the camera moves.
+    ///
+    /// # Errors
+    /// Errors if the text is no preset.
+    pub fn paste(&mut self, text: &str) -> Result<(), Invalid> {
+        self.preset = TechniquePreset::from_toml(text)?;
+        self.bias = own_bias(&self.preset);
+        if let Some(map) = self.preset.map() {
+            self.map_size = map.size;
+            self.cascades = match map.layout {
+                Layout::Cascades(cascades) => cascades.count,
+                _ => 1,
+            };
+        }
+        Ok(())
     }
 
     /// Returns these settings' technique for a lamp.

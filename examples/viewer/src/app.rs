@@ -1,36 +1,31 @@
 //! The program: what is shown, what the user does with it, and what is measured meanwhile.
 
+#[cfg(target_arch = "wasm32")]
+use crate::drops::Drops;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::told::file::ToldFile;
 use crate::{
     bookmarks,
-    camera::{Mode, ViewCamera},
     device::{Message, is_left, put, taken},
-    drops::Drops,
+    focus::Focus,
     gizmo::{self, LightHandles},
-    measure::{
-        figures::Picture,
-        view_figures::{Question, ShownFigures, ViewFigures},
-    },
-    panel::{self, maps::MapPicture},
+    loading::{Loader, Then},
+    measure::view_figures::{Question, ShownFigures, ViewFigures},
+    panel::{self, maps::MapPicture, picker::Picker},
     plan_job::{PlanJob, PlanRequest},
     render::{FrameSettings, Renderer, Shown},
     stage::Stage,
     state::{Saved, Settings, Start},
+    zoom,
 };
 use anyhow::{Context as _, Result};
 use eframe::egui_wgpu::RenderState;
 use std::sync::{Arc, Mutex, PoisonError};
-use umbrage::{
-    Camera, Light,
-    glam::{UVec2, Vec2, Vec3},
-    plan::Plan,
-    scenes::Failure,
-};
+use umbrage::{Camera, Light, glam::UVec2, plan::Plan};
 use web_time::{Duration, Instant};
 
 /// The scene that is shown when nobody names one.
-const FIRST_SCENE: &str = "town";
+pub(crate) const FIRST_SCENE: &str = "town";
 /// Frames a second below which the picture gets coarser while something moves.
 const FLUENT: f32 = 20.0;
 /// The least share of the picture's width and height that is drawn.
@@ -39,6 +34,8 @@ const COARSEST: f32 = 0.25;
 const SCALE_STEPS: f32 = 16.0;
 /// How long nothing must have changed before errors are measured.
 const REST: Duration = Duration::from_millis(250);
+/// The same where frames take long.
+const LONGEST_REST: Duration = Duration::from_millis(1500);
 
 /// What frames took.
 #[derive(Clone, Copy, Default)]
@@ -50,17 +47,17 @@ pub(crate) struct FrameTimes {
 }
 
 pub(crate) struct App {
-    render: RenderState,
+    pub render: RenderState,
     pub stage: Stage,
     pub renderer: Renderer,
     pub settings: Settings,
-    handles: LightHandles,
+    pub handles: LightHandles,
     pub scale: f32,
     pub times: FrameTimes,
     last_frame: Option<Instant>,
     /// Whether something moved in the last frame.
     was_moving: bool,
-    texture: Option<(egui::TextureId, UVec2)>,
+    pub texture: Option<(egui::TextureId, UVec2)>,
     pub camera: Option<Camera>,
     changed: Instant,
     pub figures: ViewFigures,
@@ -75,7 +72,14 @@ pub(crate) struct App {
     fault: Message,
     lost: Message,
     screenshot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
-    drops: Drops,
+    pub loader: Loader,
+    /// The list from which the keyboard chooses, while it is open.
+    pub picker: Option<Picker>,
+    pub focus: Focus,
+    /// Frames since the window was opened.
+    pub frames: u64,
+    #[cfg(target_arch = "wasm32")]
+    pub drops: Drops,
 }
 
 impl App {
@@ -119,27 +123,21 @@ impl App {
             (false, Some(storage)) => eframe::get_value(storage, eframe::APP_KEY),
             _ => None,
         };
-        let mut message = start.message;
-        let asked = start.scene.is_some();
         let wanted = start
             .scene
             .or_else(|| saved.as_ref().map(|saved| saved.scene.clone()))
             .filter(|scene| !scene.is_empty())
             .unwrap_or_else(|| FIRST_SCENE.to_owned());
-        let stage = match Stage::load(&wanted) {
-            Ok(stage) => stage,
-            Err(error) if asked => return Err(error),
-            Err(error) => {
-                message = Some(format!("{error:#}"));
-                Stage::load(FIRST_SCENE)?
-            }
-        };
+        let stage = Stage::nothing();
         let settings = Settings::new(&stage, saved.as_ref(), &start.techniques);
         let sides = [&settings.sides[0], &settings.sides[1]];
         let renderer = Renderer::new(&render.device, &render.queue, &stage, sides)?;
         let wake = context.egui_ctx.clone();
-        context.egui_ctx.set_theme(egui::Theme::Dark);
-        Ok(Self {
+        let ctx = &context.egui_ctx;
+        ctx.set_theme(egui::Theme::Dark);
+        // The list of keys has these.
+        ctx.options_mut(|options| options.zoom_with_keyboard = false);
+        let mut app = Self {
             stage,
             renderer,
             settings,
@@ -158,60 +156,48 @@ impl App {
             plan_job: PlanJob::default(),
             plan: None,
             maps: Default::default(),
-            message,
+            message: None,
             fault,
             lost,
             screenshot: Arc::default(),
-            drops: Default::default(),
+            loader: Loader::default(),
+            picker: None,
+            focus: Focus::default(),
+            frames: 0,
+            #[cfg(target_arch = "wasm32")]
+            drops: Drops::default(),
             render,
-        })
-    }
-
-    /// Shows another scene. If it can't be shown, the present one stays, and a message says why.
-    pub(crate) fn open(&mut self, argument: &str) {
-        self.open_stage(argument, Stage::load(argument));
-    }
-
-    fn open_stage(&mut self, name: &str, loaded: Result<Stage>) {
-        let opened = loaded.and_then(|stage| {
-            let sides = [&self.settings.sides[0], &self.settings.sides[1]];
-            let renderer = Renderer::new(&self.render.device, &self.render.queue, &stage, sides)?;
-            Ok((stage, renderer))
-        });
-        match opened {
-            Ok((stage, renderer)) => {
-                self.settings.show(&stage);
-                self.stage = stage;
-                self.renderer = renderer;
-                self.figures.forget();
-                // The overlays went with the old renderer.
-                self.message = None;
-                self.touch();
-            }
-            Err(error) => self.message = Some(format!("{name}: {error:#}")),
-        }
-    }
-
-    /// Shows a scene in which a method fails: the fault on the left, the cure on the right.
-    pub(crate) fn show_failure(&mut self, failure: Failure, scene: &str) {
-        self.open(scene);
-        let range = self.settings.sides[0].range;
-        let light = self.settings.lights.first().map(|light| light.light);
-        self.settings.sides = [
-            bookmarks::fault(failure, range),
-            bookmarks::cure(light.as_ref(), range),
-        ];
-        self.settings.split = Some(0.5);
+        };
+        let failure = start
+            .shows_failure
+            .then(|| bookmarks::failure_of(&wanted))
+            .flatten();
+        let then = match (failure, saved) {
+            (Some(failure), _) => Then::Compare(failure),
+            (None, Some(saved)) if saved.scene == wanted => Then::SeeFrom(saved.view),
+            _ => Then::Show,
+        };
+        app.open(ctx, &wanted, then);
+        app.message = start.message;
+        // In browsers it is there already.
+        app.take_loaded(ctx);
+        Ok(app)
     }
 
     /// Notes that something changed.
-    fn touch(&mut self) {
+    pub(crate) fn touch(&mut self) {
         self.changed = Instant::now();
     }
 
     /// Whether nothing has moved for a while.
     pub(crate) fn rests(&self) -> bool {
-        self.changed.elapsed() >= REST
+        // Where frames take longer than that, the next movement is still on its way.
+        self.changed.elapsed() >= (2 * self.times.interval).clamp(REST, LONGEST_REST)
+    }
+
+    /// Pixels of the window for each point of the panel.
+    pub(crate) fn pixels_per_point(&self) -> f32 {
+        self.handles.pixels_per_point()
     }
 
     /// Returns the camera and the light that is measured; none while that is off.
@@ -224,102 +210,6 @@ impl App {
         match self.settings.split {
             Some(divider) => Shown::Both(divider),
             None => Shown::One(self.settings.shown_side),
-        }
-    }
-
-    /// Takes files that were dropped on the window.
-    fn take_files(&mut self, ctx: &egui::Context) {
-        for (name, stage) in self.drops.take(ctx) {
-            self.open_stage(&name, stage);
-        }
-    }
-
-    /// Reads keys and the mouse over the picture. Returns whether the view moved.
-    fn steer(&mut self, ui: &egui::Ui, response: &egui::Response, passed: Duration) -> bool {
-        let before = self.settings.view;
-        let ctx = ui.ctx();
-        let view = &mut self.settings.view;
-        if response.dragged_by(egui::PointerButton::Secondary) {
-            let moved = response.drag_motion();
-            view.turn(Vec2::new(moved.x, moved.y));
-        }
-        if response.dragged_by(egui::PointerButton::Middle) {
-            let moved = response.drag_delta();
-            view.pan(Vec2::new(moved.x, moved.y), response.rect.height());
-        }
-        if response.hovered() {
-            let lines = ctx.input(|input| input.smooth_scroll_delta().y) / 40.0;
-            if lines != 0.0 {
-                view.step(lines);
-            }
-        }
-        if !ctx.egui_wants_keyboard_input() {
-            let way = flight(ctx);
-            let is_fast = ctx.input(|input| input.modifiers.shift);
-            // A long frame is no long flight.
-            let seconds = passed.as_secs_f32().min(0.2);
-            let factor = if is_fast { 4.0 } else { 1.0 };
-            view.fly(way, factor * seconds);
-        }
-        *view != before
-    }
-
-    fn keys(&mut self, ctx: &egui::Context) {
-        if ctx.egui_wants_keyboard_input() {
-            return;
-        }
-        let pressed = |key| ctx.input(|input| input.key_pressed(key));
-        if ctx.input(|input| input.modifiers.command) {
-            if pressed(egui::Key::Q) {
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            }
-            return;
-        }
-        let settings = &mut self.settings;
-        if pressed(egui::Key::F) {
-            settings.split = None;
-            settings.shown_side = 1 - settings.shown_side;
-        }
-        if pressed(egui::Key::X) {
-            settings.split = if settings.split.is_some() {
-                None
-            } else {
-                Some(0.5)
-            };
-        }
-        if pressed(egui::Key::O) {
-            settings.view.mode = match settings.view.mode {
-                Mode::Fly => Mode::Orbit,
-                Mode::Orbit => Mode::Fly,
-            };
-        }
-        if pressed(egui::Key::R) {
-            self.handles.turns = !self.handles.turns;
-        }
-        if pressed(egui::Key::H) {
-            settings.picture = match settings.picture {
-                Picture::Error => Picture::Nothing,
-                _ => Picture::Error,
-            };
-        }
-        if pressed(egui::Key::Home) {
-            settings.view = ViewCamera::new(&self.stage.camera, &self.stage.bounds);
-            self.changed = Instant::now();
-        }
-        if pressed(egui::Key::M) {
-            settings.shows_maps = !settings.shows_maps;
-        }
-        if pressed(egui::Key::F1) {
-            settings.shows_help = !settings.shows_help;
-        }
-        if pressed(egui::Key::F12) {
-            self.ask_for_screenshot(ctx);
-        }
-        if pressed(egui::Key::C) && ctx.input(|input| input.modifiers.is_none()) {
-            self.copy_preset(ctx, self.settings.shown_side);
-        }
-        if pressed(egui::Key::H) {
-            self.compare();
         }
     }
 
@@ -340,12 +230,13 @@ impl App {
     /// Draws the scene, and shows it in a part of the window.
     fn picture(&mut self, ui: &mut egui::Ui, passed: Duration) -> Result<()> {
         let rect = ui.available_rect_before_wrap();
-        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
+        // Not a part that Tab goes to: there is nothing in it to be pressed.
+        let response = ui.allocate_rect(rect, egui::Sense::CLICK | egui::Sense::DRAG);
         if self.steer(ui, &response, passed) {
             self.touch();
         }
         let pixels = rect.size() * ui.ctx().pixels_per_point();
-        let is_moving = self.changed.elapsed() < REST;
+        let is_moving = !self.rests();
         if is_moving && self.was_moving {
             self.adapt(passed);
         }
@@ -418,7 +309,7 @@ impl App {
         };
         let x = egui::lerp(rect.x_range(), *divider);
         let grip = egui::Rect::from_x_y_ranges(x - 6.0..=x + 6.0, rect.y_range());
-        let response = ui.interact(grip, ui.scope_id().with("divider"), egui::Sense::drag());
+        let response = ui.interact(grip, ui.scope_id().with("divider"), egui::Sense::DRAG);
         if response.hovered() || response.dragged() {
             ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
         }
@@ -529,6 +420,17 @@ impl App {
         }
     }
 
+    /// Shows the setting that a plan found on the left.
+    pub(crate) fn show_plan(&mut self) {
+        let chosen = self.plan.as_ref().and_then(|plan| plan.chosen.as_ref());
+        let Some(preset) = chosen.map(|chosen| chosen.preset.clone()) else {
+            self.message = Some("No setting was found yet: P looks for one.".to_owned());
+            return;
+        };
+        self.settings.sides[0].take(&preset);
+        self.forget_mask(0);
+    }
+
     fn take_plan(&mut self) {
         match self.plan_job.take() {
             Some(Ok(plan)) => self.plan = Some(plan),
@@ -600,22 +502,6 @@ fn question<'a>(
     })
 }
 
-/// Returns where the keys that are down fly: to the right, up and forward.
-fn flight(ctx: &egui::Context) -> Vec3 {
-    ctx.input(|input| {
-        if input.modifiers.command {
-            return Vec3::ZERO;
-        }
-        let down = |key| f32::from(u8::from(input.key_down(key)));
-        let along = |less, more| down(more) - down(less);
-        Vec3::new(
-            along(egui::Key::A, egui::Key::D),
-            along(egui::Key::Q, egui::Key::E),
-            along(egui::Key::S, egui::Key::W),
-        )
-    })
-}
-
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
@@ -629,9 +515,12 @@ impl eframe::App for App {
         if let Some(fault) = taken(&self.fault) {
             self.message = Some(fault);
         }
+        self.frames += 1;
         let passed = self.time_frame();
         self.take_files(&ctx);
+        self.take_loaded(&ctx);
         self.keys(&ctx);
+        zoom::update(&ctx, self.settings.zoom);
         self.save_screenshot();
         self.take_plan();
         let lights = self.settings.lights.clone();
@@ -651,14 +540,22 @@ impl eframe::App for App {
         }
         #[cfg(not(target_arch = "wasm32"))]
         self.tell(&ctx);
-        if flight(&ctx) != Vec3::ZERO || self.changed.elapsed() < REST {
+        if self.is_steered(&ctx) || self.changed.elapsed() < REST {
             ctx.request_repaint();
         } else if !self.figures.is_asked() {
+            ctx.request_repaint_after(REST);
+        }
+        if self.loader.at().is_some() {
+            // Its time is told; no more often, since frames take time from the loading.
             ctx.request_repaint_after(REST);
         }
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        if self.stage.is_nothing() {
+            // What was kept stays.
+            return;
+        }
         let Ok(saved) = self.settings.saved(&self.stage) else {
             return;
         };

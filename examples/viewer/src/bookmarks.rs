@@ -13,13 +13,22 @@ const COARSE: u32 = 512;
 
 /// Returns the scenes of the catalogue of failures, by their rows.
 pub(crate) fn all() -> Vec<(Failure, &'static SceneEntry)> {
-    let failure = |entry: &'static SceneEntry| match entry.kind {
-        Kind::Failure(failure) => Some((failure, entry)),
-        _ => None,
-    };
-    let mut out: Vec<_> = scenes::all().iter().filter_map(failure).collect();
+    let of_entry = |entry| Some((provoked(entry)?, entry));
+    let mut out: Vec<_> = scenes::all().iter().filter_map(of_entry).collect();
     out.sort_by_key(|(failure, _)| failure.row());
     out
+}
+
+/// Returns what a built-in scene provokes; none if it is no scene of the catalogue.
+pub(crate) fn failure_of(scene: &str) -> Option<Failure> {
+    scenes::find(scene).and_then(provoked)
+}
+
+fn provoked(entry: &SceneEntry) -> Option<Failure> {
+    match entry.kind {
+        Kind::Failure(failure) => Some(failure),
+        _ => None,
+    }
 }
 
 /// Returns a setting that shows the fault.

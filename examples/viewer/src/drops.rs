@@ -1,51 +1,65 @@
-//! Files that are dropped on the window.
+//! Files that are dropped on the window or the page.
 
-use crate::stage::Stage;
-use anyhow::Result;
+#[cfg(target_arch = "wasm32")]
+pub(crate) use crate::web::Drops;
+use std::path::PathBuf;
 
-/// A dropped file's name, and the scene in it.
-pub(crate) type Dropped = (String, Result<Stage>);
+/// What the page has read of dropped files.
+#[cfg(target_arch = "wasm32")]
+pub(crate) struct Dropped {
+    pub name: String,
+    pub stage: anyhow::Result<crate::stage::Stage>,
+    /// What else the user should know.
+    pub note: Option<String>,
+}
 
-#[cfg(not(target_arch = "wasm32"))]
-#[derive(Default)]
-pub(crate) struct Drops;
-
-#[cfg(not(target_arch = "wasm32"))]
-impl Drops {
-    /// Returns what was dropped since the last frame.
-    pub(crate) fn take(&mut self, ctx: &egui::Context) -> Vec<Dropped> {
-        let files = ctx.input(|input| input.raw.dropped_files.clone());
-        let open = |file: egui::DroppedFileHandle| {
-            let path = file.path().display().to_string();
-            let stage = Stage::load(&path);
-            (path, stage)
+/// Returns which of the files that were dropped together is the scene, and a note if others could be, too: a scene file before a model,
+/// and the first of several. All else is what the scene names.
+pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
+    let of_kind = |ending: &str| -> Vec<usize> {
+        let is_meant = |i: &usize| {
+            let found = paths[*i].extension();
+            found.is_some_and(|found| found.eq_ignore_ascii_case(ending))
         };
-        files.into_iter().map(open).collect()
+        (0..paths.len()).filter(is_meant).collect()
+    };
+    let scenes = match of_kind("toml") {
+        files if files.is_empty() => of_kind("obj"),
+        files => files,
+    };
+    match scenes[..] {
+        // Whatever it is: the error says what could be read instead.
+        [] => (0, None),
+        [only] => (only, None),
+        [first, ..] => {
+            let note = format!(
+                "{} scenes were dropped together; this is {}.",
+                scenes.len(),
+                paths[first].display()
+            );
+            (first, Some(note))
+        }
     }
 }
 
-/// Browsers read files behind a frame's back: what was read lies here until the next frame.
-#[cfg(target_arch = "wasm32")]
-#[derive(Default)]
-pub(crate) struct Drops(std::rc::Rc<std::cell::RefCell<Vec<Dropped>>>);
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-#[cfg(target_arch = "wasm32")]
-impl Drops {
-    /// Begins to read what was dropped, and returns what was read since the last frame.
-    pub(crate) fn take(&mut self, ctx: &egui::Context) -> Vec<Dropped> {
-        for file in ctx.input(|input| input.raw.dropped_files.clone()) {
-            let read = self.0.clone();
-            let wake = ctx.clone();
-            wasm_bindgen_futures::spawn_local(async move {
-                let name = file.path().display().to_string();
-                let bytes = file.bytes_async().await;
-                let stage = bytes
-                    .map_err(anyhow::Error::msg)
-                    .and_then(|bytes| Stage::read(&name, &bytes));
-                read.borrow_mut().push((name, stage));
-                wake.request_repaint();
-            });
-        }
-        self.0.take()
+    #[test]
+    fn the_scene_is_found_among_what_it_names() {
+        let among = |names: &[&str]| {
+            let paths: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+            scene_among(&paths)
+        };
+        assert_eq!(among(&["wood.png", "tile.mtl", "Tile.OBJ"]), (2, None));
+        assert_eq!(among(&["tile.obj", "wood.png", "scene.toml"]), (2, None));
+        assert_eq!(among(&["wood.png"]), (0, None));
+        let (first, note) = among(&["wood.png", "a.obj", "b.obj"]);
+        assert_eq!(first, 1);
+        assert_eq!(
+            note.as_deref(),
+            Some("2 scenes were dropped together; this is a.obj.")
+        );
     }
 }

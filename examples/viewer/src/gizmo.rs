@@ -99,6 +99,11 @@ fn draw_marker(
 }
 
 impl LightHandles {
+    /// Pixels of the window for each of its points.
+    pub(crate) fn pixels_per_point(&self) -> f32 {
+        self.gizmo.config().pixels_per_point
+    }
+
     /// Draws the chosen light's handles, and moves or turns it as they are dragged. Returns whether it changed.
     pub(crate) fn show(
         &mut self,

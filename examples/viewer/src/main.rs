@@ -5,8 +5,11 @@ mod bookmarks;
 mod camera;
 mod device;
 mod drops;
+mod focus;
 mod gizmo;
+mod keys;
 mod lights;
+mod loading;
 mod measure;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
@@ -19,6 +22,7 @@ mod state;
 mod told;
 #[cfg(target_arch = "wasm32")]
 mod web;
+mod zoom;
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {

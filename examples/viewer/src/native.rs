@@ -2,6 +2,7 @@
 
 use crate::{
     app::App,
+    bookmarks,
     device::{Message, device_descriptor, taken},
     state::Start,
 };
@@ -10,6 +11,7 @@ use clap::Parser;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::{
     panic::{self, AssertUnwindSafe},
+    path::Path,
     process::ExitCode,
     sync::Arc,
 };
@@ -21,12 +23,17 @@ In the window:
   W A S D, E Q               fly; with shift faster
   mouse wheel                goes ahead and back
   left mouse button          chooses a light by its marker, drags its handles, drags the divider
+  F2                         chooses a scene or a file by a part of its name; 1 and 2 the techniques
+  N, arrows                  choose the next light, move the chosen one
+  Tab                        goes through the panel
+  Ctrl plus, Ctrl minus      larger and smaller text
   F                          flips between the two sides
   F1                         all keys
 
 Examples:
   umbrage-viewer                    the scene of the last time, or a town
   umbrage-viewer street             a built-in scene
+  umbrage-viewer fence --failure    a fault and its cure, side by side
   umbrage-viewer model.obj          a model, put on a floor in the sun
   umbrage-viewer scene.toml --left exact --right pcf";
 
@@ -42,6 +49,9 @@ struct Options {
     /// Technique of the right side.
     #[arg(long, value_name = "NAME", value_parser = technique_names())]
     right: Option<String>,
+    /// Shows the fault that a built-in scene provokes on the left, and its cure on the right.
+    #[arg(long, requires = "scene", conflicts_with_all = ["left", "right"])]
+    failure: bool,
     /// Size of the window, points.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     size: UVec2,
@@ -93,12 +103,31 @@ pub(crate) fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<()> {
     if let Some(scene) = &options.scene {
-        // What can't be shown is told before there is a window.
-        scenes::by_argument(scene)?;
+        // A scene that isn't there is told before there is a window. One that is may take long, and is read behind it.
+        let is_file = [".toml", ".obj"]
+            .iter()
+            .any(|ending| scene.ends_with(ending));
+        if scenes::find(scene).is_none() && !(is_file && Path::new(scene).is_file()) {
+            scenes::by_argument(scene)?;
+        }
+    }
+    if options.failure
+        && let Some(scene) = &options.scene
+        && bookmarks::failure_of(scene).is_none()
+    {
+        let known: Vec<_> = bookmarks::all()
+            .iter()
+            .map(|(_, entry)| entry.name)
+            .collect();
+        anyhow::bail!(
+            "`{scene}` is no scene of a failure; choose one of {}",
+            known.join(", ")
+        );
     }
     let mut start = Start {
         scene: options.scene.clone(),
         techniques: [options.left.clone(), options.right.clone()],
+        shows_failure: options.failure,
         is_fresh: options.fresh,
         loses_device_after: options.lose_device_after,
         ..Start::default()

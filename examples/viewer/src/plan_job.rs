@@ -1,13 +1,14 @@
-//! The least for the view: the planner, on a thread of its own.
+//! The least for the view: the planner, beside the frames. On the desktop it has a thread, in browsers a worker.
 
 use crate::measure::cost::prices;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use serde::{Deserialize, Serialize};
 use umbrage::{
     Camera, Geometry, Light,
     plan::{Bounds, Cancel, MeasureError, Plan, PlanOptions, Planner, Step, motion::FrameMotion},
 };
 
-/// What is asked for.
+/// What is asked for. Browsers send it to a worker as bytes.
+#[derive(Serialize, Deserialize)]
 pub(crate) struct PlanRequest {
     pub camera: Camera,
     pub geometry: Geometry,
@@ -17,70 +18,174 @@ pub(crate) struct PlanRequest {
     pub motion: FrameMotion,
 }
 
-/// A plan that is being made, or was made.
+/// What there is to show of a plan.
 #[derive(Default)]
-pub(crate) struct PlanJob {
-    shared: Arc<Mutex<Shared>>,
-    cancel: Cancel,
-}
-
-#[derive(Default)]
-struct Shared {
+struct PlanState {
     /// What the planner is at, in words; none while it rests.
     at: Option<String>,
     outcome: Option<Result<Plan, String>>,
 }
 
-fn locked(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
-    shared.lock().unwrap_or_else(PoisonError::into_inner)
+impl PlanState {
+    fn begun() -> Self {
+        Self {
+            at: Some("begins".to_owned()),
+            outcome: None,
+        }
+    }
+
+    fn ended(outcome: Option<Result<Plan, String>>) -> Self {
+        Self { at: None, outcome }
+    }
 }
 
-impl PlanJob {
-    /// Begins a plan; one that is being made is called off. `wake` is called when there is something new to show.
-    pub(crate) fn start(&mut self, request: PlanRequest, wake: impl Fn() + Send + Sync + 'static) {
-        self.cancel.cancel();
-        *self = Self::default();
-        locked(&self.shared).at = Some("begins".to_owned());
-        let (shared, cancel) = (self.shared.clone(), self.cancel.clone());
-        let play = move || {
-            let outcome = planned(&request, &cancel, &|step| {
-                locked(&shared).at = Some(words(step));
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use thread::PlanJob;
+
+#[cfg(not(target_arch = "wasm32"))]
+mod thread {
+    use super::*;
+    use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+    /// A plan that is being made, or was made.
+    #[derive(Default)]
+    pub(crate) struct PlanJob {
+        state: Arc<Mutex<PlanState>>,
+        cancel: Cancel,
+    }
+
+    fn locked(state: &Mutex<PlanState>) -> MutexGuard<'_, PlanState> {
+        state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    impl PlanJob {
+        /// Begins a plan; one that is being made is called off. `wake` is called when there is something new to show.
+        pub(crate) fn start(
+            &mut self,
+            request: PlanRequest,
+            wake: impl Fn() + Send + Sync + 'static,
+        ) {
+            self.cancel.cancel();
+            *self = Self::default();
+            *locked(&self.state) = PlanState::begun();
+            let (state, cancel) = (self.state.clone(), self.cancel.clone());
+            std::thread::spawn(move || {
+                let outcome = planned(&request, &cancel, &|step| {
+                    locked(&state).at = Some(words(step));
+                    wake();
+                });
+                *locked(&state) = PlanState::ended(match outcome {
+                    Ok(plan) => Some(Ok(plan)),
+                    Err(MeasureError::Cancelled) => None,
+                    Err(error) => Some(Err(error.to_string())),
+                });
                 wake();
             });
-            let mut shared = locked(&shared);
-            shared.at = None;
-            shared.outcome = match outcome {
-                Ok(plan) => Some(Ok(plan)),
-                Err(MeasureError::Cancelled) => None,
-                Err(error) => Some(Err(error.to_string())),
-            };
-            drop(shared);
-            wake();
-        };
-        #[cfg(not(target_arch = "wasm32"))]
-        std::thread::spawn(play);
-        // Browsers have no threads here: the page stands still until the plan is made.
-        #[cfg(target_arch = "wasm32")]
-        play();
-    }
+        }
 
-    /// Calls off what is being made.
-    pub(crate) fn cancel(&mut self) {
-        self.cancel.cancel();
-    }
+        /// Calls off what is being made.
+        pub(crate) fn cancel(&mut self) {
+            self.cancel.cancel();
+        }
 
-    /// What the planner is at, in words; none while it rests.
-    pub(crate) fn at(&self) -> Option<String> {
-        locked(&self.shared).at.clone()
-    }
+        /// What the planner is at, in words; none while it rests.
+        pub(crate) fn at(&self) -> Option<String> {
+            locked(&self.state).at.clone()
+        }
 
-    /// Returns a plan that was finished since it was asked last.
-    pub(crate) fn take(&mut self) -> Option<Result<Plan, String>> {
-        locked(&self.shared).outcome.take()
+        /// Returns a plan that was finished since it was asked last.
+        pub(crate) fn take(&mut self) -> Option<Result<Plan, String>> {
+            locked(&self.state).outcome.take()
+        }
     }
 }
 
-fn planned(
+#[cfg(target_arch = "wasm32")]
+pub(crate) use page::PlanJob;
+
+#[cfg(target_arch = "wasm32")]
+mod page {
+    use super::*;
+    use crate::web::worker::{PageWorker, Told, WorkerJob};
+    use js_sys::{Array, Uint8Array};
+    use std::{cell::RefCell, rc::Rc};
+
+    /// A plan that is being made, or was made.
+    #[derive(Default)]
+    pub(crate) struct PlanJob {
+        state: Rc<RefCell<PlanState>>,
+        worker: Option<PageWorker>,
+    }
+
+    impl PlanJob {
+        /// Begins a plan; one that is being made is called off. `wake` is called when there is something new to show.
+        pub(crate) fn start(&mut self, request: PlanRequest, wake: impl Fn() + Clone + 'static) {
+            *self = Self::default();
+            match self.begun(&request, wake) {
+                Ok(worker) => self.worker = Some(worker),
+                Err(error) => *self.state.borrow_mut() = PlanState::ended(Some(Err(error))),
+            }
+        }
+
+        fn begun(
+            &self,
+            request: &PlanRequest,
+            wake: impl Fn() + Clone + 'static,
+        ) -> Result<PageWorker, String> {
+            let bytes = postcard::to_allocvec(request).map_err(|error| error.to_string())?;
+            *self.state.borrow_mut() = PlanState::begun();
+            let state = self.state.clone();
+            let parts = Array::of1(&Uint8Array::from(bytes.as_slice()));
+            PageWorker::start(WorkerJob::Plan, &parts, move |told| {
+                state.borrow_mut().take_in(told);
+                wake();
+            })
+        }
+
+        /// Calls off what is being made: the worker ends at once.
+        pub(crate) fn cancel(&mut self) {
+            *self = Self::default();
+        }
+
+        /// What the planner is at, in words; none while it rests.
+        pub(crate) fn at(&self) -> Option<String> {
+            self.state.borrow().at.clone()
+        }
+
+        /// Returns a plan that was finished since it was asked last.
+        pub(crate) fn take(&mut self) -> Option<Result<Plan, String>> {
+            let outcome = self.state.borrow_mut().outcome.take();
+            if outcome.is_some() {
+                self.worker = None;
+            }
+            outcome
+        }
+    }
+
+    impl PlanState {
+        fn take_in(&mut self, told: Told) {
+            if self.outcome.is_some() {
+                // A panic is told first by the program, and again by the worker's script.
+                return;
+            }
+            *self = match told {
+                Told::Step(step) => {
+                    self.at = Some(step);
+                    return;
+                }
+                Told::Done(plan) => {
+                    Self::ended(Some(serde_json::from_slice(&plan).map_err(|error| {
+                        format!("the worker's plan can't be read: {error}")
+                    })))
+                }
+                Told::Failed(error) => Self::ended(Some(Err(format!("No plan was made: {error}")))),
+            };
+        }
+    }
+}
+
+/// Makes the plan.
+pub(crate) fn planned(
     request: &PlanRequest,
     cancel: &Cancel,
     on_step: &(dyn Fn(Step<'_>) + Sync),
@@ -96,7 +201,7 @@ fn planned(
     planner.plan(&Bounds::relative_error(request.error))
 }
 
-fn words(step: Step<'_>) -> String {
+pub(crate) fn words(step: Step<'_>) -> String {
     match step {
         Step::Looking => "looks for where visibility varies".to_owned(),
         Step::Truth(done, total) => {
@@ -108,5 +213,46 @@ fn words(step: Step<'_>) -> String {
         Step::Trying(technique, tried) => format!("tries {technique} ({tried} settings tried)"),
         Step::Timing(count) => format!("times {count} finalists"),
         Step::Explaining => "writes down why".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stage::Stage;
+
+    /// As workers of a web page do it.
+    #[test]
+    fn a_request_and_its_plan_go_over_as_bytes() {
+        let scene = umbrage::scenes::by_argument("cubes").expect("built in");
+        let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
+        let request = PlanRequest {
+            camera: stage.camera,
+            geometry: stage.geometry.clone(),
+            light: stage.lights[0],
+            error: 0.25,
+            motion: FrameMotion::AllMoves,
+        };
+        let bytes = postcard::to_allocvec(&request).expect("written");
+        let read: PlanRequest = postcard::from_bytes(&bytes).expect("read");
+        assert_eq!(read.geometry.fingerprint(), request.geometry.fingerprint());
+        assert_eq!((read.camera, read.light), (request.camera, request.light));
+        let plan = |request| planned(request, &Cancel::default(), &|_| {}).expect("a plan");
+        let (here, there) = (plan(&request), plan(&read));
+        assert_eq!(here.chosen, there.chosen);
+        assert!(here.chosen.is_some(), "{:?}", here.miss);
+        let json = serde_json::to_vec(&there).expect("written");
+        let told: Plan = serde_json::from_slice(&json).expect("read");
+        assert_eq!(
+            told.chosen.map(|setting| setting.label()),
+            here.chosen.map(|setting| setting.label())
+        );
+        let stage_bytes = postcard::to_allocvec(&stage).expect("written");
+        let read: Stage = postcard::from_bytes(&stage_bytes).expect("read");
+        assert_eq!(read.geometry.fingerprint(), stage.geometry.fingerprint());
+        assert_eq!(
+            (read.materials, read.textures),
+            (stage.materials, stage.textures)
+        );
     }
 }

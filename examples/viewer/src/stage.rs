@@ -1,9 +1,16 @@
 //! The scene that is shown.
 
 use anyhow::Result;
-use umbrage::{Aabb, Camera, Geometry, Light, Material, Scene, Texture, scenes};
+use serde::{Deserialize, Serialize};
+#[cfg(target_arch = "wasm32")]
+use umbrage::scenes;
+use umbrage::{
+    Aabb, Camera, Geometry, Light, Material, Scene, Texture,
+    glam::{Affine3A, UVec2, camera::rh::proj::directx},
+};
 
-/// A scene with its triangles placed.
+/// A scene with its triangles placed. Workers of a web page hand it over as bytes.
+#[derive(Serialize, Deserialize)]
 pub(crate) struct Stage {
     /// How it was asked for: a built-in scene's name, or a file. Empty for what was read from memory, which can't be asked for again.
     pub argument: String,
@@ -18,24 +25,45 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// Loads a built-in scene, a scene file or a model.
-    ///
-    /// # Errors
-    /// Errors if there is no such scene, or the file can't be read.
-    pub(crate) fn load(argument: &str) -> Result<Self> {
-        Self::of_scene(argument, argument, scenes::by_argument(argument)?)
+    /// Returns a stage without anything on it: what is shown until the first scene has been read.
+    pub(crate) fn nothing() -> Self {
+        let geometry = Geometry::default();
+        Self {
+            argument: String::new(),
+            name: String::new(),
+            bounds: geometry.bounds(),
+            geometry,
+            materials: Vec::new(),
+            textures: Vec::new(),
+            lights: Vec::new(),
+            camera: Camera {
+                world_from_view: Affine3A::IDENTITY,
+                clip_from_view: directx::perspective_infinite_reverse(0.8, 1.0, 0.1),
+                size: UVec2::ONE,
+            },
+        }
     }
 
-    /// Reads a scene file or a model that is in memory.
+    /// Whether no scene has been read yet.
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.geometry.triangles().is_empty()
+    }
+
+    /// Reads a scene file or a model that is in memory, with what it names.
     ///
     /// # Errors
     /// Errors if it can't be read.
     #[cfg(target_arch = "wasm32")]
-    pub(crate) fn read(name: &str, bytes: &[u8]) -> Result<Self> {
-        Self::of_scene("", name, scenes::read(name, bytes)?)
+    pub(crate) fn read(name: &str, files: &scenes::FilesInMemory) -> Result<Self> {
+        let scene = scenes::read(name, files).map_err(anyhow::Error::msg)?;
+        Self::of_scene("", name, scene)
     }
 
-    fn of_scene(argument: &str, name: &str, scene: Scene) -> Result<Self> {
+    /// Places a scene's triangles.
+    ///
+    /// # Errors
+    /// Errors if they can't be placed, or there is nothing to see.
+    pub(crate) fn of_scene(argument: &str, name: &str, scene: Scene) -> Result<Self> {
         let geometry = Geometry::bake(&scene)?;
         let bounds = geometry.bounds();
         let camera = scene.cameras.first().copied();

@@ -16,14 +16,16 @@ use umbrage::plan::motion::FrameMotion;
 pub(crate) struct Start {
     pub scene: Option<String>,
     pub techniques: [Option<String>; 2],
+    /// Whether the scene's fault is shown on the left, and its cure on the right.
+    pub shows_failure: bool,
     /// Whether the settings of the last time are forgotten.
     pub is_fresh: bool,
     /// Shown at first.
     pub message: Option<String>,
-    /// Where what is told goes, for tests.
     /// When the device is given away, seconds: for tests.
     #[cfg(not(target_arch = "wasm32"))]
     pub loses_device_after: Option<f32>,
+    /// Where what is told goes, for tests.
     #[cfg(not(target_arch = "wasm32"))]
     pub told: Option<std::path::PathBuf>,
 }
@@ -33,12 +35,16 @@ pub(crate) struct Start {
 pub(crate) struct Saved {
     pub scene: String,
     sides: Vec<SavedSide>,
-    view: ViewCamera,
+    pub view: ViewCamera,
     split: Option<f32>,
     picture: Picture,
+    /// Files of older programs don't have it.
+    #[serde(default)]
+    zoom: Option<f32>,
 }
 
 /// What the panel shows and changes.
+#[derive(Clone)]
 pub(crate) struct Settings {
     pub sides: [SideSettings; 2],
     pub lights: Vec<EditLight>,
@@ -57,6 +63,8 @@ pub(crate) struct Settings {
     pub plan_error: f32,
     /// What moves from frame to frame, in costs.
     pub motion: FrameMotion,
+    /// How large text is, if the user chose it: 1 is usual.
+    pub zoom: Option<f32>,
 }
 
 impl Settings {
@@ -86,13 +94,9 @@ impl Settings {
             shows_maps: false,
             plan_error: 0.25,
             motion: FrameMotion::default(),
+            zoom: saved.and_then(|saved| saved.zoom),
         };
         out.show(stage);
-        if let Some(saved) = saved
-            && saved.scene == stage.argument
-        {
-            out.view = saved.view;
-        }
         out
     }
 
@@ -124,6 +128,7 @@ impl Settings {
             view: self.view,
             split: self.split,
             picture: self.picture,
+            zoom: self.zoom,
         })
     }
 }

@@ -1,7 +1,12 @@
 //! The program in a browser: its canvas, and what the page says while it starts or when it ends.
 
+mod in_worker;
 mod query;
+mod reading;
 mod report;
+pub(crate) mod worker;
+
+pub(crate) use reading::Drops;
 
 use crate::{
     app::App,
@@ -40,8 +45,12 @@ fn say_nothing() {
     }
 }
 
-/// Starts the program in the page's canvas.
+/// Starts the program in the page's canvas; in a worker, which has no window, it only offers to play jobs.
 pub(crate) fn main() {
+    if web_sys::window().is_none() {
+        in_worker::offer();
+        return;
+    }
     eframe::WebLogger::init(log::LevelFilter::Warn).ok();
     wasm_bindgen_futures::spawn_local(async {
         if let Err(error) = run().await {

@@ -7,20 +7,28 @@
     python3 examples/viewer/web/try.py      # some minutes; screenshots in target/web-tried
 
 Another page, browser or folder for screenshots: try.py [--page FOLDER] [--browser PROGRAM] [--out FOLDER].
+Screenshots are compared with golden pictures, see `goldens.py`; --bless makes these anew.
 Clicks and keys are real ones, sent to the browser. Parts of the panel are found by their words: `umbrage_widgets()` tells where they are.
 """
 
 import argparse
+import base64
 import functools
 import http.server
 import io
 import json
+import math
 import pathlib
+import sys
 import threading
 import time
 
 from PIL import Image, ImageChops, ImageStat
 from playwright.sync_api import sync_playwright
+
+# No folder of compiled scripts beside the page.
+sys.dont_write_bytecode = True
+import goldens  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 # Without the last two, the browser's compositor can't show a WebGPU canvas, and the device is lost with the first frame.
@@ -29,6 +37,9 @@ WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enabl
 SIZE = {"width": 960, "height": 540}
 # Seconds that a server on the same machine may take to show the first frame.
 MOST_START = 5
+# Frames that are drawn, at least, while a worker is busy. On two cores that a software driver shares with the worker there are few; a page
+# that stands still draws none.
+LEAST_FRAMES = 3
 BALL = """
 [[light]]
 kind = "directional"
@@ -42,7 +53,71 @@ translate = [0, 1.5, 0]
 """
 
 
-class Quiet(http.server.SimpleHTTPRequestHandler):
+# A model with a material of its own and a texture, as modelling programs write them.
+MODEL = """
+mtllib looks.mtl
+v -1 0 0
+v 1 0 0
+v 1 2 0
+v -1 2 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+usemtl checks
+f 1/1 2/2 3/3 4/4
+"""
+LOOKS = """
+newmtl checks
+Kd 1 1 1
+map_Kd C:\\models\\checks.png
+"""
+WITH_MODEL = """
+[[light]]
+kind = "directional"
+direction = [1, -2, -1]
+[camera]
+eye = [2, 3, 7]
+target = [0, 0.7, 0]
+[[object]]
+shape = "plane"
+scale = 4
+texture = "textures/checks.png"
+[[object]]
+mesh = "models/sign.obj"
+"""
+
+
+def checks():
+    """A PNG image of four squares."""
+    image = Image.new("RGB", (64, 64), (200, 40, 30))
+    for corner in [(0, 0), (32, 32)]:
+        image.paste((240, 220, 60), (*corner, corner[0] + 32, corner[1] + 32))
+    out = io.BytesIO()
+    image.save(out, "PNG")
+    return out.getvalue()
+
+
+class Server(http.server.SimpleHTTPRequestHandler):
+    # What is served in place of files, by their paths: none for an error.
+    instead = {}
+
+    def do_GET(self):
+        if self.path not in self.instead:
+            return super().do_GET()
+        text = self.instead[self.path]
+        if text is None:
+            return self.send_error(404)
+        self.send_response(200)
+        self.send_header("Content-Type", "text/javascript")
+        self.end_headers()
+        self.wfile.write(text.encode())
+
+    def end_headers(self):
+        # Else what is served instead of a file is not asked for.
+        self.send_header("Cache-Control", "no-store")
+        super().end_headers()
+
     def log_message(self, *_):
         pass
 
@@ -50,9 +125,9 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 class Viewer:
     """A page with the viewer in it."""
 
-    def __init__(self, browser, address, out):
+    def __init__(self, browser, address, out, golden):
         self.page = browser.new_page(viewport=SIZE)
-        self.address, self.out = address, out
+        self.address, self.out, self.golden = address, out, golden
         self.told = []
         self.page.on("console", lambda message: self.told.append(f"{message.type}: {message.text}"))
         self.page.on("pageerror", lambda error: self.told.append(f"error: {error}"))
@@ -88,25 +163,72 @@ class Viewer:
         png = None
         for _ in range(20):
             time.sleep(0.7)
-            last, png = png, self.page.screenshot()
+            last, png = png, self.page.screenshot(timeout=120_000)
             if last == png:
                 break
         (self.out / f"{name}.png").write_bytes(png)
         return Image.open(io.BytesIO(png)).convert("RGB")
 
+    def golden_shot(self, name, region=None):
+        """A screenshot that is compared with a golden one."""
+        image = self.shot(name)
+        self.golden.check(name, image, region or PICTURE)
+        return image
+
     def widgets(self):
         self.page.evaluate("umbrage_widgets()")
-        time.sleep(0.5)
-        return json.loads(self.page.evaluate("umbrage_widgets()"))
+        # They are those of the next frame.
+        for _ in range(20):
+            time.sleep(0.5)
+            widgets = json.loads(self.page.evaluate("umbrage_widgets()"))
+            if widgets:
+                return widgets
+        raise AssertionError("the page draws no frame")
 
-    def click(self, role, words, nth=0):
-        """Clicks on the n-th part with these words."""
+    def find(self, role, words, nth=0):
+        """Where the n-th part with these words is."""
         widgets = self.widgets()
         found = [w for w in widgets if w["role"] == role and words in (w["label"], w["value"])]
         assert len(found) > nth, f"no {role} `{words}` among {[(w['role'], w['label'], w['value']) for w in widgets]}"
-        left, top, right, bottom = found[nth]["at"]
+        return found[nth]["at"]
+
+    def click(self, role, words, nth=0):
+        """Clicks on the n-th part with these words; scrolls the panel where it lies below or above what is seen."""
+        for _ in range(20):
+            left, top, right, bottom = self.find(role, words, nth)
+            if 0 <= top and bottom <= SIZE["height"]:
+                break
+            self.page.mouse.move(100, SIZE["height"] / 2)
+            self.page.mouse.wheel(0, 150 if top > 0 else -150)
+            time.sleep(0.5)
+        else:
+            raise AssertionError(f"{role} `{words}` could not be scrolled to")
         self.page.mouse.click((left + right) / 2, (top + bottom) / 2)
         time.sleep(0.3)
+
+    def drop(self, files):
+        """Drops files on the page, all at once."""
+        sent = [(name, base64.b64encode(data if isinstance(data, bytes) else data.encode()).decode()) for name, data in files.items()]
+        self.page.evaluate("""files => {
+            const data = new DataTransfer();
+            for (const [name, text] of files)
+                data.items.add(new File([Uint8Array.from(atob(text), letter => letter.charCodeAt(0))], name));
+            const at = { clientX: 600, clientY: 300, dataTransfer: data, bubbles: true, cancelable: true };
+            for (const kind of ["dragenter", "dragover", "drop"])
+                document.getElementById("umbrage").dispatchEvent(new DragEvent(kind, at));
+        }""", sent)
+
+    def frames_while(self, goes_on, seconds):
+        """Counts the frames that are drawn while something goes on: the number, and how many seconds they took."""
+        begin, end = time.time(), time.time() + seconds
+        first, count = self.report()["frames"], 0
+        while time.time() < end:
+            report = self.report()
+            if not goes_on(report):
+                break
+            count = report["frames"] - first
+            time.sleep(0.05)
+        return count, time.time() - begin
 
     def key(self, name):
         # Keys go to the canvas; the pointer is kept off the panel.
@@ -115,10 +237,12 @@ class Viewer:
         time.sleep(0.3)
 
 
+# The picture without the panel and the labels above it.
+PICTURE = (340, 70, SIZE["width"], SIZE["height"])
+
+
 def picture(image):
-    """The picture without the panel, the labels above it and the marks in its middle columns."""
-    left = 340
-    return image.crop((left, 70, SIZE["width"], SIZE["height"]))
+    return image.crop(PICTURE)
 
 
 def halves(image):
@@ -165,7 +289,8 @@ def started(viewer):
     print(f"start, {report['scene']}: first frame after {seconds:.2f} s")
     assert seconds < MOST_START, "it started late"
     assert viewer.page.locator("#status").is_hidden(), "the line was not taken away"
-    image = viewer.shot("cubes")
+    viewer.measured()
+    image = viewer.golden_shot("cubes")
     for name, half in zip(["left", "right"], halves(image)):
         assert spread(half) > 10, f"the {name} half is blank"
     assert spread(image.crop((0, 0, 300, SIZE["height"]))) > 5, "the panel is blank"
@@ -219,7 +344,7 @@ def masks(viewer):
     viewer.key("f")
     viewer.wait(lambda r: r["shown_side"] == 0, "the other side")
     viewer.measured()
-    hard = picture(viewer.shot("mask-hard"))
+    hard = picture(viewer.golden_shot("mask-hard"))
     print(f"masks against truth, mean step of 256: exact {difference(truth, exact):.3f}, hard {difference(truth, hard):.3f}")
     assert difference(truth, exact) < 0.02 < difference(truth, hard) < 5
     lit, dark = share(truth, lambda p: min(p) > 250), share(truth, lambda p: max(p) < 5)
@@ -250,20 +375,150 @@ def switched(viewer):
 
 
 def dropped(viewer):
-    drop = """text => {
-        const data = new DataTransfer();
-        data.items.add(new File([text], "ball.toml"));
-        const at = { clientX: 600, clientY: 300, dataTransfer: data, bubbles: true, cancelable: true };
-        for (const kind of ["dragenter", "dragover", "drop"])
-            document.getElementById("umbrage").dispatchEvent(new DragEvent(kind, at));
-    }"""
-    viewer.page.evaluate(drop, BALL)
+    viewer.open("?scene=cubes&left=hard&right=exact&split=0.5")
+    viewer.drop({"ball.toml": BALL})
     viewer.wait(lambda r: r["scene"] == "ball", "the dropped scene")
-    viewer.shot("dropped")
-    viewer.page.evaluate(drop, "[[light]]\nkind = 'dark'")
+    viewer.measured()
+    viewer.golden_shot("ball")
+    viewer.drop({"dark.toml": "[[light]]\nkind = 'dark'"})
     report = viewer.wait(lambda r: r["message"], "a message")
     print(f"a broken scene is refused: {report['message']}")
-    assert "ball.toml" in report["message"], report
+    assert "dark.toml" in report["message"] and report["scene"] == "ball", report
+
+
+def dropped_together(viewer):
+    """A model with its looks, a scene with all that it names, and what is said where something is missing."""
+    viewer.open("?scene=cubes&left=hard&right=exact&split=0.5")
+    model = {"checks.png": checks(), "looks.mtl": LOOKS, "sign.obj": MODEL}
+    viewer.drop(model)
+    report = viewer.wait(lambda r: r["scene"] == "sign", "the dropped model")
+    assert report["message"] is None, report
+    # Two squares and a floor.
+    assert report["triangles"] == 4, report
+    viewer.measured()
+    viewer.golden_shot("model")
+    viewer.drop({"scene.toml": WITH_MODEL, **model})
+    report = viewer.wait(lambda r: r["scene"] == "scene", "the dropped scene")
+    assert report["message"] is None, report
+    viewer.measured()
+    viewer.golden_shot("scene")
+    viewer.drop({"sign.obj": MODEL, "looks.mtl": LOOKS})
+    report = viewer.wait(lambda r: r["scene"] == "sign", "the model without its texture")
+    print(f"a model without its texture: {report['message']}")
+    assert "checks.png" in report["message"] and "drop" in report["message"], report
+    viewer.drop({"scene.toml": WITH_MODEL, "sign.obj": MODEL})
+    report = viewer.wait(lambda r: "texture" in (r["message"] or ""), "a message")
+    print(f"a scene without its texture: {report['message']}")
+    assert "scene.toml:" in report["message"] and "checks.png" in report["message"] and "give it" in report["message"], report
+    assert report["scene"] == "sign", "the present scene did not stay"
+    viewer.drop({"a.obj": MODEL, "b.obj": MODEL, "looks.mtl": LOOKS, "checks.png": checks()})
+    report = viewer.wait(lambda r: r["scene"] == "a", "one of two models")
+    assert "2 scenes" in report["message"], report
+
+
+def large_model(side):
+    """A wavy field of 2 side^2 triangles, as a model."""
+    row = range(side + 1)
+    points = [f"v {x / 50} {0.3 * math.sin(x / 20) * math.cos(y / 30):.4f} {y / 50}" for y in row for x in row]
+    faces = []
+    for y in range(side):
+        for x in range(side):
+            a = y * (side + 1) + x + 1
+            faces.append(f"f {a} {a + side + 1} {a + side + 2} {a + 1}")
+    return "\n".join(points + faces)
+
+
+def read_beside(viewer):
+    """The page goes on drawing while a large model is read, and reading is called off."""
+    # No lists of casters, which the CPU would make of so many triangles for a while.
+    viewer.open("?scene=cubes&left=hard&right=pcf&split=left")
+    large = large_model(500)
+    viewer.drop({"field.obj": large})
+    begin = time.time()
+    viewer.wait(lambda r: r["reading"] == "field.obj", "reading")
+    frames, seconds = viewer.frames_while(lambda r: r["reading"], 60)
+    report = viewer.wait(lambda r: r["scene"] == "field", "the large model", 300)
+    print(f"a model of {len(large) / 1e6:.0f} MB, {report['triangles']} triangles: shown after {time.time() - begin:.1f} s; "
+          f"{frames} frames while it was read, in {seconds:.1f} s")
+    assert frames >= LEAST_FRAMES, frames
+    viewer.shot("field")
+    viewer.open("?scene=cubes&left=hard&right=pcf&split=left")
+    viewer.drop({"other.obj": large})
+    viewer.wait(lambda r: r["reading"] == "other.obj", "reading")
+    viewer.click("Button", "Cancel")
+    viewer.wait(lambda r: r["reading"] is None, "the end of reading", 5)
+    time.sleep(3)
+    assert viewer.report()["scene"] == "cubes", "what was called off was shown"
+    viewer.drop({"other.obj": large})
+    viewer.wait(lambda r: r["reading"] == "other.obj", "reading")
+    viewer.page.screenshot(path=viewer.out / "reads.png", timeout=120_000)
+
+
+def planned(viewer):
+    """The page goes on drawing while the planner works in its worker."""
+    viewer.open("?scene=cubes&left=hard&right=exact&split=left")
+    viewer.measured()
+    viewer.click("Button", "Find it")
+    begin = time.time()
+    before = viewer.wait(lambda r: r["planning"], "the begin of a plan")
+    # The key flies: each frame is another picture.
+    viewer.page.mouse.move(SIZE["width"] - 200, SIZE["height"] - 60)
+    viewer.page.keyboard.down("s")
+    frames, seconds = viewer.frames_while(lambda r: r["planning"], 30)
+    after = viewer.report()
+    viewer.page.keyboard.up("s")
+    viewer.page.screenshot(path=viewer.out / "plans.png", timeout=120_000)
+    print(f"from where the planner {before['planning']}: {frames} frames in {seconds:.1f} s")
+    assert after["handles"] != before["handles"], "the camera did not move"
+    assert frames >= LEAST_FRAMES, frames
+    report = viewer.wait(lambda r: r["plan"] is not None or r["message"], "a plan", 400)
+    assert report["planning"] is None and report["message"] is None, report
+    print(f"the least for this view: {report['plan']}, after {time.time() - begin:.0f} s")
+    viewer.shot("planned")
+    viewer.click("Button", "Show it on the left")
+    name = report["plan"].split(" ")[0]
+    viewer.wait(lambda r: r["sides"][0]["technique"] == name, "the plan on the left")
+    # Of 122,048 triangles: its plan is not there before the button has been found.
+    viewer.open("?scene=town&left=hard&right=pcf&split=left")
+    viewer.click("Button", "Find it")
+    viewer.wait(lambda r: r["planning"], "another plan")
+    viewer.click("Button", "Cancel")
+    report = viewer.wait(lambda r: r["planning"] is None, "the end of the plan", 5)
+    assert report["message"] is None, report
+    print("a plan is called off")
+
+
+def broken_workers(viewer):
+    """Workers that can't start, panic, or run out of memory: each becomes a message, and the page goes on."""
+    script = (ROOT / "examples/viewer/web/worker.js").read_text()
+    call = "umbrage_work(job, parts);"
+    assert call in script
+    for what, instead, words in [
+        ("can't be loaded", None, "worker.js can't be loaded"),
+        ("panics", script.replace(call, "umbrage_work('panic', parts);"), "a test asked for a panic"),
+        ("runs out of memory", script.replace(call, "umbrage_work('memory', parts);"), "no memory is left"),
+        ("is asked for something else", script.replace(call, "umbrage_work('dance', parts);"), "`dance`"),
+    ]:
+        Server.instead["/worker.js"] = instead
+        viewer.open("?scene=cubes&left=hard&right=exact&split=left")
+        viewer.click("Button", "Find it")
+        report = viewer.wait(lambda r: r["message"], "a message")
+        print(f"a worker that {what}: {report['message']}")
+        assert words in report["message"] and report["planning"] is None, report
+        viewer.drop({"ball.toml": BALL})
+        report = viewer.wait(lambda r: "ball.toml" in (r["message"] or ""), "a message")
+        assert words in report["message"] and report["reading"] is None and report["scene"] == "cubes", report
+        assert viewer.page.locator("#status").is_hidden(), "the page says that it stopped"
+    Server.instead.clear()
+    # A browser that knows no workers.
+    viewer.open("?scene=cubes&left=hard&right=exact&split=left")
+    viewer.page.evaluate("() => { window.Worker = class { constructor() { throw new Error('no workers here'); } }; }")
+    viewer.click("Button", "Find it")
+    report = viewer.wait(lambda r: r["message"], "a message")
+    print(f"a browser without workers: {report['message']}")
+    assert "starts no worker (no workers here)" in report["message"], report
+    viewer.shot("without-workers")
+    viewer.told.clear()
 
 
 def others(viewer):
@@ -280,15 +535,32 @@ def others(viewer):
     assert "cubess" in message and "nonsense" in message, message
 
 
+def first(viewer):
+    started(viewer)
+    measured(viewer)
+    agreed(viewer)
+    heat_map(viewer)
+
+
+PARTS = {
+    "first": first, "masks": masks, "switched": switched, "dropped": dropped, "together": dropped_together, "large": read_beside,
+    "plan": planned, "broken": broken_workers, "others": others,
+}
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--page", default=ROOT / "target/web", type=pathlib.Path)
     parser.add_argument("--browser", default="/usr/bin/chromium")
     parser.add_argument("--out", default=ROOT / "target/web-tried", type=pathlib.Path)
+    parser.add_argument("--bless", action="store_true", help="makes the golden pictures anew")
+    parser.add_argument("--only", nargs="+", choices=PARTS, metavar="PART", help=f"plays these parts alone: {', '.join(PARTS)}")
     options = parser.parse_args()
+    if not options.bless:
+        goldens.self_test()
     assert (options.page / "index.html").is_file(), f"there is no page in {options.page}: run `cargo xtask web --no-serve`"
     options.out.mkdir(parents=True, exist_ok=True)
-    handler = functools.partial(Quiet, directory=options.page)
+    handler = functools.partial(Server, directory=options.page)
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     address = f"http://localhost:{server.server_address[1]}/"
@@ -296,17 +568,15 @@ def main():
         without_webgpu(playwright, options.browser, address, options.out)
         browser = playwright.chromium.launch(
             executable_path=options.browser, headless=False, args=["--headless=new", *WEBGPU])
-        viewer = Viewer(browser, address, options.out)
-        started(viewer)
-        measured(viewer)
-        agreed(viewer)
-        heat_map(viewer)
-        masks(viewer)
-        switched(viewer)
-        dropped(viewer)
-        others(viewer)
-        faults = [line for line in viewer.told if line.startswith("error")]
-        assert not faults, faults
+        golden = goldens.Goldens(options.bless, options.out)
+        viewer = Viewer(browser, address, options.out, golden)
+        for part in options.only or PARTS:
+            PARTS[part](viewer)
+            faults = [line for line in viewer.told if line.startswith("error")]
+            assert not faults, faults
+        if not options.only:
+            golden.end()
+            goldens.self_test()
         browser.close()
     print(f"all well; screenshots are in {options.out}")
 

@@ -15,14 +15,20 @@ use std::{
     time::Instant,
 };
 
-type Step = (&'static str, Box<dyn Fn() -> Result<()>>);
+/// A step's name, and what it does.
+pub(crate) type Step = (&'static str, Box<dyn Fn() -> Result<()>>);
+
+/// Runs all that a change has to pass.
+pub(crate) fn ci(options: &CiOptions) -> Result<()> {
+    run_all(steps(options))
+}
 
 /// Runs all steps, also after one has failed, and prints the result of each.
-pub(crate) fn ci(options: &CiOptions) -> Result<()> {
+pub(crate) fn run_all(steps: Vec<Step>) -> Result<()> {
     let mut table = Table::new();
     table.set_header(["step", "result", "seconds"]);
     let mut failed = Vec::new();
-    for (name, step) in steps(options) {
+    for (name, step) in steps {
         println!("==== {name}");
         let start = Instant::now();
         let result = step();
@@ -199,13 +205,13 @@ fn profiles(manifest: &str) -> Result<String> {
 }
 
 /// A package that is published.
-struct Published {
-    name: String,
+pub(crate) struct Published {
+    pub(crate) name: String,
     version: String,
 }
 
 /// Returns all packages that don't say `publish = false`.
-fn published() -> Result<Vec<Published>> {
+pub(crate) fn published() -> Result<Vec<Published>> {
     let output = cargo()
         .args(["metadata", "--format-version", "1", "--no-deps"])
         .output()?;

@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// Keeps umbrage in order: tests, house style, golden images, all that a change has to pass, and the viewer's page.
+/// Keeps umbrage in order: tests, house style, golden images, all that a change has to pass, the viewer's page and the site.
 #[derive(Debug, Parser)]
 #[command(
     name = "cargo xtask",
@@ -28,6 +28,10 @@ pub(crate) enum Command {
     Ci(CiOptions),
     /// Build the viewer for browsers, and serve it
     Web(WebOptions),
+    /// Build the documentation as a site with the viewer in it, and serve it
+    Site(SiteOptions),
+    /// Run what a release has to pass besides `ci`: the oldest Rust, licences and advisories, versions, Miri, publishing
+    ReleaseCheck(ReleaseOptions),
 }
 
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -79,13 +83,10 @@ pub(crate) struct CiOptions {
     pub(crate) install_driver: bool,
 }
 
+/// Whether and where what was built is served.
 #[derive(Args, Clone, Debug, PartialEq)]
-#[command(after_help = "Examples:
-  cargo xtask web                      build the page, and serve it at http://localhost:8000/
-  cargo xtask web --port 8123          at another port; 0 for one that is free
-  cargo xtask web --no-serve --out www only build it, into the folder www")]
-pub(crate) struct WebOptions {
-    /// Only build the page
+pub(crate) struct ServeOptions {
+    /// Only build it
     #[arg(long)]
     pub(crate) no_serve: bool,
     /// Port of this machine to serve at
@@ -96,9 +97,61 @@ pub(crate) struct WebOptions {
         conflicts_with = "no_serve"
     )]
     pub(crate) port: u16,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask web                      build the page, and serve it at http://localhost:8000/
+  cargo xtask web --port 8123          at another port; 0 for one that is free
+  cargo xtask web --no-serve --out www only build it, into the folder www")]
+pub(crate) struct WebOptions {
+    #[command(flatten)]
+    pub(crate) serve: ServeOptions,
     /// Folder that the page is written into; else `web` in cargo's target folder
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask site                      build the site, and serve it at http://localhost:8000/
+  cargo xtask site --without-viewer     the pages alone: seconds instead of minutes
+  cargo xtask site --port 8123          at another port; 0 for one that is free
+  cargo xtask site --no-serve --out www only build it, into the folder www")]
+pub(crate) struct SiteOptions {
+    #[command(flatten)]
+    pub(crate) serve: ServeOptions,
+    /// Folder that the site is written into, a new one or one with an earlier site; else `site` in cargo's target folder
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
+    /// Leave out the viewer: its page says so, and shows a picture
+    #[arg(long)]
+    pub(crate) without_viewer: bool,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask release-check                   all of it
+  cargo xtask release-check --only licences   one step")]
+pub(crate) struct ReleaseOptions {
+    /// Run these steps alone
+    #[arg(long, value_name = "STEP", value_enum, value_delimiter = ',')]
+    pub(crate) only: Vec<ReleaseStep>,
+}
+
+/// What a release has to pass besides `ci`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum ReleaseStep {
+    /// The workspace compiles with the oldest Rust that it names
+    OldestRust,
+    /// `cargo deny check`: licences, advisories, sources and bans
+    Licences,
+    /// `cargo semver-checks` against the last release
+    Versions,
+    /// Tests of umbrage-core in Miri, those that end within minutes
+    Miri,
+    /// `cargo publish --dry-run` of every published package
+    Publish,
 }
 
 #[cfg(test)]
@@ -121,6 +174,7 @@ mod tests {
             &["bless", "--all", "cubes.pcf"][..],
             &["ci", "--after-tests", "--install-driver"],
             &["web", "--no-serve", "--port", "80"],
+            &["site", "--no-serve", "--port", "80"],
         ] {
             let error = Cli::try_parse_from(std::iter::once(&"xtask").chain(arguments))
                 .expect_err("wrong usage");

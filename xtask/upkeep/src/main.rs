@@ -1,4 +1,4 @@
-//! `cargo xtask test`, `bless`, `tidy`, `ci` and `web`. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
+//! `cargo xtask test`, `bless`, `tidy`, `ci`, `web`, `site` and `release-check`. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
 
 #[path = "../../../crates/umbrage-cli/src/print.rs"]
 #[macro_use]
@@ -8,10 +8,13 @@ mod adapter;
 mod bless;
 mod ci;
 mod cli;
+mod release;
 mod run;
+mod site;
 mod swiftshader;
 mod test;
 mod tidy;
+mod tools;
 mod web;
 
 use clap::Parser as _;
@@ -26,6 +29,8 @@ fn main() -> ExitCode {
         Command::Tidy => tidy::tidy(),
         Command::Ci(options) => ci::ci(options),
         Command::Web(options) => web::web(options),
+        Command::Site(options) => site::site(options),
+        Command::ReleaseCheck(options) => release::release_check(options),
     };
     let Err(error) = done else {
         return ExitCode::SUCCESS;

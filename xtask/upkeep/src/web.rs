@@ -1,11 +1,12 @@
 //! The viewer as a page: built, made small, and served.
 
-mod server;
+pub(crate) mod server;
 
 use crate::{
     ci::{BROWSER_TARGET, install_browser_target},
     cli::WebOptions,
     run::{cargo, root, run},
+    tools::Tool,
 };
 use anyhow::{Context as _, Result, bail};
 use comfy_table::Table;
@@ -22,6 +23,8 @@ const PROFILE: &str = "release";
 /// What the page's script imports: `umbrage.js`, which loads `umbrage_bg.wasm`.
 const STEM: &str = "umbrage";
 const PAGE: &str = "examples/viewer/web/index.html";
+/// The script of the page's workers.
+const WORKER: &str = "examples/viewer/web/worker.js";
 
 /// What the page shows where it can't run.
 const PICTURES: [&str; 3] = [
@@ -41,26 +44,8 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
         None => target.join("web"),
     };
     // A port that is taken is told before minutes of building.
-    let listener = match options.no_serve {
-        true => None,
-        false => Some(server::listen(options.port)?),
-    };
-    install_browser_target()?;
-    let mut build = cargo();
-    build.args(["build", "--package", PACKAGE, "--profile", PROFILE]);
-    run(build.args(["--target", BROWSER_TARGET]))?;
-    let built = target.join(BROWSER_TARGET).join(PROFILE);
-    let wasm = built.join(format!("{PACKAGE}.wasm"));
-    fs::create_dir_all(&out).with_context(|| format!("cannot make {}", out.display()))?;
-    bind(&target, &wasm, &out)?;
-    optimise(&out.join(format!("{STEM}_bg.wasm")))?;
-    copy(&root().join(PAGE), &out)?;
-    let pictures = out.join("pictures");
-    fs::create_dir_all(&pictures).with_context(|| format!("cannot make {}", pictures.display()))?;
-    for picture in PICTURES {
-        copy(&root().join(picture), &pictures)?;
-    }
-    print_sizes(&out)?;
+    let listener = server::listener(&options.serve)?;
+    build_page(&target, &out)?;
     println!("the page is in {}", out.display());
     match listener {
         Some(listener) => server::serve(&listener, &out),
@@ -68,8 +53,29 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
     }
 }
 
+/// Builds the page into a folder.
+pub(crate) fn build_page(target: &Path, out: &Path) -> Result<()> {
+    install_browser_target()?;
+    let mut build = cargo();
+    build.args(["build", "--package", PACKAGE, "--profile", PROFILE]);
+    run(build.args(["--target", BROWSER_TARGET]))?;
+    let built = target.join(BROWSER_TARGET).join(PROFILE);
+    let wasm = built.join(format!("{PACKAGE}.wasm"));
+    fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+    bind(target, &wasm, out)?;
+    optimise(&out.join(format!("{STEM}_bg.wasm")))?;
+    copy(&root().join(PAGE), out)?;
+    copy(&root().join(WORKER), out)?;
+    let pictures = out.join("pictures");
+    fs::create_dir_all(&pictures).with_context(|| format!("cannot make {}", pictures.display()))?;
+    for picture in PICTURES {
+        copy(&root().join(picture), &pictures)?;
+    }
+    print_sizes(out)
+}
+
 /// Returns cargo's target folder.
-fn target_folder() -> Result<PathBuf> {
+pub(crate) fn target_folder() -> Result<PathBuf> {
     let output = cargo()
         .args(["metadata", "--format-version", "1", "--no-deps"])
         .output()?;
@@ -93,30 +99,14 @@ fn bind(target: &Path, wasm: &Path, out: &Path) -> Result<()> {
 /// Returns the program `wasm-bindgen` of the version that the viewer is built with; installs it if there is none.
 fn bindgen(target: &Path) -> Result<PathBuf> {
     let version = locked_version(&fs::read_to_string(root().join("Cargo.lock"))?)?;
-    let tools = target.join("tools");
-    let name = format!("wasm-bindgen{}", std::env::consts::EXE_SUFFIX);
-    let own = tools.join("bin").join(name);
-    for program in [own.clone(), PathBuf::from("wasm-bindgen")] {
-        if says_version(&program, &version) {
-            return Ok(program);
-        }
-    }
-    println!(
-        "installing wasm-bindgen {version} into {}: it writes the script that loads the viewer, and must be of the version in Cargo.lock",
-        tools.display()
-    );
-    let install = |how: &[&str]| {
-        let mut install = cargo();
-        install.args(["install", "wasm-bindgen-cli", "--version", &version]);
-        run(install.args(how).arg("--root").arg(&tools))
+    let tool = Tool {
+        package: "wasm-bindgen-cli",
+        program: "wasm-bindgen",
+        version: &version,
+        reason: "it writes the script that loads the viewer, and must be of the version in Cargo.lock",
+        options: &[],
     };
-    // Mirrors of crates.io may lack what was locked.
-    install(&["--force", "--locked"])
-        .or_else(|_| install(&["--force"]))
-        .with_context(|| {
-            format!("put wasm-bindgen {version} on the PATH by hand, or connect to crates.io")
-        })?;
-    Ok(own)
+    tool.find_or_install(target)
 }
 
 /// Returns the version of `wasm-bindgen` in a lock file.
@@ -132,15 +122,6 @@ fn locked_version(lock: &str) -> Result<String> {
         })
         .map(str::to_owned)
         .context("Cargo.lock names no wasm-bindgen: run `cargo check -p umbrage-viewer`")
-}
-
-/// Whether a program is there, and is of that version.
-fn says_version(program: &Path, version: &str) -> bool {
-    let Ok(output) = Command::new(program).arg("--version").output() else {
-        return false;
-    };
-    let told = String::from_utf8_lossy(&output.stdout);
-    told.split_whitespace().nth(1) == Some(version)
 }
 
 /// Makes a module smaller where `wasm-opt` is installed. Old releases of it don't know what compilers write today: then the module
@@ -179,7 +160,7 @@ fn print_sizes(out: &Path) -> Result<()> {
     let mut table = Table::new();
     table.set_header(["file", "bytes", "compressed (gzip)"]);
     let mut sum = Some(0);
-    for name in ["index.html", "umbrage.js", "umbrage_bg.wasm"] {
+    for name in ["index.html", "worker.js", "umbrage.js", "umbrage_bg.wasm"] {
         let file = out.join(name);
         let bytes = fs::metadata(&file)
             .with_context(|| format!("cannot read {}", file.display()))?
@@ -234,6 +215,9 @@ mod tests {
             let name = file.file_name().expect("a name").to_string_lossy();
             assert!(page.contains(&format!("pictures/{name}")), "{picture}");
         }
-        assert!(page.contains(&format!("./{STEM}.js")));
+        let worker = fs::read_to_string(root().join(WORKER)).expect("readable");
+        for script in [page, worker] {
+            assert!(script.contains(&format!("./{STEM}.js")));
+        }
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::{Invalid, invalid};
 use glam::{BVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box; empty when `min > max` in any axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aabb {
     /// The corner with the smallest coordinates.
     pub min: Vec3,

@@ -11,6 +11,7 @@ mod placed;
 pub(crate) mod ray_box;
 pub(crate) mod ray_triangle;
 pub(crate) mod segment_lanes;
+mod serialized;
 pub(crate) mod shaft;
 pub(crate) mod subdivide;
 pub(crate) mod weld;
@@ -35,6 +36,9 @@ use std::{
 pub const NO_MATERIAL: u32 = u32::MAX;
 
 /// World-space triangles, ordered so that casters and receivers are each one contiguous range. Copies share the triangles.
+///
+/// `serde` writes the triangles, without what is found on first use; what is read back has the same
+/// [fingerprint](Geometry::fingerprint).
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     placed: Arc<PlacedMeshes>,

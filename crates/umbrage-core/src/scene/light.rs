@@ -5,9 +5,10 @@ use crate::{
     invalid::{direction, finite, not_negative, positive},
 };
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// A light. Lights with an extent emit from all of it, to both sides, and are seen as a fraction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Light {
     /// Infinitely far.
     Directional {

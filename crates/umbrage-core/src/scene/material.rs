@@ -5,9 +5,10 @@ use crate::{
     invalid::{finite, not_negative},
 };
 use glam::{UVec2, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// Texels of any meaning: colour, tangent-space normals, height.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Texture {
     /// A name for error messages.
     pub name: String,
@@ -18,7 +19,7 @@ pub struct Texture {
 }
 
 /// How a surface looks. Colours are linear, 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// Colour of diffuse reflection; multiplied with the texture, if there is one.
     pub diffuse: Vec3,
@@ -39,7 +40,7 @@ pub struct Material {
 
 /// Relief: each vertex moves along its unit normal by `lambda (2 h - 1)`, where h is the first channel of the texture at
 /// its uv, bilinear and repeating. It is baked into the geometry, so that camera and light see the same relief.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Displacement {
     /// Index into the scene's textures.
     pub texture: usize,

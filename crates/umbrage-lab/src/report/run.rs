@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::{
     fs,
     io::ErrorKind,
-    path::{Path, PathBuf},
+    path::{Component, Path, PathBuf},
 };
 use umbrage_core::Invalid;
 
@@ -30,6 +30,17 @@ fn holds_scenes(folder: &Path) -> bool {
     inside
         .into_iter()
         .any(|entry| entry.path().join(store::FILE).is_file())
+}
+
+/// Whether a name is that of something directly inside a folder. Whoever merges removes and writes folders by the names that a file
+/// tells, which must not lead elsewhere.
+fn is_inside(name: &str) -> bool {
+    let mut parts = Path::new(name).components();
+    let only = match (parts.next(), parts.next()) {
+        (Some(Component::Normal(part)), None) => Some(part),
+        _ => None,
+    };
+    only.is_some_and(|part| part == name)
 }
 
 impl Run {
@@ -57,8 +68,16 @@ impl Run {
                 return Err(Invalid::new(what, why, help));
             }
         };
-        serde_json::from_slice(&bytes)
-            .map_err(|e| Invalid::new(what, format!("has a damaged {FILE}: {e}"), help))
+        let damaged =
+            |why: String| Invalid::new(what, format!("has a damaged {FILE}: {why}"), help);
+        let run: Self = match serde_json::from_slice(&bytes) {
+            Ok(run) => run,
+            Err(error) => return Err(damaged(error.to_string())),
+        };
+        match run.plan.scenes.iter().find(|name| !is_inside(name)) {
+            Some(name) => Err(damaged(format!("no scene's folder can be `{name}`"))),
+            None => Ok(run),
+        }
     }
 
     /// Returns the run's scenes that are there, each with its folder.
@@ -109,4 +128,38 @@ pub(crate) fn measured_scenes(report: &Path) -> Result<Vec<MeasuredScene>, Inval
         result: stored.result,
     });
     Ok(measured.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns what comes of reading a folder whose run names a scene.
+    fn read(scene: &str) -> Result<Run, Invalid> {
+        let plan = ComparisonPlan {
+            schema: 0,
+            options: String::new(),
+            scenes: vec![scene.to_owned()],
+            contents: vec![String::new()],
+        };
+        let run = Run {
+            plan,
+            places: vec![0],
+        };
+        let folder = tempfile::tempdir().expect("a folder");
+        let json = serde_json::to_vec(&run).expect("written");
+        fs::write(folder.path().join(FILE), json).expect("written");
+        Run::read(folder.path(), "compare")
+    }
+
+    #[test]
+    fn scenes_lie_inside_their_folder() {
+        for name in ["cubes", "results.json-2", "ä", "_con", "x-"] {
+            assert!(read(name).is_ok(), "{name}");
+        }
+        for name in ["", ".", "..", "../cubes", "/tmp/cubes", "a/b", "a/", "./a"] {
+            let error = read(name).expect_err(name).to_string();
+            assert!(error.contains("damaged"), "{error}");
+        }
+    }
 }

@@ -1,18 +1,26 @@
 //! Texture files of a scene, each read once.
 
 use super::pixels::{Meaning, load_texture};
-use crate::SceneError;
+use crate::{Files, SceneError};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use umbrage_core::Texture;
 
-/// What has been read already.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct TextureFiles {
+/// Where textures are read from, and what has been read already.
+pub(crate) struct TextureFiles<'a> {
+    /// All files of the scene.
+    pub(crate) files: &'a dyn Files,
     known: HashMap<(PathBuf, Meaning), usize>,
 }
 
-impl TextureFiles {
+impl<'a> TextureFiles<'a> {
+    pub(crate) fn new(files: &'a dyn Files) -> Self {
+        Self {
+            files,
+            known: HashMap::new(),
+        }
+    }
+
     /// The index among `textures` of what a file holds.
     pub(crate) fn index(
         &mut self,
@@ -24,7 +32,7 @@ impl TextureFiles {
         if let Some(&index) = self.known.get(&key) {
             return Ok(index);
         }
-        textures.push(load_texture(path, meaning)?);
+        textures.push(load_texture(path, self.files, meaning)?);
         self.known.insert(key, textures.len() - 1);
         Ok(textures.len() - 1)
     }

@@ -1,8 +1,7 @@
 //! Textures from PNG files.
 
-use crate::SceneError;
+use crate::{Files, SceneError};
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
-use std::io::BufReader;
 use std::path::Path;
 use umbrage_core::glam::UVec2;
 use umbrage_core::{Texture, picture};
@@ -21,8 +20,12 @@ pub(crate) enum Meaning {
 
 /// A texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey is in all three channels, and
 /// alpha is 1 where there is none.
-pub(crate) fn load_texture(path: &Path, meaning: Meaning) -> Result<Texture, SceneError> {
-    let image = load_image(path)?;
+pub(crate) fn load_texture(
+    path: &Path,
+    files: &dyn Files,
+    meaning: Meaning,
+) -> Result<Texture, SceneError> {
+    let image = load_image(path, files)?;
     let size = UVec2::new(image.width(), image.height());
     let name = path
         .file_name()
@@ -36,11 +39,13 @@ pub(crate) fn load_texture(path: &Path, meaning: Meaning) -> Result<Texture, Sce
     })
 }
 
-pub(super) fn load_image(path: &Path) -> Result<DynamicImage, SceneError> {
-    let file = std::fs::File::open(path).map_err(|e| SceneError::unreadable(path, &e))?;
+pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage, SceneError> {
+    let source = files
+        .open(path)
+        .map_err(|e| SceneError::unreadable(path, &e, files))?;
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
-    let mut reader = ImageReader::with_format(BufReader::new(file), ImageFormat::Png);
+    let mut reader = ImageReader::with_format(source, ImageFormat::Png);
     reader.limits(limits);
     reader.decode().map_err(|e| SceneError::Unreadable {
         file: path.display().to_string(),

@@ -5,7 +5,7 @@ fn read(image: &DynamicImage, meaning: Meaning) -> Texture {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("some.png");
     image.save(&path).unwrap();
-    let texture = load_texture(&path, meaning).unwrap();
+    let texture = load_texture(&path, &crate::FilesOnDisk, meaning).unwrap();
     texture.validate().unwrap();
     texture
 }
@@ -71,7 +71,11 @@ fn alpha_is_not_encoded_and_rows_run_from_the_top() {
 fn what_is_no_png_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("some.png");
-    let message = || load_texture(&path, Meaning::Color).unwrap_err().to_string();
+    let message = || {
+        load_texture(&path, &crate::FilesOnDisk, Meaning::Color)
+            .unwrap_err()
+            .to_string()
+    };
     assert!(message().contains("check the path"), "{}", message());
     std::fs::write(&path, b"GIF89a").unwrap();
     assert!(

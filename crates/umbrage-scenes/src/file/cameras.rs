@@ -4,7 +4,7 @@ use super::{
     camera,
     table::{Source, Table},
 };
-use crate::SceneError;
+use crate::{FilesOnDisk, SceneError};
 use std::path::Path;
 use toml::de::DeTable;
 use umbrage_core::glam::Affine3A;
@@ -32,7 +32,7 @@ const MAX_BETWEEN: u32 = 1000;
 /// # Errors
 /// Errors if the file can't be read or holds no camera, with the line and what would help.
 pub fn cameras(path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, SceneError> {
-    let text = super::text_of(path)?;
+    let text = super::text_of(path, &FilesOnDisk)?;
     parse(&text, path, geometry)
 }
 

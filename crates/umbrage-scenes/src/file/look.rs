@@ -34,7 +34,7 @@ pub(super) struct Look<'a> {
 pub(super) fn read<'a>(
     table: &Table<'a>,
     folder: &Path,
-    files: &mut TextureFiles,
+    files: &mut TextureFiles<'_>,
     scene: &mut Scene,
 ) -> Result<Option<Look<'a>>, SceneError> {
     if KEYS.iter().all(|key| table.get(key).is_none()) {

@@ -1,5 +1,5 @@
-use super::super::{load, parse};
-use crate::SceneError;
+use super::super::{parse, read};
+use crate::{FilesOnDisk, SceneError};
 use std::path::Path;
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Displacement, Geometry, Material, Scene};
@@ -23,7 +23,7 @@ fn scene(objects: &str) -> Result<Scene, SceneError> {
     std::fs::write(at("bare.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap();
     std::fs::write(at("broken.png"), "no picture").unwrap();
     std::fs::write(at("scene.toml"), format!("{LIGHT}{objects}")).unwrap();
-    load(&at("scene.toml"))
+    read(&at("scene.toml"), &FilesOnDisk)
 }
 
 fn message(object: &str) -> String {
@@ -200,7 +200,7 @@ fn faults_name_the_line_and_the_key() {
 fn text_without_a_folder_finds_no_textures() {
     let text = format!("{LIGHT}[[object]]\nshape = \"box\"\ntexture = \"nowhere.png\"");
     assert!(
-        parse(&text, Path::new("scene.toml"), Path::new(""))
+        parse(&text, Path::new("scene.toml"), Path::new(""), &FilesOnDisk)
             .unwrap_err()
             .to_string()
             .contains("nowhere.png")

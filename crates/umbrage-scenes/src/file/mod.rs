@@ -12,8 +12,11 @@ mod tests;
 
 pub use cameras::cameras;
 
-use crate::{SceneError, error::Place, obj};
-use std::path::Path;
+use crate::{Files, SceneError, error::Place, obj};
+use std::{
+    io::{self, Read as _},
+    path::Path,
+};
 use table::{Source, Table};
 use toml::de::DeTable;
 use umbrage_core::{Anchor, Geometry, MAX_NAME_BYTES, Scene};
@@ -21,21 +24,24 @@ use umbrage_core::{Anchor, Geometry, MAX_NAME_BYTES, Scene};
 /// Longest scene file that is read.
 const LONGEST: u64 = 16 << 20;
 
-pub(crate) fn load(path: &Path) -> Result<Scene, SceneError> {
-    let text = text_of(path)?;
-    parse(&text, path, path.parent().unwrap_or(Path::new("")))
+/// Reads the scene file at `path` among `files`.
+pub(crate) fn read(path: &Path, files: &dyn Files) -> Result<Scene, SceneError> {
+    let text = text_of(path, files)?;
+    parse(&text, path, path.parent().unwrap_or(Path::new("")), files)
 }
 
 /// Returns the text of a file of ours.
-fn text_of(path: &Path) -> Result<String, SceneError> {
+fn text_of(path: &Path, files: &dyn Files) -> Result<String, SceneError> {
     let read = || {
-        let about = std::fs::metadata(path)?;
-        match about.is_file() && about.len() <= LONGEST {
-            true => std::fs::read_to_string(path),
-            false => Err(std::io::Error::other("is not a file of at most 16 MiB")),
+        let mut text = String::new();
+        let source = files.open(path)?;
+        // A byte more tells that there are more.
+        if source.take(LONGEST + 1).read_to_string(&mut text)? as u64 > LONGEST {
+            return Err(io::Error::other("is over 16 MiB long"));
         }
+        Ok(text)
     };
-    read().map_err(|e| SceneError::unreadable(path, &e))
+    read().map_err(|e| SceneError::unreadable(path, &e, files))
 }
 
 /// Returns the error of a text that is not TOML.
@@ -48,7 +54,13 @@ fn syntax(source: &Source<'_>, e: &toml::de::Error) -> SceneError {
     )
 }
 
-pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, SceneError> {
+/// Reads a scene from a text; `path` stands for its file. What it names is looked for in `folder`.
+pub(crate) fn parse(
+    text: &str,
+    path: &Path,
+    folder: &Path,
+    files: &dyn Files,
+) -> Result<Scene, SceneError> {
     let source = Source {
         file: path.display().to_string(),
         text,
@@ -92,7 +104,7 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
         "has no [[object]]",
         "add one with shape = \"box\" or mesh = \"model.obj\"",
     )?;
-    object::read_all(&objects, folder, anchor, &mut scene)?;
+    object::read_all(&objects, folder, files, anchor, &mut scene)?;
     add_camera(&root, anchor, &mut scene)?;
     Ok(scene)
 }

@@ -5,7 +5,7 @@ use super::{
     table::{Item, Table},
 };
 use crate::{
-    SceneError,
+    Files, SceneError,
     detail::{TextureFiles, with_tangents},
     lone_model::SIZES,
     obj::{self, Part},
@@ -34,19 +34,20 @@ const SPHERE_SPLITS: u32 = 4;
 pub(super) fn read_all(
     tables: &[Table<'_>],
     folder: &Path,
+    files: &dyn Files,
     anchor: Anchor,
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
     let mut known = HashMap::new();
-    let mut files = TextureFiles::default();
+    let mut textures = TextureFiles::new(files);
     for table in tables {
         table.only(&[KEYS.as_slice(), &look::KEYS].concat())?;
         let (source, item) = shape_or_mesh(table, folder)?;
-        let look = look::read(table, folder, &mut files, scene)?;
+        let look = look::read(table, folder, &mut textures, scene)?;
         let needs = Needs::of(look.as_ref());
         let key = (source, needs);
         if !known.contains_key(&key) {
-            let parts = make(&key.0, &needs, &item, &mut files, scene)?;
+            let parts = make(&key.0, &needs, &item, &mut textures, scene)?;
             known.insert(key.clone(), parts);
         }
         let parts = &known[&key];
@@ -201,7 +202,7 @@ fn make(
     source: &Source,
     needs: &Needs,
     item: &Item<'_>,
-    files: &mut TextureFiles,
+    textures: &mut TextureFiles<'_>,
     scene: &mut Scene,
 ) -> Result<Vec<Part>, SceneError> {
     let parts = match source {
@@ -216,8 +217,8 @@ fn make(
             }]
         }
         Source::Model(path) => {
-            let files = (*needs == Needs::OwnLooks).then_some(files);
-            obj::add(path, files, scene).map_err(|source| SceneError::Named {
+            let has_looks = *needs == Needs::OwnLooks;
+            obj::add(path, textures, has_looks, scene).map_err(|source| SceneError::Named {
                 place: item.place(),
                 source: Box::new(source),
             })?

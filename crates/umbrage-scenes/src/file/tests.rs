@@ -1,9 +1,10 @@
 use super::*;
+use crate::FilesOnDisk;
 use umbrage_core::Light;
 use umbrage_core::glam::{Affine3A, UVec2, Vec3};
 
 fn read(text: &str) -> Result<Scene, SceneError> {
-    parse(text, Path::new("scene.toml"), Path::new(""))
+    parse(text, Path::new("scene.toml"), Path::new(""), &FilesOnDisk)
 }
 
 const CAMERA: &str = "[camera]\neye = [0, 1, 5]\ntarget = [0, 0, 0]\n";
@@ -49,7 +50,7 @@ receives = false
 "#;
     let path = folder.path().join("lamp.toml");
     std::fs::write(&path, text).unwrap();
-    let scene = load(&path).unwrap();
+    let scene = super::read(&path, &FilesOnDisk).unwrap();
     assert_eq!(scene.name, "teapot under a lamp");
     assert_eq!(scene.cameras[0].size, UVec2::new(320, 240));
     assert!(scene.cameras[0].eye().distance(Vec3::new(5.0, 5.2, 9.0)) < 1e-5);
@@ -596,13 +597,13 @@ fn faults_of_a_model_are_told_with_both_places() {
     let path = folder.path().join("scene.toml");
     let scene = format!("{LIGHT}[[object]]\nmesh = \"broken.obj\"\n");
     std::fs::write(&path, scene).unwrap();
-    let message = load(&path).unwrap_err().to_string();
+    let message = super::read(&path, &FilesOnDisk).unwrap_err().to_string();
     assert!(
         message.contains("scene.toml:5: `object.mesh`: ") && message.contains("can't be read"),
         "{message}"
     );
     std::fs::write(folder.path().join("broken.obj"), "v 0 0 0\nf 1 2 3").unwrap();
-    let message = load(&path).unwrap_err().to_string();
+    let message = super::read(&path, &FilesOnDisk).unwrap_err().to_string();
     assert!(
         message.contains("scene.toml:5: `object.mesh`: ") && message.contains("broken.obj:2: "),
         "{message}"
@@ -612,7 +613,7 @@ fn faults_of_a_model_are_told_with_both_places() {
 #[test]
 fn files_that_hold_no_text_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let message = |path: &Path| load(path).unwrap_err().to_string();
+    let message = |path: &Path| super::read(path, &FilesOnDisk).unwrap_err().to_string();
     assert!(message(&folder.path().join("none.toml")).contains("check the path"));
     assert!(message(folder.path()).contains("is not a file"));
     let binary = folder.path().join("binary.toml");

@@ -4,11 +4,14 @@
 //! aside.
 
 use crate::{
-    SceneError,
+    Files, SceneError,
     detail::{Meaning, TextureFiles},
     error::Place,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    io::Read as _,
+    path::{Path, PathBuf},
+};
 use umbrage_core::glam::Vec3;
 use umbrage_core::{MAX_SHININESS_LOG2, Material, Texture};
 
@@ -25,15 +28,20 @@ pub(super) struct Entry {
 }
 
 /// The entries of a file; none if there is no such file, since models often come without theirs.
-pub(super) fn load(path: &Path) -> Result<Vec<Entry>, SceneError> {
-    if !path.is_file() {
+pub(super) fn load(path: &Path, files: &dyn Files) -> Result<Vec<Entry>, SceneError> {
+    if !files.has(path) {
         return Ok(Vec::new());
     }
-    let read = || match std::fs::metadata(path)?.len() <= LONGEST {
-        true => std::fs::read(path),
-        false => Err(std::io::Error::other("is over 16 MiB long")),
+    let read = || {
+        let mut bytes = Vec::new();
+        let source = files.open(path)?;
+        // A byte more tells that there are more.
+        match source.take(LONGEST + 1).read_to_end(&mut bytes)? as u64 <= LONGEST {
+            true => Ok(bytes),
+            false => Err(std::io::Error::other("is over 16 MiB long")),
+        }
     };
-    let bytes = read().map_err(|e| SceneError::unreadable(path, &e))?;
+    let bytes = read().map_err(|e| SceneError::unreadable(path, &e, files))?;
     parse(&String::from_utf8_lossy(&bytes), path)
 }
 
@@ -88,14 +96,14 @@ impl Entry {
     pub(super) fn material(
         &self,
         mapped: bool,
-        files: &mut TextureFiles,
+        files: &mut TextureFiles<'_>,
         textures: &mut Vec<Texture>,
     ) -> Result<Material, SceneError> {
         let mut material = self.material;
-        if let Some(path) = usable_map(self.color_map.as_deref(), mapped) {
+        if let Some(path) = usable_map(self.color_map.as_deref(), mapped, files.files) {
             material.diffuse_texture = Some(files.index(path, Meaning::Color, textures)?);
         }
-        if let Some(path) = usable_map(self.normal_map.as_deref(), mapped) {
+        if let Some(path) = usable_map(self.normal_map.as_deref(), mapped, files.files) {
             let map = files.index(path, Meaning::Data, textures)?;
             // Grey ones are heights, whose scale is not known.
             let is_grey = textures[map]
@@ -109,8 +117,8 @@ impl Entry {
 }
 
 /// Returns a texture's path, if it is named, is there, and the mesh can show it.
-fn usable_map(map: Option<&Path>, mapped: bool) -> Option<&Path> {
-    map.filter(|path| mapped && path.is_file())
+fn usable_map<'a>(map: Option<&'a Path>, mapped: bool, files: &dyn Files) -> Option<&'a Path> {
+    map.filter(|path| mapped && files.has(path))
 }
 
 /// One or three numbers, cut off at 0 and 1.

@@ -1,5 +1,5 @@
-use super::{load_scene, material::parse};
-use crate::SceneError;
+use super::{material::parse, read_scene};
+use crate::{FilesOnDisk, SceneError, detail::TextureFiles};
 use std::path::Path;
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Geometry, Scene};
@@ -19,7 +19,7 @@ fn load(mtl: Option<&str>, images: &[(&str, [u8; 3])]) -> Result<Scene, SceneErr
             .save(folder.path().join(name))
             .unwrap();
     }
-    let mut scene = load_scene(&folder.path().join("m.obj"))?;
+    let mut scene = read_scene(&folder.path().join("m.obj"), &FilesOnDisk)?;
     // The floor comes last; these tests are about the model.
     assert_eq!(
         scene.meshes.pop().map(|mesh| mesh.name),
@@ -97,7 +97,7 @@ fn broken_looks_are_refused_with_their_line() {
     std::fs::write(folder.path().join("m.obj"), QUADS).unwrap();
     std::fs::write(folder.path().join("looks.mtl"), LOOKS).unwrap();
     std::fs::write(folder.path().join("brick.png"), "no picture").unwrap();
-    let text = load_scene(&folder.path().join("m.obj"))
+    let text = read_scene(&folder.path().join("m.obj"), &FilesOnDisk)
         .unwrap_err()
         .to_string();
     assert!(
@@ -120,7 +120,7 @@ fn powers_are_rounded_to_powers_of_two() {
     ] {
         let entries = parse(&format!("newmtl a\nNs {ns}"), Path::new("a.mtl")).unwrap();
         let material = entries[0]
-            .material(false, &mut Default::default(), &mut Vec::new())
+            .material(false, &mut TextureFiles::new(&FilesOnDisk), &mut Vec::new())
             .unwrap();
         assert_eq!(material.shininess_log2, expected, "{ns}");
     }

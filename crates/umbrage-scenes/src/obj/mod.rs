@@ -9,7 +9,7 @@ mod parts;
 mod tests;
 
 use crate::{
-    SceneError, detail::TextureFiles, error::Place, framing::frame, lone_model,
+    Files, SceneError, detail::TextureFiles, error::Place, framing::frame, lone_model,
     polygon::triangulate,
 };
 use clean::Cleaner;
@@ -21,16 +21,7 @@ use umbrage_core::glam::{Affine3A, Vec2, Vec3};
 use umbrage_core::{Camera, Geometry, Instance, Mesh, Scene};
 
 /// A model alone, on a floor, framed, in the sun: see [`lone_model`].
-pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {
-    scene_of(load(path)?, path)
-}
-
-/// The same of a model in memory; `path` stands for its file.
-pub(crate) fn read_scene(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
-    scene_of(read(path, bytes)?, path)
-}
-
-fn scene_of(model: Model, path: &Path) -> Result<Scene, SceneError> {
+pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
     let invalid = |source| SceneError::Invalid {
         file: file.clone(),
@@ -40,7 +31,7 @@ fn scene_of(model: Model, path: &Path) -> Result<Scene, SceneError> {
         name: name_of(path),
         ..Scene::default()
     };
-    for part in parts::add(model, path, Some(&mut TextureFiles::default()), &mut scene)? {
+    for part in add(path, &mut TextureFiles::new(files), true, &mut scene)? {
         let mut instance = Instance::new(part.mesh, Affine3A::IDENTITY);
         instance.material = part.material;
         scene.instances.push(instance);
@@ -81,31 +72,26 @@ pub(crate) fn name_of(path: &Path) -> String {
     )
 }
 
-/// Adds the faces of an OBJ file to a scene: a mesh for each material, or one mesh without looks if no `files` are
-/// given.
+/// Adds the faces of an OBJ file to a scene: a mesh for each material, or one mesh without looks unless it `has_looks`.
 pub(crate) fn add(
     path: &Path,
-    files: Option<&mut TextureFiles>,
+    textures: &mut TextureFiles<'_>,
+    has_looks: bool,
     scene: &mut Scene,
 ) -> Result<Vec<Part>, SceneError> {
-    parts::add(load(path)?, path, files, scene)
+    let files = textures.files;
+    let unreadable = |e: &std::io::Error| SceneError::unreadable(path, e, files);
+    let source = files.open(path).map_err(|e| unreadable(&e))?;
+    let model = parse(path, source, &unreadable)?;
+    parts::add(model, path, has_looks.then_some(textures), scene)
 }
 
-fn load(path: &Path) -> Result<Model, SceneError> {
-    let open = || {
-        let file = std::fs::File::open(path)?;
-        // Else a directory opens, and fails on reading with less to say; a pipe might never end.
-        if file.metadata()?.is_file() {
-            Ok(file)
-        } else {
-            Err(std::io::Error::other("is not a file"))
-        }
-    };
-    let file = open().map_err(|e| SceneError::unreadable(path, &e))?;
-    read(path, BufReader::new(file))
-}
-
-fn read(path: &Path, source: impl BufRead) -> Result<Model, SceneError> {
+/// Reads a model; `unreadable` is the error of a source that fails.
+fn parse(
+    path: &Path,
+    source: impl BufRead,
+    unreadable: &dyn Fn(&std::io::Error) -> SceneError,
+) -> Result<Model, SceneError> {
     let mut clean = BufReader::new(Cleaner::new(source));
     let options = tobj::LoadOptions {
         single_index: true,
@@ -130,7 +116,7 @@ fn read(path: &Path, source: impl BufRead) -> Result<Model, SceneError> {
         return Err(fault(Some(f.line), f.why, f.help));
     }
     if let Some(error) = clean.failure {
-        return Err(SceneError::unreadable(path, &error));
+        return Err(unreadable(&error));
     }
     let (models, _) = parsed.map_err(|e| {
         fault(

@@ -2,7 +2,7 @@
 
 use super::material::{self, Entry};
 use crate::{
-    SceneError,
+    Files, SceneError,
     detail::{TextureFiles, with_tangents},
 };
 use std::collections::HashMap;
@@ -29,11 +29,11 @@ pub(super) struct Looks {
 pub(super) fn add(
     model: Model,
     path: &Path,
-    files: Option<&mut TextureFiles>,
+    files: Option<&mut TextureFiles<'_>>,
     scene: &mut Scene,
 ) -> Result<Vec<Part>, SceneError> {
-    let entries = match files {
-        Some(_) => entries(&model.looks, path)?,
+    let entries = match &files {
+        Some(files) => entries(&model.looks, path, files.files)?,
         None => Vec::new(),
     };
     let (Some(files), false) = (files, entries.is_empty()) else {
@@ -68,11 +68,12 @@ pub(super) fn add(
     Ok(parts)
 }
 
-fn entries(looks: &Looks, path: &Path) -> Result<Vec<Entry>, SceneError> {
+fn entries(looks: &Looks, path: &Path, files: &dyn Files) -> Result<Vec<Entry>, SceneError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut entries = Vec::new();
     for library in &looks.libraries {
-        entries.extend(material::load(&folder.join(library.replace('\\', "/")))?);
+        let library = folder.join(library.replace('\\', "/"));
+        entries.extend(material::load(&library, files)?);
     }
     Ok(entries)
 }

@@ -1,9 +1,16 @@
 use super::*;
+use crate::FilesOnDisk;
 use std::io::Cursor;
 use umbrage_core::Light;
 
 fn read(text: impl AsRef<[u8]>) -> Result<Mesh, SceneError> {
-    super::read(Path::new("model.obj"), Cursor::new(text.as_ref().to_vec())).map(|model| model.mesh)
+    parsed(Cursor::new(text.as_ref().to_vec()))
+}
+
+fn parsed(source: impl BufRead) -> Result<Mesh, SceneError> {
+    let path = Path::new("model.obj");
+    let unreadable = |error: &std::io::Error| SceneError::unreadable(path, error, &FilesOnDisk);
+    parse(path, source, &unreadable).map(|model| model.mesh)
 }
 
 /// The error's line and text.
@@ -212,16 +219,18 @@ fn a_source_that_fails_is_told_apart_from_bad_text() {
             Err(std::io::Error::other("the disk is gone"))
         }
     }
-    let error = super::read(Path::new("m.obj"), BufReader::new(Broken)).unwrap_err();
+    let error = parsed(BufReader::new(Broken)).unwrap_err();
     assert!(error.to_string().contains("the disk is gone"), "{error}");
 }
 
 #[test]
 fn paths_that_hold_no_file_are_refused() {
     let folder = tempfile::Builder::new().suffix(".obj").tempdir().unwrap();
-    let error = load_scene(folder.path()).unwrap_err().to_string();
+    let error = read_scene(folder.path(), &FilesOnDisk)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("is not a file"), "{error}");
-    let error = load_scene(&folder.path().join("missing.obj"))
+    let error = read_scene(&folder.path().join("missing.obj"), &FilesOnDisk)
         .unwrap_err()
         .to_string();
     assert!(
@@ -285,7 +294,7 @@ fn models_of_any_size_fill_the_picture() {
         (1.0, 1000.0),
     ] {
         let folder = model_file(scale, offset);
-        let scene = load_scene(&folder.path().join("cube.obj")).unwrap();
+        let scene = read_scene(&folder.path().join("cube.obj"), &FilesOnDisk).unwrap();
         scene.validate().unwrap();
         assert_eq!((scene.name.as_str(), scene.lights.len()), ("cube", 1));
         let corners = framed_corners(&scene);
@@ -308,7 +317,7 @@ fn models_of_any_size_fill_the_picture() {
 fn models_beyond_32_bit_floats_are_refused() {
     for scale in [0.0, 1e-9, 1e12] {
         let folder = model_file(scale, 0.0);
-        let error = load_scene(&folder.path().join("cube.obj"))
+        let error = read_scene(&folder.path().join("cube.obj"), &FilesOnDisk)
             .unwrap_err()
             .to_string();
         assert!(

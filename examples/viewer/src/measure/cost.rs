@@ -43,14 +43,18 @@ impl Cost {
         })
     }
 
-    /// Returns what a frame costs, milliseconds.
-    pub(crate) fn milliseconds(&self, motion: FrameMotion) -> f64 {
-        let draws = match motion {
+    /// Whether maps and lists are made anew with each frame.
+    pub(crate) fn draws(&self, motion: FrameMotion) -> bool {
+        match motion {
             FrameMotion::Still => false,
             FrameMotion::CameraMoves => self.follows_camera,
             FrameMotion::AllMoves => true,
-        };
-        if draws {
+        }
+    }
+
+    /// Returns what a frame costs, milliseconds.
+    pub(crate) fn milliseconds(&self, motion: FrameMotion) -> f64 {
+        if self.draws(motion) {
             self.lookup_ms + self.draw_ms
         } else {
             self.lookup_ms

@@ -10,6 +10,8 @@ pub(crate) struct MaskError {
     /// Share of pixels that are off by more than a sixteenth.
     pub wrong: f64,
     pub pixels: usize,
+    /// Pixels left out since truth itself hangs on rounding there; none before that is known.
+    pub ambiguous: Option<usize>,
 }
 
 /// What is laid over the picture.
@@ -58,8 +60,13 @@ pub(crate) fn mask_error(truth: &TruthSoFar, mask: &[f32]) -> MaskError {
     let mut squares = 0.0;
     let mut wrong = 0_usize;
     let mut pixels = 0_usize;
+    let mut ambiguous = 0_usize;
     for (i, &value) in mask.iter().enumerate() {
         if !truth.is_traced[i] || truth.is_left_out[i] {
+            continue;
+        }
+        if truth.is_ambiguous[i] {
+            ambiguous += 1;
             continue;
         }
         let off = f64::from(value - truth.visibility[i]);
@@ -72,6 +79,7 @@ pub(crate) fn mask_error(truth: &TruthSoFar, mask: &[f32]) -> MaskError {
         rmse: (squares / count).sqrt(),
         wrong: wrong as f64 / count,
         pixels,
+        ambiguous: truth.is_checked.then_some(ambiguous),
     }
 }
 
@@ -89,6 +97,7 @@ pub(crate) fn picture(kind: Picture, truth: &TruthSoFar, mask: Option<&[f32]>) -
         match (kind, mask) {
             (Picture::Truth, _) => gray(truth.visibility[i]),
             (Picture::Mask, Some(mask)) => gray(mask[i]),
+            (Picture::Error, _) if truth.is_ambiguous[i] => [0, 0, 0, 0],
             (Picture::Error, Some(mask)) => error_color(mask[i] - truth.visibility[i]),
             _ => [0, 0, 0, 0],
         }
@@ -125,6 +134,8 @@ mod tests {
             visibility: vec![0.0, 1.0, 0.5, 1.0],
             is_traced: vec![true, true, true, false],
             is_left_out: vec![false, false, false, false],
+            is_ambiguous: vec![false, false, false, false],
+            is_checked: false,
             progress: 1.0,
         }
     }
@@ -137,6 +148,20 @@ mod tests {
         let other = mask_error(&truth, &[1.0, 1.0, 0.5, 0.0]);
         assert!((other.rmse - (1.0_f64 / 3.0).sqrt()).abs() < 1e-9);
         assert!((other.wrong - 1.0 / 3.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn ambiguous_pixels_count_in_no_error() {
+        let mut truth = truth();
+        truth.is_ambiguous[0] = true;
+        truth.is_checked = true;
+        let error = mask_error(&truth, &[1.0, 1.0, 0.5, 0.0]);
+        assert_eq!(
+            (error.rmse, error.pixels, error.ambiguous),
+            (0.0, 2, Some(1))
+        );
+        let over = picture(Picture::Error, &truth, Some(&[1.0, 1.0, 0.5, 0.0])).expect("there");
+        assert_eq!(over[3], 0);
     }
 
     #[test]

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use umbrage::{
     Camera, Geometry, Light, Receivers,
     cpu::Cpu,
-    plan::truth::{ReceiverPoint, TruthOptions, trace_points},
+    metrics::Pixel,
+    plan::truth::{self, ReceiverPoint, TruthOptions, trace_pixels, trace_points},
 };
 
 /// Sides of the blocks of pixels that share a value, from pass to pass.
@@ -15,6 +16,11 @@ const PASSES: [u32; 4] = [8, 4, 2, 1];
 const STEP: usize = 4096;
 /// The same in browsers, inside frames, for lights with an extent: each pixel takes hundreds of rays.
 const STEP_OF_FRAMES: usize = 128;
+
+/// Pixels of which a step finds out whether truth hangs on rounding there. Many, since each step copies what the moved cameras see.
+const CHECKED: usize = 16_384;
+/// The same for lights with an extent: each pixel takes hundreds of rays.
+const CHECKED_OF_EXTENTS: usize = 2048;
 
 /// What is asked for.
 #[derive(Clone)]
@@ -29,6 +35,7 @@ pub(crate) struct TruthRequest {
 }
 
 /// Truth as far as it is known.
+#[derive(Clone)]
 pub(crate) struct TruthSoFar {
     pub number: u64,
     pub receivers: Arc<Receivers>,
@@ -38,6 +45,10 @@ pub(crate) struct TruthSoFar {
     pub is_traced: Vec<bool>,
     /// Whether the pixel faces away from the light, is out of its cone, or receives nothing: it counts in no error.
     pub is_left_out: Vec<bool>,
+    /// Whether truth changes there as the image moves by what rounding may come to: such pixels count in no error, as in `compare`.
+    pub is_ambiguous: Vec<bool>,
+    /// Whether that is known.
+    pub is_checked: bool,
     /// 0..=1.
     pub progress: f32,
 }
@@ -50,8 +61,12 @@ pub(crate) struct TruthJob {
     /// Pixels of this pass that are still to be traced, the next one last.
     waiting: Vec<u32>,
     traced: usize,
+    /// Pixels of which is known whether truth hangs on rounding, among those that receive.
+    checked: usize,
     /// Pixels that receive.
     all: usize,
+    /// What cameras see that are moved by what rounding may come to.
+    moved: Vec<(Camera, Receivers)>,
 }
 
 impl TruthJob {
@@ -72,10 +87,14 @@ impl TruthJob {
                     .iter()
                     .map(|receives| !receives)
                     .collect(),
+                is_ambiguous: vec![false; count],
+                is_checked: false,
                 receivers,
                 progress: 0.0,
             },
+            checked: 0,
             all: 0,
+            moved: Vec::new(),
             request,
             pass: 0,
             waiting: Vec::new(),
@@ -87,16 +106,33 @@ impl TruthJob {
         Ok(job)
     }
 
-    /// Whether all is traced.
+    /// Whether all is known.
     pub(crate) fn is_done(&self) -> bool {
-        self.pass == PASSES.len()
+        self.so_far.is_checked
     }
 
-    /// Traces some pixels. Returns whether a pass ended, so that there is something new to show.
+    /// Traces some pixels, or finds out of some whether truth hangs on rounding there. Returns whether a pass ended, so that there is
+    /// something new to show.
     ///
     /// # Errors
     /// Errors if the light is not valid.
     pub(crate) fn step(&mut self) -> Result<bool> {
+        let ends = if self.pass < PASSES.len() {
+            self.trace()?
+        } else {
+            self.check()?
+        };
+        // Half of it is to trace, the other half to check.
+        let share = (self.traced + self.checked) as f32 / (2 * self.all.max(1)) as f32;
+        self.so_far.progress = if self.is_done() {
+            1.0
+        } else {
+            share.min(0.999)
+        };
+        Ok(ends)
+    }
+
+    fn trace(&mut self) -> Result<bool> {
         let is_quick = cfg!(not(target_arch = "wasm32")) || self.request.light.is_ideal();
         let step = if is_quick { STEP } else { STEP_OF_FRAMES };
         let rest = self.waiting.len().saturating_sub(step);
@@ -138,15 +174,69 @@ impl TruthJob {
             }
         }
         self.traced += pixels.len();
-        so_far.progress = self.traced as f32 / self.all.max(1) as f32;
         if !self.waiting.is_empty() {
             return Ok(false);
         }
         self.pass += 1;
-        if !self.is_done() {
-            self.waiting = self.pixels_of_pass();
-        }
+        self.waiting = if self.pass < PASSES.len() {
+            self.pixels_of_pass()
+        } else {
+            self.pixels_that_count()
+        };
         Ok(true)
+    }
+
+    /// Finds out of some pixels whether truth hangs on rounding there, as `compare` does.
+    fn check(&mut self) -> Result<bool> {
+        let step = if self.request.light.is_ideal() {
+            CHECKED
+        } else {
+            CHECKED_OF_EXTENTS
+        };
+        let rest = self.waiting.len().saturating_sub(step);
+        let pixels = self.waiting.split_off(rest);
+        let request = truth::TruthRequest {
+            camera: &self.request.camera,
+            geometry: &self.request.geometry,
+            receivers: &self.so_far.receivers,
+            pixels: &pixels,
+        };
+        // Visibility is known already.
+        let options = TruthOptions {
+            samples: 1,
+            penumbra_factor: 1,
+            ..TruthOptions::default()
+        };
+        let moved = &mut self.moved;
+        let mut cpu = Cpu::new();
+        let mut find = |camera: &Camera, geometry: &Geometry| {
+            // The same four cameras for all steps.
+            if let Some((_, known)) = moved.iter().find(|(of, _)| of == camera) {
+                return Ok(known.clone());
+            }
+            let receivers = cpu.receivers(camera, geometry)?;
+            moved.push((*camera, receivers.clone()));
+            Ok(receivers)
+        };
+        let light = &self.request.light;
+        let found = trace_pixels(&request, light, &options, &mut find, &|_, _| {})?;
+        for (&i, truth) in pixels.iter().zip(&found) {
+            self.so_far.is_ambiguous[i as usize] = truth.pixel == Pixel::Ambiguous;
+        }
+        self.checked += pixels.len();
+        self.so_far.is_checked = self.waiting.is_empty();
+        Ok(self.so_far.is_checked)
+    }
+
+    /// Returns the pixels that count in errors, as far as truth is known.
+    fn pixels_that_count(&mut self) -> Vec<u32> {
+        let left_out = &self.so_far.is_left_out;
+        let out: Vec<u32> = (0..left_out.len() as u32)
+            .filter(|&i| !left_out[i as usize])
+            .collect();
+        // Of the others nothing is to be found out.
+        self.checked = self.all.saturating_sub(out.len());
+        out
     }
 
     fn pixels_of_pass(&self) -> Vec<u32> {

@@ -28,6 +28,8 @@ pub(crate) struct SideFigures {
     pub mask: Option<Vec<f32>>,
     pub error: Option<MaskError>,
     pub cost: Option<Cost>,
+    /// What the mask's lookups took on the device, milliseconds; none where that has no clock.
+    pub lookup_ms: Option<f64>,
 }
 
 /// What is laid over the picture, and how densely.
@@ -104,6 +106,7 @@ impl ViewFigures {
 
     /// Forgets all.
     pub(crate) fn forget(&mut self) {
+        self.worker.give_up();
         self.truth = None;
         self.receivers = None;
         self.sides = [SideFigures::default(), SideFigures::default()];
@@ -185,8 +188,9 @@ impl ViewFigures {
         let mut has_news = false;
         for (side, figures) in renderer.sides.iter_mut().zip(&mut self.sides) {
             if let Some(pending) = &figures.pending {
-                if let Some(mask) = pending.take()? {
-                    figures.mask = Some(mask);
+                if let Some(read) = pending.take()? {
+                    figures.mask = Some(read.mask);
+                    figures.lookup_ms = read.milliseconds;
                     figures.pending = None;
                     has_news = true;
                 }

@@ -9,19 +9,6 @@ pub(crate) enum News {
     Failed(String),
 }
 
-impl TruthSoFar {
-    fn copy(&self) -> Box<Self> {
-        Box::new(Self {
-            number: self.number,
-            receivers: self.receivers.clone(),
-            visibility: self.visibility.clone(),
-            is_traced: self.is_traced.clone(),
-            is_left_out: self.is_left_out.clone(),
-            progress: self.progress,
-        })
-    }
-}
-
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use thread::Worker;
 
@@ -38,6 +25,8 @@ mod thread {
         wanted: Mutex<Option<TruthRequest>>,
         news: Mutex<Option<News>>,
         asked: Condvar,
+        /// Whether what was asked for is wanted no more.
+        is_given_up: AtomicBool,
         ends: AtomicBool,
     }
 
@@ -67,8 +56,15 @@ mod thread {
         /// Asks for truth. What was asked before is given up.
         pub(crate) fn ask(&mut self, request: TruthRequest) {
             *locked(&self.0.news) = None;
+            self.0.is_given_up.store(false, Ordering::Release);
             *locked(&self.0.wanted) = Some(request);
             self.0.asked.notify_one();
+        }
+
+        /// Gives up what was asked for: frames need the processor.
+        pub(crate) fn give_up(&mut self) {
+            *locked(&self.0.wanted) = None;
+            self.0.is_given_up.store(true, Ordering::Release);
         }
 
         /// Returns what is new.
@@ -104,13 +100,14 @@ mod thread {
     fn play(shared: &Shared, request: TruthRequest, wake: &impl Fn()) -> Result<()> {
         let mut job = TruthJob::new(request)?;
         while !job.is_done() {
-            let is_given_up =
-                locked(&shared.wanted).is_some() || shared.ends.load(Ordering::Acquire);
+            let is_given_up = locked(&shared.wanted).is_some()
+                || shared.is_given_up.load(Ordering::Acquire)
+                || shared.ends.load(Ordering::Acquire);
             if is_given_up {
                 return Ok(());
             }
             if job.step()? {
-                *locked(&shared.news) = Some(News::Truth(job.so_far.copy()));
+                *locked(&shared.news) = Some(News::Truth(Box::new(job.so_far.clone())));
                 wake();
             }
         }
@@ -156,10 +153,19 @@ mod frames {
             (self.wake)();
         }
 
+        /// Gives up what was asked for.
+        pub(crate) fn give_up(&mut self) {
+            self.job = None;
+            self.wanted = None;
+        }
+
         /// Traces for a while, and returns what is new.
         pub(crate) fn news(&mut self) -> Option<News> {
             match self.play() {
-                Ok(true) => self.job.as_ref().map(|job| News::Truth(job.so_far.copy())),
+                Ok(true) => self
+                    .job
+                    .as_ref()
+                    .map(|job| News::Truth(Box::new(job.so_far.clone()))),
                 Ok(false) => None,
                 Err(error) => {
                     self.job = None;

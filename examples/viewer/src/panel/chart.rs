@@ -1,6 +1,6 @@
 //! Speed against accuracy: where the two sides are, with what a plan found; and the least for this view.
 
-use crate::{app::App, render::SIDES};
+use crate::{app::App, measure::cost::Cost, render::SIDES};
 use egui_plot::{Legend, MarkerShape, Plot, PlotPoints, Points};
 use umbrage::plan::{Plan, Setting, motion::FrameMotion};
 
@@ -101,7 +101,7 @@ fn plot(app: &App, ui: &mut egui::Ui) {
     };
     Plot::new("speed against accuracy")
         .height(190.0)
-        .x_axis_label("ms a frame, by counts")
+        .x_axis_label("ms: circles by counts, crosses measured")
         .y_axis_label("RMSE")
         .x_axis_formatter(powers)
         .y_axis_formatter(powers)
@@ -131,9 +131,29 @@ fn plot(app: &App, ui: &mut egui::Ui) {
                         .radius(6.0)
                         .color(COLORS[i]);
                     plot.points(marker);
+                    if let Some(measured) = measured(app, i, &cost) {
+                        let at = point(measured, error.rmse);
+                        let marker = Points::new(*name, PlotPoints::from(vec![at]))
+                            .shape(MarkerShape::Cross)
+                            .radius(6.0)
+                            .color(COLORS[i]);
+                        plot.points(marker);
+                    }
                 }
             }
         });
+}
+
+/// Returns what a side's shadows of the chosen light took on the device, milliseconds; none where that has no clock. What is drawn is timed
+/// for all lights together, so that it is known of a single light alone.
+fn measured(app: &App, side: usize, cost: &Cost) -> Option<f64> {
+    let lookups = app.figures.sides[side].lookup_ms?;
+    if !cost.draws(app.settings.motion) {
+        return Some(lookups);
+    }
+    let lights = app.settings.lights.iter().filter(|light| light.is_on);
+    let drawn = app.renderer.drawn_ms(side)?;
+    (lights.count() == 1).then_some(lookups + drawn)
 }
 
 fn of_plan(setting: &Setting, is_chosen: bool) -> Points<'static> {

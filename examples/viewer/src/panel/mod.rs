@@ -3,37 +3,22 @@
 mod chart;
 mod lights;
 pub(crate) mod maps;
+pub(crate) mod picker;
 mod side;
 
 use crate::render::SIDES;
-use crate::{app::App, bookmarks, camera::Mode, measure::figures::Picture};
+use crate::{
+    app::App, bookmarks, camera::Mode, focus::Focus, keys::KEYS, loading::Then,
+    measure::figures::Picture,
+};
 use umbrage::scenes;
 
 /// Points.
 const WIDTH: f32 = 310.0;
 
-const KEYS: [(&str, &str); 16] = [
-    ("right mouse button", "looks around, or goes around"),
-    ("middle mouse button", "moves sideways"),
-    ("wheel", "ahead and back"),
-    ("W A S D, E Q", "fly; with shift faster"),
-    ("O", "fly or orbit"),
-    ("Home", "back to the scene's own view"),
-    ("click on a light", "chooses it; its handles move it"),
-    ("R", "handles turn the light, or move it"),
-    ("X", "both sides, or one"),
-    ("F", "flips between the sides"),
-    ("H", "errors as a picture"),
-    ("M", "the maps"),
-    ("C", "copies the shown side's preset"),
-    ("F12", "saves a screenshot"),
-    ("F1", "these keys"),
-    ("Ctrl Q", "ends the program"),
-];
-
 /// Draws the panel.
 pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
-    egui::Panel::left("panel")
+    let panel = egui::Panel::left("panel")
         .default_size(WIDTH)
         .size_range(220.0..=520.0)
         .show(ui, |ui| {
@@ -48,8 +33,10 @@ pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
                     lights::show(app, ui);
                     chart::show(app, ui);
                     figures(app, ui);
+                    app.focus.scroll(ui);
                 });
         });
+    Focus::draw(ui.ctx(), ui.layer_id(), panel.response.rect);
 }
 
 fn scene(app: &mut App, ui: &mut egui::Ui) {
@@ -76,10 +63,20 @@ fn scene(app: &mut App, ui: &mut egui::Ui) {
     });
     let triangles = app.stage.geometry.triangles().len();
     ui.weak(format!(
-        "{triangles} triangles; drop a .toml or .obj file here for another scene"
+        "{triangles} triangles; drop a .toml or .obj file here, with what it names, for another scene"
     ));
+    #[cfg(target_arch = "wasm32")]
+    if let Some(name) = app.drops.reading().map(str::to_owned) {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(format!("reads {name}"));
+            if ui.button("Cancel").clicked() {
+                app.drops.cancel();
+            }
+        });
+    }
     if let Some(name) = wanted {
-        app.open(name);
+        app.open(ui.ctx(), name, Then::Show);
     }
 }
 
@@ -93,7 +90,7 @@ fn failures(app: &mut App, ui: &mut egui::Ui) {
                 for (failure, entry) in bookmarks::all() {
                     let label = format!("{} {}", failure.row(), entry.name);
                     if ui.button(label).on_hover_text(entry.summary).clicked() {
-                        app.show_failure(failure, entry.name);
+                        app.open(ui.ctx(), entry.name, Then::Compare(failure));
                         ui.close();
                     }
                 }
@@ -180,7 +177,7 @@ fn figures(app: &App, ui: &mut egui::Ui) {
             row(pass, format!("{time:.2} ms"));
         }
         if let Some(truth) = &app.figures.truth {
-            row("truth traced", format!("{:.0} %", 100.0 * truth.progress));
+            row("truth known", format!("{:.0} %", 100.0 * truth.progress));
         }
     });
 }
@@ -190,11 +187,15 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
     let rect = ui.max_rect();
     side::labels(app, ui, rect);
     maps::show(app, ui, app.rests());
+    picker::show(app, ui);
+    let is_loading = loading(app, ui);
     if let Some(message) = app.message.clone() {
+        // Above what is being read.
+        let up = if is_loading { -64.0 } else { -16.0 };
         egui::Window::new("message")
             .title_bar(false)
             .resizable(false)
-            .anchor(egui::Align2::CENTER_BOTTOM, [0.5 * WIDTH, -16.0])
+            .anchor(egui::Align2::CENTER_BOTTOM, [0.5 * WIDTH, up])
             .show(ui.ctx(), |ui| {
                 ui.set_max_width(0.7 * rect.width());
                 ui.horizontal(|ui| {
@@ -212,17 +213,41 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
             .anchor(egui::Align2::CENTER_CENTER, [0.5 * WIDTH, 0.0])
             .show(ui.ctx(), |ui| {
                 egui::Grid::new("keys")
-                    .num_columns(2)
+                    .num_columns(4)
                     .striped(true)
                     .show(ui, |ui| {
-                        for (key, what) in KEYS {
-                            ui.strong(key);
-                            ui.label(what);
+                        // Two columns of lines, so that small windows hold them.
+                        for lines in KEYS.chunks(2) {
+                            for line in lines {
+                                ui.strong(line.keys);
+                                ui.label(line.what);
+                            }
                             ui.end_row();
                         }
                     });
             });
     }
+}
+
+/// Says what is being read. Returns whether something is.
+fn loading(app: &mut App, ui: &egui::Ui) -> bool {
+    let Some(at) = app.loader.at() else {
+        return false;
+    };
+    egui::Window::new("loading")
+        .title_bar(false)
+        .resizable(false)
+        .anchor(egui::Align2::CENTER_BOTTOM, [0.5 * WIDTH, -16.0])
+        .show(ui.ctx(), |ui| {
+            ui.horizontal(|ui| {
+                ui.label(at);
+                let cancel = ui.button("Cancel loading");
+                if cancel.on_hover_text("Esc").clicked() {
+                    app.give_up_loading();
+                }
+            });
+        });
+    true
 }
 
 /// Writes a screenshot. Returns where.

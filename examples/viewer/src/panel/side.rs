@@ -186,6 +186,9 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
                 }
                 rmse => format!("\nRMSE {rmse:.4}, {:.2} % wrong", 100.0 * error.wrong),
             };
+            if let Some(ambiguous) = error.ambiguous.filter(|&ambiguous| ambiguous > 0) {
+                text += &format!("\n{ambiguous} pixels left out: truth hangs on rounding");
+            }
         }
         let font = egui::FontId::proportional(15.0);
         // A shadow of its own keeps it readable on any picture.

@@ -1,6 +1,9 @@
 //! A scene's triangles and looks on the device.
 
-use super::pipelines::{Layouts, group};
+use super::{
+    convex,
+    pipelines::{Forward, Layouts, group},
+};
 use anyhow::{Context as _, Result};
 use std::ops::Range;
 use umbrage::{
@@ -33,6 +36,8 @@ struct Draw {
     material: u32,
     /// Index among the bind groups.
     group: usize,
+    /// A box outside of which no back of these triangles is seen, if there is one.
+    convex: Option<Aabb>,
 }
 
 /// What the renderer and the light sets draw.
@@ -99,6 +104,7 @@ impl SceneBuffers {
                 bounds: run.bounds,
                 material,
                 group: looks_of_materials.group_of[material as usize],
+                convex: run.convex,
             }
         };
         let draws = runs.into_iter().map(draw).collect();
@@ -126,13 +132,29 @@ impl SceneBuffers {
     }
 
     /// Draws all triangles that may be seen. Materials are at bind group `group`.
-    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, group: u32, seen: &SeenPart) {
+    pub(crate) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        forward: &Forward,
+        group: u32,
+        seen: &SeenPart,
+    ) {
+        let mut with_backs = None;
         pass.set_vertex_buffer(0, self.positions.slice(..));
         pass.set_vertex_buffer(1, self.looks.slice(..));
         pass.set_index_buffer(self.sorted.slice(..), wgpu::IndexFormat::Uint32);
         for draw in &self.draws {
             if !seen.may_show(&draw.bounds) {
                 continue;
+            }
+            let shows_backs = !draw.convex.is_some_and(|part| seen.is_outside(&part));
+            if with_backs != Some(shows_backs) {
+                with_backs = Some(shows_backs);
+                pass.set_pipeline(if shows_backs {
+                    &forward.all
+                } else {
+                    &forward.fronts
+                });
             }
             let offset = draw.material * MATERIAL_STRIDE as u32;
             pass.set_bind_group(group, &self.groups[draw.group], &[offset]);
@@ -179,37 +201,44 @@ struct Run {
     material: u32,
     indices: Range<u32>,
     bounds: Aabb,
+    convex: Option<Aabb>,
 }
 
-/// Returns the vertex indices of all triangles sorted by their materials and, in each, by where they are; and the runs of that list
-/// that are drawn together.
+/// Returns the vertex indices of all triangles sorted by their materials, by whether they are closed convex parts and, in each, by where
+/// they are; and the runs of that list that are drawn together.
 fn sorted_by_material(geometry: &Geometry) -> (Vec<[u32; 3]>, Vec<Run>) {
     let triangles = geometry.triangles();
     let materials = geometry.materials();
     let material_of = |id: u32| materials.get(id as usize).copied().unwrap_or(NO_MATERIAL);
     let bounds = geometry.bounds();
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+    let convex = convex::boxes(geometry);
     order.sort_by_cached_key(|&id| {
         let [a, b, c] = geometry.corners(id);
-        (material_of(id), place_on_curve((a + b + c) / 3.0, &bounds))
+        let place = place_on_curve((a + b + c) / 3.0, &bounds);
+        (material_of(id), convex[id as usize].is_some(), place)
     });
     let sorted = order.iter().map(|&id| triangles[id as usize]).collect();
     let mut runs: Vec<Run> = Vec::new();
     for (place, &id) in (0_u32..).zip(&order) {
         let [begin, end] = [3 * place, 3 * (place + 1)];
         let around = Aabb::around(geometry.corners(id));
+        let part = convex[id as usize];
         match runs.last_mut() {
             Some(run)
                 if run.material == material_of(id)
+                    && run.convex.is_some() == part.is_some()
                     && end - run.indices.start <= 3 * DRAWN_TRIANGLES =>
             {
                 run.indices.end = end;
                 run.bounds = run.bounds.union(&around);
+                run.convex = run.convex.zip(part).map(|(all, part)| all.union(&part));
             }
             _ => runs.push(Run {
                 material: material_of(id),
                 indices: begin..end,
                 bounds: around,
+                convex: part,
             }),
         }
     }
@@ -235,9 +264,22 @@ pub(crate) struct SeenPart {
     pub clip_from_world: Mat4,
     /// From one share of the width to another, 0..=1.
     pub part: [f32; 2],
+    /// Where the camera stands; none if its lines are parallel.
+    pub eye: Option<Vec3>,
+    /// How far from the eye things may be cut off, metres.
+    pub near: f32,
 }
 
 impl SeenPart {
+    /// Whether the camera stands outside a box, and nothing of it is cut off before the camera.
+    fn is_outside(&self, bounds: &Aabb) -> bool {
+        let Some(eye) = self.eye else {
+            return false;
+        };
+        let nearest = eye.clamp(bounds.min, bounds.max);
+        nearest.distance(eye) > self.near
+    }
+
     /// Whether something of a box may be seen: it is not, if all of its corners are beyond one side.
     fn may_show(&self, bounds: &Aabb) -> bool {
         let [left, right] = self.part.map(|share| 2.0 * share - 1.0);

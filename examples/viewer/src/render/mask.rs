@@ -9,7 +9,7 @@ use std::sync::{
 use umbrage::{
     Receivers,
     glam::UVec2,
-    wgpu::{GBuffer, LightId, LightSet, MaskFormat, MaskInputs, SetReceivers},
+    wgpu::{GBuffer, LightId, LightSet, MaskFormat, MaskInputs, SetReceivers, SetTimestamps},
 };
 
 /// Receivers as textures.
@@ -64,9 +64,50 @@ const FAILED: u8 = 2;
 pub(crate) struct PendingMask {
     size: UVec2,
     bytes_per_row: u32,
+    /// The mask's rows, and behind them two timestamps.
     buffer: wgpu::Buffer,
+    /// Nanoseconds from one count of the device's clock to the next; none where it has none.
+    tick: Option<f64>,
     state: Arc<AtomicU8>,
 }
+
+/// A mask that is there.
+pub(crate) struct ReadMask {
+    /// Rows from the top.
+    pub mask: Vec<f32>,
+    /// What all its lookups took on the device, milliseconds; none where that has no clock.
+    pub milliseconds: Option<f64>,
+}
+
+/// Two timestamps around the mask's passes.
+struct MaskClock {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+}
+
+impl MaskClock {
+    fn new(device: &wgpu::Device) -> Option<Self> {
+        if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return None;
+        }
+        Some(Self {
+            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("mask"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2,
+            }),
+            resolved: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("mask's time"),
+                size: STAMPS,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+        })
+    }
+}
+
+/// Bytes of two timestamps.
+const STAMPS: u64 = 16;
 
 impl PendingMask {
     /// Records and submits the passes that make a light's mask. The set must have been prepared.
@@ -93,12 +134,24 @@ impl PendingMask {
         };
         set.prepare_masks(queue, &inputs)?;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mask = set.encode_masks(&mut encoder)?;
+        let clock = MaskClock::new(device);
+        let mut passes = Vec::new();
+        let mask = match &clock {
+            Some(clock) => {
+                let stamps = SetTimestamps {
+                    queries: &clock.queries,
+                    range: 0..2,
+                };
+                set.encode_masks_timed(&mut encoder, &stamps, &mut passes)?
+            }
+            None => set.encode_masks(&mut encoder)?,
+        };
         let alignment = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
         let bytes_per_row = (4 * size.x).next_multiple_of(alignment);
+        let bytes = u64::from(bytes_per_row) * u64::from(size.y);
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("mask"),
-            size: u64::from(bytes_per_row) * u64::from(size.y),
+            size: bytes + STAMPS,
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
@@ -116,6 +169,13 @@ impl PendingMask {
             depth_or_array_layers: 1,
         };
         encoder.copy_texture_to_buffer(mask.texture().as_image_copy(), to, extent);
+        let mut tick = None;
+        // Nothing is timed where the light has no shadow to look up.
+        if let Some(clock) = clock.filter(|_| !passes.is_empty()) {
+            encoder.resolve_query_set(&clock.queries, 0..2, &clock.resolved, 0);
+            encoder.copy_buffer_to_buffer(&clock.resolved, 0, &buffer, bytes, STAMPS);
+            tick = Some(f64::from(queue.get_timestamp_period()));
+        }
         queue.submit([encoder.finish()]);
         let state = Arc::new(AtomicU8::new(UNDER_WAY));
         let told = state.clone();
@@ -127,33 +187,40 @@ impl PendingMask {
             size,
             bytes_per_row,
             buffer,
+            tick,
             state,
         })
     }
 
-    /// Returns the mask, rows from the top, once it is there.
+    /// Returns the mask once it is there.
     ///
     /// # Errors
     /// Errors if the device gave it up.
-    pub(crate) fn take(&self) -> Result<Option<Vec<f32>>> {
+    pub(crate) fn take(&self) -> Result<Option<ReadMask>> {
         match self.state.load(Ordering::Acquire) {
             UNDER_WAY => return Ok(None),
             READY => {}
             _ => anyhow::bail!("the device didn't hand out a mask"),
         }
         let view = self.buffer.slice(..).get_mapped_range()?;
-        let mut out = Vec::with_capacity((self.size.x * self.size.y) as usize);
-        for row in view.chunks(self.bytes_per_row as usize) {
+        let mut mask = Vec::with_capacity((self.size.x * self.size.y) as usize);
+        let (rows, stamps) = view.split_at(view.len() - STAMPS as usize);
+        for row in rows.chunks(self.bytes_per_row as usize) {
             let row = &row[..4 * self.size.x as usize];
-            out.extend(
+            mask.extend(
                 row.as_chunks::<4>()
                     .0
                     .iter()
                     .map(|&bytes| f32::from_le_bytes(bytes)),
             );
         }
+        let stamps = stamps.as_chunks::<8>().0;
+        let milliseconds = self.tick.map(|tick| {
+            let [begin, end] = [0, 1].map(|i| u64::from_le_bytes(stamps[i]));
+            end.saturating_sub(begin) as f64 * tick * 1e-6
+        });
         drop(view);
         self.buffer.unmap();
-        Ok(Some(out))
+        Ok(Some(ReadMask { mask, milliseconds }))
     }
 }

@@ -1,6 +1,7 @@
 //! Draws the scene through light sets, as any program would: one set for each of the two techniques that are compared.
 
 mod buffers;
+mod convex;
 pub(crate) mod mask;
 mod overlay;
 mod pass_clock;
@@ -177,6 +178,11 @@ impl Renderer {
         self.clock.as_ref().map_or(&[], |clock| &clock.times)
     }
 
+    /// Returns what a side's maps and lists, of all lights, took on the device when they were drawn last, milliseconds.
+    pub(crate) fn drawn_ms(&self, side: usize) -> Option<f64> {
+        self.clock.as_ref()?.drawn[side]
+    }
+
     fn encode_picture(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -206,11 +212,15 @@ impl Renderer {
         let size = targets.size;
         let parts = parts(frame.shown, size.x);
         let share = |column: u32| column as f32 / size.x as f32;
+        let has_perspective = frame.camera.clip_from_view.w_axis.w == 0.0;
         for (i, part) in &parts {
             pass.set_scissor_rect(part.start, 0, part.end - part.start, size.y);
             let seen = SeenPart {
                 clip_from_world: clip_from_world(frame.camera),
                 part: [part.start, part.end].map(share),
+                eye: has_perspective.then(|| frame.camera.eye()),
+                // Its corners are farther away than its middle: twice is enough for views of 120 degrees.
+                near: 2.0 * near(frame.camera),
             };
             self.sides[*i].draw(&mut pass, &self.scene, &seen)?;
         }
@@ -227,6 +237,11 @@ impl Renderer {
         }
         Ok(())
     }
+}
+
+/// Returns how far the near plane is from the eye, metres: depth is reversed and endless, so that it is `near / distance`.
+fn near(camera: &Camera) -> f32 {
+    camera.clip_from_view.w_axis.z
 }
 
 /// Returns which columns each side is drawn into; sides without any are left out.

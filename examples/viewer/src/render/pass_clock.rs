@@ -1,5 +1,6 @@
 //! How long each pass of a frame takes on the device, where it has timestamps.
 
+use super::SIDES;
 use std::sync::{
     Arc,
     atomic::{AtomicU8, Ordering},
@@ -27,6 +28,8 @@ pub(crate) struct PassClock {
     pub written: u32,
     /// What passes took, milliseconds.
     pub times: Vec<(String, f64)>,
+    /// What maps and lists of each side took when they were drawn last, milliseconds; none before.
+    pub drawn: [Option<f64>; 2],
 }
 
 impl PassClock {
@@ -60,6 +63,7 @@ impl PassClock {
             names: Vec::new(),
             written: 0,
             times: Vec::new(),
+            drawn: [None; 2],
         })
     }
 
@@ -151,6 +155,13 @@ impl PassClock {
             self.times = timed
                 .map(|(name, begin)| (name.clone(), milliseconds(*begin)))
                 .collect();
+            for (drawn, side) in self.drawn.iter_mut().zip(SIDES) {
+                let is_of_side = |(name, _): &&(String, f64)| name.starts_with(side);
+                let mut times = self.times.iter().filter(is_of_side).peekable();
+                if times.peek().is_some() {
+                    *drawn = Some(times.map(|(_, time)| time).sum());
+                }
+            }
         }
         self.read.unmap();
         self.state.store(IDLE, Ordering::Release);

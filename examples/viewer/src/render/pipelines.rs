@@ -43,13 +43,21 @@ impl Layouts {
     }
 }
 
-/// Returns the pipeline that draws lit surfaces with a set's shadows. The set's text stands before the renderer's own.
+/// The pipelines that draw lit surfaces with a set's shadows.
+pub(crate) struct Forward {
+    /// Both sides of triangles.
+    pub all: wgpu::RenderPipeline,
+    /// Their fronts alone: for closed convex parts, whose backs are hidden.
+    pub fronts: wgpu::RenderPipeline,
+}
+
+/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text stands before the renderer's own.
 pub(crate) fn forward(
     device: &wgpu::Device,
     layouts: &Layouts,
     set_text: &str,
     set_layout: &wgpu::BindGroupLayout,
-) -> wgpu::RenderPipeline {
+) -> Forward {
     let text = [set_text, include_str!("shaders/forward.wgsl")].concat();
     let groups = [
         Some(&layouts.frame),
@@ -75,16 +83,25 @@ pub(crate) fn forward(
         stencil: wgpu::StencilState::default(),
         bias: wgpu::DepthBiasState::default(),
     };
-    let list = wgpu::PrimitiveTopology::TriangleList;
-    pipeline(
-        device,
-        text,
-        &groups,
-        &buffers,
-        list,
-        Some(depth),
-        COLOR.into(),
-    )
+    let one = |cull_mode| {
+        let primitive = wgpu::PrimitiveState {
+            cull_mode,
+            ..wgpu::PrimitiveState::default()
+        };
+        pipeline(
+            device,
+            text.clone(),
+            &groups,
+            &buffers,
+            primitive,
+            Some(depth.clone()),
+            COLOR.into(),
+        )
+    };
+    Forward {
+        all: one(None),
+        fronts: one(Some(wgpu::Face::Back)),
+    }
 }
 
 /// Returns the pipeline that lays a picture of figures over the image.
@@ -95,7 +112,10 @@ pub(crate) fn overlay(device: &wgpu::Device, layouts: &Layouts) -> wgpu::RenderP
         blend: Some(wgpu::BlendState::ALPHA_BLENDING),
         write_mask: wgpu::ColorWrites::ALL,
     };
-    let strip = wgpu::PrimitiveTopology::TriangleStrip;
+    let strip = wgpu::PrimitiveState {
+        topology: wgpu::PrimitiveTopology::TriangleStrip,
+        ..wgpu::PrimitiveState::default()
+    };
     pipeline(
         device,
         text,
@@ -112,7 +132,7 @@ fn pipeline(
     text: String,
     groups: &[Option<&wgpu::BindGroupLayout>],
     buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
-    topology: wgpu::PrimitiveTopology,
+    primitive: wgpu::PrimitiveState,
     depth_stencil: Option<wgpu::DepthStencilState>,
     target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
@@ -133,10 +153,7 @@ fn pipeline(
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers,
         },
-        primitive: wgpu::PrimitiveState {
-            topology,
-            ..wgpu::PrimitiveState::default()
-        },
+        primitive,
         depth_stencil,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {

@@ -3,7 +3,7 @@
 use super::{
     buffers::{SceneBuffers, SeenPart},
     pass_clock::PassClock,
-    pipelines::{self, FRAME_GROUP, Layouts, MATERIAL_GROUP, SET_GROUP, group},
+    pipelines::{self, FRAME_GROUP, Forward, Layouts, MATERIAL_GROUP, SET_GROUP, group},
 };
 use crate::{
     lights::{EditLight, MAX_LIGHTS},
@@ -33,7 +33,7 @@ pub(crate) struct Side {
     uniforms: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
     /// Made for this revision of the set's text.
-    forward: Option<(u64, wgpu::RenderPipeline)>,
+    forward: Option<(u64, Forward)>,
 }
 
 impl Side {
@@ -125,8 +125,8 @@ impl Side {
             .as_ref()
             .is_none_or(|(made_for, _)| *made_for != revision)
         {
-            let pipeline = pipelines::forward(device, layouts, self.set.wgsl(), layout);
-            self.forward = Some((revision, pipeline));
+            let forward = pipelines::forward(device, layouts, self.set.wgsl(), layout);
+            self.forward = Some((revision, forward));
         }
         let bytes = self.frame_bytes(camera, lights)?;
         queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&bytes));
@@ -175,13 +175,13 @@ impl Side {
         seen: &SeenPart,
     ) -> Result<()> {
         let (group, _) = self.set.bind_group()?;
-        let Some((_, pipeline)) = &self.forward else {
+        let Some((_, forward)) = &self.forward else {
             anyhow::bail!("a side was drawn before it was prepared");
         };
-        pass.set_pipeline(pipeline);
+        // Bind groups outlive the change of pipelines: both have the same layout.
         pass.set_bind_group(FRAME_GROUP, &self.frame_group, &[]);
         pass.set_bind_group(SET_GROUP, group, &[]);
-        scene.draw(pass, MATERIAL_GROUP, seen);
+        scene.draw(pass, forward, MATERIAL_GROUP, seen);
         Ok(())
     }
 

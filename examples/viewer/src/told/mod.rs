@@ -20,10 +20,17 @@ pub(crate) fn report(app: &App) -> Value {
             "rmse": error.map(|e| e.rmse),
             "wrong": error.map(|e| (e.wrong * e.pixels as f64).round()),
             "pixels": error.map(|e| e.pixels),
+            "ambiguous": error.map(|e| e.ambiguous),
+            "lookup_ms": app.figures.sides[i].lookup_ms,
         })
     };
     json!({
         "scene": app.stage.name,
+        "loading": app.loader.at(),
+        "frames": app.frames,
+        "zoom": app.settings.zoom,
+        "pixels_per_point": app.pixels_per_point(),
+        "camera": app.camera.map(|camera| camera.eye().to_array()),
         "triangles": app.stage.geometry.triangles().len(),
         "split": app.settings.split,
         "shown_side": app.settings.shown_side,
@@ -39,6 +46,10 @@ pub(crate) fn report(app: &App) -> Value {
         "scale": app.scale,
         "interval_ms": 1000.0 * app.times.interval.as_secs_f64(),
         "message": app.message,
+        "focus": app.focus.at.map(|at| [at.min.x, at.min.y, at.max.x, at.max.y]),
+        "help": app.settings.shows_help,
+        "maps": app.settings.shows_maps,
+        "turns": app.handles.turns,
     })
 }
 

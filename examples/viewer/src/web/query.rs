@@ -1,6 +1,7 @@
 //! How the page's address says what is shown first: `?scene=cubes&left=hard&right=exact&split=0.5&over=error`.
 
 use crate::{
+    bookmarks,
     measure::figures::Picture,
     state::{Settings, Start},
 };
@@ -8,7 +9,7 @@ use umbrage::{scenes, techniques};
 use web_sys::UrlSearchParams;
 
 /// The keys, for messages.
-const KEYS: &str = "scene, left, right, split (0 to 1, or `left` or `right`) and over (nothing, error, truth or mask)";
+const KEYS: &str = "scene, failure, left, right, split (0 to 1, or `left` or `right`) and over (nothing, error, truth or mask)";
 
 /// What the address asks for.
 #[derive(Default)]
@@ -58,6 +59,13 @@ impl Query {
             "scene" => match scenes::find(&value) {
                 Some(_) => self.start.scene = Some(value),
                 None => return unknown("scene"),
+            },
+            "failure" => match bookmarks::failure_of(&value) {
+                Some(_) => {
+                    self.start.scene = Some(value);
+                    self.start.shows_failure = true;
+                }
+                None => return unknown("scene of a failure"),
             },
             "left" | "right" => match techniques::find(&value) {
                 Some(_) => self.start.techniques[usize::from(key == "right")] = Some(value),

@@ -23,21 +23,24 @@ pub(super) fn note_first_frame() {
 
 /// Gives the page the functions.
 pub(super) fn offer(runner: &WebRunner, ctx: &egui::Context) {
-    let ctx = ctx.clone();
+    let of_widgets = ctx.clone();
     offer_one("umbrage_widgets", move || {
         // What the next frame has is told by the next call.
-        ctx.request_repaint();
-        Widgets::told(&ctx)
+        of_widgets.request_repaint();
+        Widgets::told(&of_widgets)
     });
     for (name, told) in [
-        ("umbrage_report", report as fn(&App) -> Value),
-        ("umbrage_agreement", told::agreement),
+        (
+            "umbrage_report",
+            report as fn(&App, &egui::Context) -> Value,
+        ),
+        ("umbrage_agreement", |app, _| told::agreement(app)),
     ] {
-        let runner = runner.clone();
+        let (runner, ctx) = (runner.clone(), ctx.clone());
         offer_one(name, move || {
             // None before the program has started, and once it has failed.
             let app = runner.app_mut::<App>();
-            app.map_or(Value::Null, |app| told(&app))
+            app.map_or(Value::Null, |app| told(&app, &ctx))
         });
     }
 }
@@ -48,8 +51,10 @@ fn offer_one(name: &str, tell: impl Fn() -> Value + 'static) {
     js_sys::Reflect::set(&js_sys::global(), &JsValue::from_str(name), &function).ok();
 }
 
-fn report(app: &App) -> Value {
+fn report(app: &App, ctx: &egui::Context) -> Value {
     let mut told = told::report(app);
+    told["reading"] = app.drops.reading().into();
+    told["frames"] = ctx.cumulative_frame_nr().into();
     told["first_frame_ms"] = FIRST_FRAME.load(Ordering::Relaxed).into();
     told
 }

@@ -1,7 +1,7 @@
 //! House style that no linter knows: functions and files that are not too long, code that is not too dense, one meaning for every
 //! type name, nothing left for later.
 
-mod files;
+pub(crate) mod files;
 mod functions;
 mod names;
 mod rules;

@@ -1,5 +1,6 @@
-//! Serves a folder to the browsers of this machine: enough of HTTP for one page, and no more.
+//! Serves a folder to the browsers of this machine: enough of HTTP for pages and their files, and no more.
 
+use crate::cli::ServeOptions;
 use anyhow::{Context as _, Result};
 use std::{
     fs,
@@ -12,15 +13,23 @@ use std::{
 /// Longest request that is read.
 const LONGEST_REQUEST: u64 = 64 << 10;
 
+/// Takes the port that was asked for; none if nothing is to be served.
+pub(crate) fn listener(options: &ServeOptions) -> Result<Option<TcpListener>> {
+    if options.no_serve {
+        return Ok(None);
+    }
+    listen(options.port).map(Some)
+}
+
 /// Takes a port of this machine.
-pub(super) fn listen(port: u16) -> Result<TcpListener> {
+fn listen(port: u16) -> Result<TcpListener> {
     TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
         format!("port {port} can't be taken: name another one by --port, or use --no-serve")
     })
 }
 
 /// Serves until the program is stopped.
-pub(super) fn serve(listener: &TcpListener, folder: &Path) -> Result<()> {
+pub(crate) fn serve(listener: &TcpListener, folder: &Path) -> Result<()> {
     println!(
         "serving at http://localhost:{}/ (Ctrl+C ends it)",
         listener.local_addr()?.port()
@@ -76,14 +85,17 @@ fn answer(mut stream: &TcpStream, folder: &Path) -> std::io::Result<()> {
     stream.flush()
 }
 
-/// Returns the file that a request's target means; none if it leaves the folder.
+/// Returns the file that a request's target means, of a folder its `index.html`; none if it leaves the folder.
 fn file_of(folder: &Path, target: &str) -> Option<PathBuf> {
     let path = target.split(['?', '#']).next()?.strip_prefix('/')?;
-    let path = Path::new(if path.is_empty() { "index.html" } else { path });
-    let stays = path
+    let stays = Path::new(path)
         .components()
         .all(|part| matches!(part, Component::Normal(_)));
-    stays.then(|| folder.join(path))
+    let file = match path.is_empty() || path.ends_with('/') {
+        true => folder.join(path).join("index.html"),
+        false => folder.join(path),
+    };
+    stays.then_some(file)
 }
 
 /// Returns the kind of a file as browsers want it told: they compile no module of another kind.
@@ -93,6 +105,10 @@ fn kind(file: &Path) -> &'static str {
         Some("js") => "text/javascript; charset=utf-8",
         Some("wasm") => "application/wasm",
         Some("png") => "image/png",
+        Some("svg") => "image/svg+xml",
+        Some("css") => "text/css; charset=utf-8",
+        Some("json") => "application/json",
+        Some("woff2") => "font/woff2",
         _ => "application/octet-stream",
     }
 }
@@ -108,6 +124,8 @@ mod tests {
         fs::write(folder.path().join("secret"), "no").expect("written");
         fs::write(folder.path().join("page/index.html"), "<p>yes").expect("written");
         fs::write(folder.path().join("page/a.wasm"), "module").expect("written");
+        fs::create_dir(folder.path().join("page/inner")).expect("made");
+        fs::write(folder.path().join("page/inner/index.html"), "<p>inside").expect("written");
         let listener = listen(0).expect("a port");
         let port = listener.local_addr().expect("an address").port();
         let page = folder.path().join("page");
@@ -129,6 +147,8 @@ mod tests {
             module.contains("application/wasm") && module.ends_with("module"),
             "{module}"
         );
+        let inner = ask("GET /inner/?scene=cubes");
+        assert!(inner.ends_with("<p>inside"), "{inner}");
         let head = ask("HEAD /a.wasm");
         assert!(
             head.contains("Content-Length: 6") && !head.contains("module"),

@@ -1,7 +1,7 @@
 //! Maps on disk: a grey PNG of 16 bits, and its scale and bias in a small file beside it.
 
 use super::DisplacementMap;
-use crate::{SceneError, detail::pixels::load_image};
+use crate::{FilesOnDisk, SceneError, detail::pixels::load_image};
 use image::{ImageBuffer, Luma};
 use std::path::{Path, PathBuf};
 use umbrage_core::glam::UVec2;
@@ -40,7 +40,7 @@ impl DisplacementMap {
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let [scale, bias] = read_metres(&beside(path))?;
-        let image = load_image(path)?.to_rgba16();
+        let image = load_image(path, &FilesOnDisk)?.to_rgba16();
         let size = UVec2::new(image.width(), image.height());
         let file = path.display().to_string();
         super::map::check_size(size).map_err(|source| SceneError::Invalid { file, source })?;
@@ -70,7 +70,8 @@ fn beside(path: &Path) -> PathBuf {
 
 /// Returns scale and bias, metres.
 fn read_metres(path: &Path) -> Result<[f32; 2], SceneError> {
-    let text = std::fs::read_to_string(path).map_err(|e| SceneError::unreadable(path, &e))?;
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| SceneError::unreadable(path, &e, &FilesOnDisk))?;
     parse_metres(&text).map_err(|source| SceneError::Invalid {
         file: path.display().to_string(),
         source,

@@ -1,0 +1,186 @@
+//! Where the files are that make up a scene: on disk, in memory, or wherever a program keeps them.
+
+use std::{
+    collections::BTreeSet,
+    fmt, fs,
+    io::{self, BufRead, BufReader, Cursor, Seek},
+    path::{Component, Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
+
+/// What an opened file can do.
+pub trait OpenFile: BufRead + Seek {}
+
+impl<T: BufRead + Seek> OpenFile for T {}
+
+/// Where the files are that make up a scene: the scene file or the model, and what these name.
+///
+/// Paths are as [`read`](crate::read) was given the first one; those that a file names have that file's folder in front.
+pub trait Files {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// Errors if there is no such file, with the kind [`NotFound`](io::ErrorKind::NotFound); and if it can't be read.
+    fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>>;
+
+    /// Whether there is such a file. Models do without the looks that are not there.
+    fn has(&self, path: &Path) -> bool {
+        match self.open(path) {
+            Ok(_) => true,
+            Err(error) => error.kind() != io::ErrorKind::NotFound,
+        }
+    }
+
+    /// What to do where a file isn't there: the end of the error that says so.
+    fn help_for_missing(&self) -> &str {
+        "check the path"
+    }
+}
+
+/// Files on disk.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FilesOnDisk;
+
+impl Files for FilesOnDisk {
+    fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>> {
+        // Else a directory opens, and fails on reading with less to say; a pipe might never open, or never end.
+        if !fs::metadata(path)?.is_file() {
+            return Err(io::Error::other("is not a file"));
+        }
+        Ok(Box::new(BufReader::new(fs::File::open(path)?)))
+    }
+
+    fn has(&self, path: &Path) -> bool {
+        path.is_file()
+    }
+}
+
+/// Files in memory, such as those that were dropped together on a web page.
+///
+/// A file is found by its path. Where no file has that path, it is found by its name alone, in any folder, and without regard to
+/// upper and lower case: browsers don't tell folders, and models name folders of the machine that they were made on.
+///
+/// ```
+/// let files: umbrage_scenes::FilesInMemory = [
+///     ("tile.obj", "mtllib C:\\looks\\Tile.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 -1\nusemtl red\nf 1 2 3"),
+///     ("tile.mtl", "newmtl red\nKd 1 0 0"),
+/// ]
+/// .into_iter()
+/// .collect();
+/// let scene = umbrage_scenes::read("tile.obj", &files)?;
+/// assert_eq!(scene.materials[0].diffuse.to_array(), [1.0, 0.0, 0.0]);
+/// assert!(files.missing().is_empty());
+/// # Ok::<(), umbrage_scenes::SceneError>(())
+/// ```
+#[derive(Default)]
+pub struct FilesInMemory {
+    files: Vec<(PathBuf, Vec<u8>)>,
+    /// Paths that were asked for in vain.
+    missing: Mutex<BTreeSet<PathBuf>>,
+}
+
+impl FilesInMemory {
+    /// Adds a file. One of the same path is replaced.
+    pub fn insert(&mut self, path: impl AsRef<Path>, bytes: impl Into<Vec<u8>>) {
+        let path = plain(path.as_ref());
+        self.files.retain(|(known, _)| *known != path);
+        self.files.push((path, bytes.into()));
+    }
+
+    /// Returns the paths that were asked for and are not there: what a scene was read without.
+    pub fn missing(&self) -> Vec<PathBuf> {
+        let missing = self.missing.lock().unwrap_or_else(PoisonError::into_inner);
+        missing.iter().cloned().collect()
+    }
+
+    /// Returns the bytes of a file; none if there is no such file.
+    ///
+    /// # Errors
+    /// Errors if several files could be meant.
+    fn find(&self, path: &Path) -> io::Result<Option<&[u8]>> {
+        let path = plain(path);
+        if let Some((_, bytes)) = self.files.iter().find(|(known, _)| *known == path) {
+            return Ok(Some(bytes));
+        }
+        let mut named = self
+            .files
+            .iter()
+            .filter(|(known, _)| same_name(known, &path));
+        let Some((first, bytes)) = named.next() else {
+            return Ok(None);
+        };
+        match named.next() {
+            None => Ok(Some(bytes)),
+            Some((second, _)) => Err(io::Error::other(format!(
+                "could be `{}` or `{}`",
+                first.display(),
+                second.display()
+            ))),
+        }
+    }
+}
+
+impl Files for FilesInMemory {
+    fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>> {
+        match self.find(path)? {
+            Some(bytes) => Ok(Box::new(Cursor::new(bytes))),
+            None => {
+                let mut missing = self.missing.lock().unwrap_or_else(PoisonError::into_inner);
+                missing.insert(plain(path));
+                Err(io::Error::new(
+                    io::ErrorKind::NotFound,
+                    "is not among the given files",
+                ))
+            }
+        }
+    }
+
+    fn help_for_missing(&self) -> &str {
+        "give it together with the file that names it"
+    }
+}
+
+impl<P: AsRef<Path>, B: Into<Vec<u8>>> FromIterator<(P, B)> for FilesInMemory {
+    fn from_iter<I: IntoIterator<Item = (P, B)>>(files: I) -> Self {
+        let mut out = Self::default();
+        for (path, bytes) in files {
+            out.insert(path, bytes);
+        }
+        out
+    }
+}
+
+impl fmt::Debug for FilesInMemory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lengths = self.files.iter().map(|(path, bytes)| (path, bytes.len()));
+        f.debug_map().entries(lengths).finish()
+    }
+}
+
+/// Returns a path without `.` and, as far as the folder that they leave is known, `..`.
+fn plain(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if out.file_name().is_some() => {
+                out.pop();
+            }
+            part => out.push(part),
+        }
+    }
+    out
+}
+
+fn same_name(a: &Path, b: &Path) -> bool {
+    match (a.file_name(), b.file_name()) {
+        (Some(a), Some(b)) => {
+            a.to_string_lossy().to_lowercase() == b.to_string_lossy().to_lowercase()
+        }
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+#[path = "files_tests.rs"]
+mod tests;

@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""Compares regions of the viewer's pictures with small ones that are kept in `goldens`.
+
+    python3 examples/viewer/goldens.py      # tests the comparison itself: spoilt pictures must fail
+    python3 examples/viewer/try.py --bless  # keeps the present pictures
+
+Pictures are kept at a quarter of their width and height, so that each of their pixels is the mean of 16.
+
+Tolerance, in levels of 255. What may differ without a fault:
+* devices round otherwise: single pixels along shadows' edges flip. In a block of 8x8 small pixels (32x32 of the window) an edge has about 32
+  pixels; if all of them flip by 150 levels, the block's mean moves by 5;
+* colours round otherwise: half a level each.
+So a block's mean may be off by up to 6 levels, and the whole picture's by up to 1.
+"""
+
+import io
+import pathlib
+import sys
+
+from PIL import Image, ImageChops, ImageStat
+
+FOLDER = pathlib.Path(__file__).resolve().parent / "goldens"
+SHRINK = 4
+BLOCK = 8
+OF_BLOCK, OF_ALL = 6.0, 1.0
+# Of all goldens together, bytes: they are part of the repository.
+MOST_BYTES = 300_000
+
+
+def small(image):
+    """A region as it is kept."""
+    return image.convert("RGB").reduce(SHRINK)
+
+
+def fault(kept, seen):
+    """Says what is wrong with a picture beside the kept one; none if nothing is."""
+    if kept.size != seen.size:
+        return f"it has {seen.size} pixels, the kept one {kept.size}"
+    whole = max(abs(a - b) for a, b in zip(ImageStat.Stat(kept).mean, ImageStat.Stat(seen).mean))
+    if whole > OF_ALL:
+        return f"its mean colour is off by {whole:.1f} levels, {OF_ALL} are allowed"
+    for top in range(0, kept.height, BLOCK):
+        for left in range(0, kept.width, BLOCK):
+            block = (left, top, min(left + BLOCK, kept.width), min(top + BLOCK, kept.height))
+            means = [ImageStat.Stat(image.crop(block)).mean for image in (kept, seen)]
+            off = max(abs(a - b) for a, b in zip(*means))
+            if off > OF_BLOCK:
+                place = (SHRINK * left, SHRINK * top)
+                return f"32x32 pixels at {place} of its region are off by {off:.1f} levels, {OF_BLOCK} are allowed"
+    return None
+
+
+class Goldens:
+    """Compares pictures, or keeps them."""
+
+    def __init__(self, blesses, out):
+        self.blesses = blesses
+        self.out = out
+        self.seen = set()
+
+    def check(self, name, image):
+        file = FOLDER / f"{name}.png"
+        seen = small(image)
+        self.seen.add(file)
+        if self.blesses:
+            seen.save(file, optimize=True)
+            print(f"golden kept: {name}, {file.stat().st_size} bytes")
+            return
+        assert file.exists(), f"there is no {file}; if the picture is right, keep it with --bless"
+        wrong = fault(Image.open(file).convert("RGB"), seen)
+        if wrong:
+            seen.save(self.out / f"{name}-seen.png")
+        assert wrong is None, f"the picture `{name}` is not as {file}: {wrong}. See {self.out / name}-seen.png; if that is right, keep it with --bless"
+        print(f"as the golden: {name}")
+
+    def end(self):
+        """Goldens that nothing was compared with are none."""
+        idle = set(FOLDER.glob("*.png")) - self.seen
+        if self.blesses:
+            for file in idle:
+                file.unlink()
+        else:
+            assert not idle, f"nothing was compared with {sorted(map(str, idle))}"
+        bytes_of_all = sum(file.stat().st_size for file in self.seen)
+        assert bytes_of_all < MOST_BYTES, f"the goldens have {bytes_of_all} bytes; keep smaller regions"
+
+
+def spoilt(image):
+    """Pictures with a fault that a person would see, each with its name."""
+    width, height = image.size
+    yield "moved by 8 pixels of the window", ImageChops.offset(image, 2, 0)
+    yield "2 levels lighter", image.point(lambda level: min(level + 2, 255))
+    with_patch = image.copy()
+    patch = (width // 2, height // 2, width // 2 + BLOCK, height // 2 + BLOCK)
+    middle = ImageStat.Stat(image.crop(patch)).mean
+    with_patch.paste(tuple(int(level + 40 if level < 128 else level - 40) for level in middle), patch)
+    yield "with a spot of 32x32 pixels", with_patch
+    yield "blank", Image.new("RGB", image.size, tuple(map(int, ImageStat.Stat(image).mean)))
+    yield "upside down", image.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
+    yield "cut", image.crop((0, 0, width - 1, height))
+
+
+def test():
+    """The comparison takes a picture for itself, also after it was packed again, and takes no spoilt one for it."""
+    files = sorted(FOLDER.glob("*.png"))
+    assert files, f"there are no goldens in {FOLDER}"
+    for file in files:
+        kept = Image.open(file).convert("RGB")
+        packed = io.BytesIO()
+        kept.save(packed, "JPEG", quality=97)
+        for same in (kept, Image.open(packed).convert("RGB")):
+            wrong = fault(kept, same)
+            assert wrong is None, f"{file.name} is not taken for itself: {wrong}"
+        for what, image in spoilt(kept):
+            assert fault(kept, image), f"{file.name} {what} passes: the comparison sees too little"
+    print(f"the comparison finds all faults in {len(files)} goldens")
+
+
+if __name__ == "__main__":
+    sys.exit(test())

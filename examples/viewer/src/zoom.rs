@@ -1,0 +1,47 @@
+//! How large text and buttons are, beyond what the display's own scale factor asks for.
+
+use egui::Vec2;
+
+/// A window of this size has text of the usual size, pixels.
+const USUAL: Vec2 = Vec2::new(1600.0, 1080.0);
+/// Steps of the automatic zoom: parts of 1.
+const STEPS: f32 = 4.0;
+/// The greatest automatic zoom: enough for 8K displays.
+const MOST: f32 = 4.0;
+
+/// Returns the zoom for a window of this size, in pixels divided by the display's scale factor. Displays of many pixels that tell a
+/// scale factor of 1 would have tiny text; small windows keep the usual size, below which text can't be read.
+pub(crate) fn automatic(size: Vec2) -> f32 {
+    let times = (size / USUAL).min_elem();
+    ((times * STEPS).floor() / STEPS).clamp(1.0, MOST)
+}
+
+/// Brings the window to the zoom that the user chose, or else to the automatic one.
+pub(crate) fn update(ctx: &egui::Context, chosen: Option<f32>) {
+    let wanted = chosen.unwrap_or_else(|| {
+        let points = ctx.viewport_rect().size();
+        automatic(points * ctx.zoom_factor())
+    });
+    if (wanted - ctx.zoom_factor()).abs() > 1e-3 {
+        ctx.set_zoom_factor(wanted);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_windows_have_large_text_and_small_ones_the_usual() {
+        for (size, zoom) in [
+            ([640.0, 480.0], 1.0),
+            ([1280.0, 720.0], 1.0),
+            ([1920.0, 1080.0], 1.0),
+            ([2560.0, 1440.0], 1.25),
+            ([3840.0, 2160.0], 2.0),
+            ([1000.0, 2160.0], 1.0),
+        ] {
+            assert_eq!(automatic(size.into()), zoom, "{size:?}");
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! What is done with each kind of file that a fuzzer makes: it is read, and what was read is used. An error is an answer; a panic, a
+//! hang or a wrong number is a fault. The tests play the kept corpus with the same functions (`tests/suite/fuzz_corpus.rs`).
+
+use std::{cell::RefCell, fs, path::PathBuf};
+use tempfile::TempDir;
+use umbrage::{
+    Backend as _, Camera, Geometry, Light, Scene, ShadowTechnique, View,
+    cpu::{Cpu, CpuOptions},
+    glam::{UVec2, Vec3},
+    plan::cost::PriceList,
+    scenes::{self, FilesInMemory},
+    techniques::{Exact, LightPreset, Pcf, TechniquePreset},
+};
+use umbrage_lab::{
+    baseline::{self, Except},
+    stability::{Demand, Stability, report::StabilityResults},
+};
+
+/// A picture that is small enough to be rendered for each input.
+const SIZE: UVec2 = UVec2::new(16, 9);
+/// Scenes of more triangles are read and baked, not rendered.
+const MAX_TRIANGLES: usize = 2_000;
+/// Settings that need larger maps are read, not played.
+const MAX_IMAGE_BYTES: u64 = 1 << 20;
+/// Parts the files of one input: first the one that is read, then one that it names.
+const PART: &[u8] = b"\n%%%%\n";
+
+thread_local! {
+    /// A folder for what is read by its path.
+    static FOLDER: TempDir = tempfile::tempdir().expect("a folder for temporary files");
+    /// One thread: fuzzers run beside each other.
+    static CPU: RefCell<Cpu> = RefCell::new(
+        Cpu::with_options(&CpuOptions::default().threads(1)).expect("a thread"),
+    );
+}
+
+/// Writes a file into the folder, and returns its path.
+fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    FOLDER.with(|folder| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("a temporary file");
+        path
+    })
+}
+
+/// Parts an input at the first mark.
+fn parted(bytes: &[u8]) -> (&[u8], &[u8]) {
+    match bytes.windows(PART.len()).position(|piece| piece == PART) {
+        Some(at) => (&bytes[..at], &bytes[at + PART.len()..]),
+        None => (bytes, &[]),
+    }
+}
+
+/// Renders a scene's first light with two techniques.
+fn play(scene: &Scene) {
+    let triangles: usize = scene
+        .instances
+        .iter()
+        .filter_map(|instance| scene.meshes.get(instance.mesh))
+        .map(|mesh| mesh.triangles.len())
+        .sum();
+    let geometry = match Geometry::bake(scene) {
+        Ok(geometry) => geometry,
+        // What was read is sound, or reading would have failed.
+        Err(error) => panic!("a scene that was read can't be baked: {error}"),
+    };
+    let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
+        panic!("a scene that was read has no camera or no light");
+    };
+    if triangles > MAX_TRIANGLES {
+        return;
+    }
+    let camera = Camera {
+        size: SIZE,
+        ..*camera
+    };
+    let view = View::new(&camera, light, &geometry);
+    let pcf = Pcf {
+        map: umbrage::techniques::ShadowMap {
+            size: 64,
+            ..Pcf::default().map
+        },
+        ..Pcf::default()
+    };
+    render(&view, &pcf);
+    render(&view, &Exact::default());
+}
+
+fn render(view: &View<'_>, technique: &dyn ShadowTechnique) {
+    let Ok(recipe) = technique.recipe(view) else {
+        return;
+    };
+    if recipe.image_bytes() > MAX_IMAGE_BYTES {
+        return;
+    }
+    let Ok(shadows) = CPU.with_borrow_mut(|cpu| cpu.render(view, &recipe)) else {
+        return;
+    };
+    let is_share = |v: &f32| (0.0..=1.0).contains(v);
+    assert!(
+        shadows.mask.iter().all(is_share),
+        "visibility outside of 0 to 1"
+    );
+}
+
+/// A scene file, and cameras of a path.
+pub(super) fn scene_file(bytes: &[u8]) {
+    let files: FilesInMemory = [("scene.toml", bytes)].into_iter().collect();
+    if let Ok(scene) = scenes::read("scene.toml", &files) {
+        play(&scene);
+    }
+    let cube = scenes::find("cubes").expect("built in");
+    let geometry = Geometry::bake(&(cube.build)()).expect("built in");
+    if let Ok(cameras) = scenes::cameras(&file("path.toml", bytes), &geometry) {
+        assert!(!cameras.is_empty());
+    }
+}
+
+/// A model, and after [`PART`] its materials.
+pub(super) fn model(bytes: &[u8]) {
+    let (obj, mtl) = parted(bytes);
+    let files: FilesInMemory = [("model.obj", obj), ("looks.mtl", mtl)]
+        .into_iter()
+        .collect();
+    if let Ok(scene) = scenes::read("model.obj", &files) {
+        play(&scene);
+    }
+}
+
+/// A picture as texture, as heights and as normals. The first byte tells which.
+pub(super) fn picture(bytes: &[u8]) {
+    let Some((&which, png)) = bytes.split_first() else {
+        return;
+    };
+    let look = match which % 3 {
+        0 => "texture = 'picture.png'",
+        1 => "height_map = 'picture.png'\ndisplacement = 0.3\nsubdivisions = 2",
+        _ => "normal_map = 'picture.png'",
+    };
+    let scene = format!(
+        "[[light]]\nkind = 'directional'\ndirection = [1, -2, 0.5]\n\
+         [[object]]\nshape = 'plane'\n{look}"
+    );
+    let files: FilesInMemory = [("scene.toml", scene.as_bytes()), ("picture.png", png)]
+        .into_iter()
+        .collect();
+    if let Ok(scene) = scenes::read("scene.toml", &files) {
+        play(&scene);
+    }
+}
+
+/// A preset: what was read is written and read again, and played.
+pub(super) fn preset(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let preset = TechniquePreset::from_toml(text);
+    if let Ok(light) = LightPreset::from_toml(text) {
+        let written = light.to_toml().expect("what was read can be written");
+        let again = LightPreset::from_toml(&written).expect("what was written can be read");
+        let twice = again.to_toml().expect("what was read can be written");
+        assert_eq!(written, twice);
+        assert!(preset.is_ok(), "a preset with rules is a preset");
+    }
+    if let Ok(preset) = preset {
+        let cube = scenes::find("cubes").expect("built in");
+        let scene = (cube.build)();
+        let geometry = Geometry::bake(&scene).expect("built in");
+        let camera = Camera {
+            size: SIZE,
+            ..scene.cameras[0]
+        };
+        let lights = [
+            scene.lights[0],
+            Light::Point {
+                position: Vec3::new(1.0, 4.0, 0.5),
+                radius: 0.1,
+            },
+        ];
+        for light in &lights {
+            render(&View::new(&camera, light, &geometry), &*preset.technique());
+        }
+    }
+    if let Ok(prices) = PriceList::from_toml(text) {
+        let written = prices.to_toml().expect("finite prices");
+        assert_eq!(PriceList::from_toml(&written).as_ref(), Ok(&prices));
+    }
+}
+
+/// Results of `compare` and of `stability`, read as a baseline and as what a plan asks for.
+pub(super) fn results(bytes: &[u8]) {
+    let path = file("results.json", bytes);
+    if let Ok(comparison) = baseline::read(&path) {
+        let changes = baseline::changes(&comparison, &comparison, &Except::default());
+        assert!(
+            changes.lost.is_empty(),
+            "results lack what they have: {:?}",
+            changes.lost
+        );
+        let lines = umbrage_lab::report::lines(&comparison);
+        let _ = umbrage_lab::report::to_csv(&lines);
+    }
+    if let Ok(stability) = Stability::read(&path) {
+        let _ = stability.meets("pcf", &Demand::FailNone);
+        let _ = stability.meets("pcf", &Demand::Pass(vec!["3".to_owned()]));
+    }
+    if let Ok(results) = StabilityResults::read(&path) {
+        let _ = results.stability.setting_verdicts();
+    }
+}

@@ -1,0 +1,194 @@
+//! What the pages of `docs` say of code, scenes and techniques is so.
+
+use std::{fs, path::Path};
+use umbrage::{
+    glam::UVec2,
+    scenes::{self, Kind},
+    techniques,
+};
+use umbrage_examples::failures::failures;
+use umbrage_lab::stability;
+
+/// The pages that quote code, and the least number of their quotations.
+const QUOTING: [(&str, usize); 2] = [
+    ("docs/add_shadows.md", 9),
+    ("docs/write_a_technique.md", 16),
+];
+/// Stands before each quotation, with the file that it is from.
+const QUOTED: &str = "<!-- quoted from ";
+
+/// A part of a file that the page shows.
+struct Quotation {
+    file: String,
+    text: String,
+}
+
+/// Returns all quotations.
+///
+/// Panics if code stands there whose file isn't named.
+fn quotations(page: &str) -> Vec<Quotation> {
+    let mut out = Vec::new();
+    let mut lines = page.lines();
+    let mut before = "";
+    while let Some(line) = lines.next() {
+        if line == "```rust" || line == "```wgsl" {
+            let file = before
+                .strip_prefix(QUOTED)
+                .and_then(|rest| rest.strip_suffix(" -->"))
+                .unwrap_or_else(|| panic!("no file is named before {line} behind `{before}`"));
+            let quoted: Vec<&str> = lines.by_ref().take_while(|&line| line != "```").collect();
+            out.push(Quotation {
+                file: file.to_owned(),
+                text: quoted.join("\n"),
+            });
+        }
+        before = line;
+    }
+    out
+}
+
+/// Returns whether the file has these lines, all with the same indentation.
+fn has_lines(file: &str, text: &str) -> bool {
+    (0..8).any(|tabs| {
+        let indentation = "    ".repeat(tabs);
+        let indented = |line: &str| {
+            if line.is_empty() {
+                String::new()
+            } else {
+                format!("{indentation}{line}")
+            }
+        };
+        let lines: Vec<String> = text.lines().map(indented).collect();
+        format!("\n{file}").contains(&format!("\n{}\n", lines.join("\n")))
+    })
+}
+
+#[test]
+fn pages_quote_code_to_the_letter() {
+    for (page, least) in QUOTING {
+        let quotations = quotations(&read(page));
+        assert!(quotations.len() >= least, "{page}: {}", quotations.len());
+        for Quotation { file, text } in quotations {
+            assert!(
+                has_lines(&read(&file), &text),
+                "{page} quotes what isn't in {file}; quote it anew:\n{text}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_changed_quotation_is_seen() {
+    let file = "fn f() {\n    g(1);\n}\n";
+    assert!(has_lines(file, "g(1);"));
+    assert!(!has_lines(file, "g(2);"));
+    assert!(!has_lines(file, "g(1)"), "part of a line");
+    let page = "<!-- quoted from a.rs -->\n```rust\ng(1);\n```\n";
+    assert_eq!(quotations(page)[0].file, "a.rs");
+    let unnamed = std::panic::catch_unwind(|| quotations("```rust\ng(1);\n```\n"));
+    assert!(unnamed.is_err(), "code whose file isn't named");
+}
+
+/// Returns a file of the repository.
+fn read(path: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Returns what is wrong with a link to the viewer, from `?` on.
+fn fault_of_query(query: &str) -> Option<String> {
+    for pair in query.trim_start_matches('?').split('&') {
+        let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
+        let is_known = match key {
+            "scene" => scenes::find(value).is_some(),
+            "failure" => {
+                scenes::find(value).is_some_and(|entry| matches!(entry.kind, Kind::Failure(_)))
+            }
+            "left" | "right" => techniques::find(value).is_some(),
+            "split" => value
+                .parse::<f32>()
+                .is_ok_and(|at| (0.0..=1.0).contains(&at)),
+            "over" => ["nothing", "error", "truth", "mask"].contains(&value),
+            _ => false,
+        };
+        if !is_known {
+            return Some(format!("`{pair}`"));
+        }
+    }
+    None
+}
+
+/// The site's links to the viewer name scenes and techniques that there are: the viewer itself would show others with a message.
+#[test]
+fn links_to_the_viewer_name_what_there_is() {
+    let mut links = 0;
+    for page in ["docs/live.md", "docs/failures.md"] {
+        let text = read(page);
+        for after in text.split("live.md?").skip(1) {
+            let query = after.split(')').next().unwrap_or("");
+            assert_eq!(fault_of_query(query), None, "{page}");
+            links += 1;
+        }
+        for after in text.split("<!-- viewer: ").skip(1) {
+            let query = after.split(" -->").next().unwrap_or("");
+            assert_eq!(fault_of_query(query), None, "{page}");
+        }
+    }
+    assert!(links > 15, "{links}");
+    for bad in [
+        "scene=nowhere",
+        "failure=cubes",
+        "scene=cubes&left=magic",
+        "over=all",
+        "scenes=cubes",
+    ] {
+        assert!(fault_of_query(bad).is_some(), "{bad}");
+    }
+}
+
+/// Each fault of the page has a heading, its pictures, its settings in words, the row that looks for it, and a link to its scene.
+#[test]
+fn the_page_of_failures_shows_each_of_them() {
+    let page = read("docs/failures.md");
+    let titles: Vec<&str> = stability::rows().iter().map(|row| row.title).collect();
+    for failure in failures() {
+        let name = failure.name;
+        assert!(titles.contains(&failure.row), "{name}: {}", failure.row);
+        let scene = failure.scene;
+        for text in [
+            format!("\n## {}\n", failure.title),
+            format!("(failures/{name}.fault.png)"),
+            format!("(failures/{name}.fault.error.png)"),
+            format!("(failures/{name}.cure.png)"),
+            format!("(failures/{name}.cure.error.png)"),
+            format!("| {} | {} |", failure.fault.words, failure.cure.words),
+            format!("Row: **{}**", failure.row),
+        ] {
+            assert!(page.contains(&text), "docs/failures.md lacks {text}");
+        }
+        let links = ["scene", "failure"].map(|key| format!("(live.md?{key}={scene}"));
+        assert!(
+            links.iter().any(|link| page.contains(link)),
+            "docs/failures.md has no link to {scene}"
+        );
+    }
+}
+
+/// In every example the cure is far less wrong than the fault, and the page's table says by how much.
+#[test]
+fn cures_are_better_than_faults() {
+    let page = read("docs/failures.md");
+    let size = UVec2::new(160, 120);
+    for failure in failures() {
+        let name = failure.name;
+        assert!(page.contains(&format!("| `{}` |", failure.scene)), "{name}");
+        let scene = umbrage::scenes::by_argument(failure.scene).expect("built in");
+        // Truth of wide lights takes long; their figures are those of the command that writes the page.
+        if !scene.lights[0].is_ideal() {
+            continue;
+        }
+        let played = failure.play(size).expect("valid");
+        let [fault, cure] = [played.fault.errors.rmse, played.cure.errors.rmse];
+        assert!(cure < 0.9 * fault, "{name}: {cure} against {fault}");
+    }
+}

@@ -1,0 +1,155 @@
+//! What a release has to pass besides `ci`: it needs programs that a change doesn't, and takes longer.
+
+use crate::{
+    ci::{Step, published, run_all},
+    cli::{ReleaseOptions, ReleaseStep},
+    run::{cargo, root, run},
+};
+use anyhow::{Context as _, Result, bail};
+use clap::ValueEnum as _;
+use std::{fs, process::Command};
+
+/// For Miri:
+/// * tests read snapshots and tell the time;
+/// * rayon's threads outlive the tests; its queues (crossbeam-epoch) hold by the rules of tree borrows, not by those of stacked borrows
+///   (<https://github.com/crossbeam-rs/crossbeam/issues/545>), and keep numbers in pointers;
+/// * sines differ from call to call, unless told otherwise, and so would what is made of them twice.
+const MIRI_FLAGS: &str = "-Zmiri-disable-isolation -Zmiri-ignore-leaks -Zmiri-tree-borrows -Zmiri-permissive-provenance \
+                          -Zmiri-deterministic-floats";
+
+/// Modules of the core whose tests end within minutes there: what traces or fits thousands of triangles takes hours.
+const MIRI_TESTS: [&str; 10] = [
+    "geometry::aabb",
+    "geometry::derived",
+    "geometry::weld",
+    "light_space::cascades",
+    "light_space::depth_range",
+    "metrics::",
+    "picture::",
+    "recipe::",
+    "scene::",
+    "snapping::",
+];
+
+/// Runs the steps that were asked for, or all.
+pub(crate) fn release_check(options: &ReleaseOptions) -> Result<()> {
+    let is_asked = |step: ReleaseStep| options.only.is_empty() || options.only.contains(&step);
+    let steps = ReleaseStep::value_variants()
+        .iter()
+        .filter(|&&step| is_asked(step))
+        .map(|&step| -> Step {
+            match step {
+                ReleaseStep::OldestRust => ("oldest-rust", Box::new(oldest_rust)),
+                ReleaseStep::Licences => ("licences", Box::new(licences)),
+                ReleaseStep::Versions => ("versions", Box::new(versions)),
+                ReleaseStep::Miri => ("miri", Box::new(miri)),
+                ReleaseStep::Publish => ("publish", Box::new(publish)),
+            }
+        })
+        .collect();
+    run_all(steps)
+}
+
+/// Checks that the workspace compiles with the Rust that its manifest names as the oldest.
+fn oldest_rust() -> Result<()> {
+    let manifest = fs::read_to_string(root().join("Cargo.toml"))?;
+    let version = oldest(&manifest)?;
+    println!("the manifest names Rust {version}");
+    // The cargo that runs this program is of one toolchain; rustup's chooses another.
+    let mut check = Command::new("rustup");
+    check.current_dir(root());
+    check.args(["run", "--install", version, "cargo", "check"]);
+    run(check.args(["--workspace", "--all-targets", "--all-features", "--locked"]))
+}
+
+/// Returns the `rust-version` that a manifest names.
+fn oldest(manifest: &str) -> Result<&str> {
+    let value = manifest
+        .lines()
+        .find_map(|line| line.strip_prefix("rust-version = "))
+        .context("the workspace's manifest names no rust-version")?;
+    Ok(value.trim().trim_matches('"'))
+}
+
+/// Checks licences, known vulnerabilities, sources and bans of all dependencies: see `deny.toml`.
+fn licences() -> Result<()> {
+    needs("deny", "cargo-deny")?;
+    run(cargo().args(["deny", "--all-features", "check"]))
+}
+
+/// Checks that version numbers say what changed since the last release.
+fn versions() -> Result<()> {
+    let Some(tag) = last_release()? else {
+        println!(
+            "there is no tag `v*`, and so no release to compare with: the first one breaks nothing"
+        );
+        return Ok(());
+    };
+    needs("semver-checks", "cargo-semver-checks")?;
+    let mut check = cargo();
+    check.args(["semver-checks", "--baseline-rev", &tag]);
+    for package in published()? {
+        check.args(["--package", &package.name]);
+    }
+    run(&mut check)
+}
+
+/// Returns the tag of the last release; none before the first one.
+fn last_release() -> Result<Option<String>> {
+    let mut git = Command::new("git");
+    git.current_dir(root());
+    git.args(["tag", "--list", "v*", "--sort=-version:refname"]);
+    let output = git.output().context("git did not start")?;
+    if !output.status.success() {
+        bail!("git can't list its tags: is this a checkout?");
+    }
+    let tags = String::from_utf8_lossy(&output.stdout);
+    Ok(tags.lines().next().map(str::to_owned))
+}
+
+/// Runs tests of the core in an interpreter that sees undefined behaviour. The workspace forbids unsafe code; what it depends on
+/// has some.
+fn miri() -> Result<()> {
+    let mut install = Command::new("rustup");
+    install.args(["component", "add", "--toolchain", "nightly"]);
+    run(install.args(["miri", "rust-src"])).context("Miri comes with the nightly toolchain")?;
+    let mut test = Command::new("rustup");
+    test.current_dir(root());
+    test.env("MIRIFLAGS", MIRI_FLAGS);
+    // All runs some thousand times slower there: a few random cases have to do.
+    test.env("PROPTEST_CASES", "2");
+    test.args(["run", "nightly", "cargo", "miri", "test"]);
+    test.args(["--package", "umbrage-core", "--lib", "--"]);
+    run(test.args(MIRI_TESTS))
+}
+
+/// Packs every published package, and compiles it as its users will.
+fn publish() -> Result<()> {
+    let mut command = cargo();
+    command.args(["publish", "--dry-run"]);
+    for package in published()? {
+        command.args(["--package", &package.name]);
+    }
+    run(&mut command)
+}
+
+/// Checks that cargo has a further command.
+fn needs(command: &str, package: &str) -> Result<()> {
+    let found = cargo().args([command, "--version"]).output()?;
+    if !found.status.success() {
+        bail!("this needs {package}: `cargo install --locked {package}` brings it");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::oldest;
+
+    #[test]
+    fn the_oldest_rust_is_the_manifests() {
+        let manifest = "[workspace.package]\nedition = \"2024\"\nrust-version = \"1.95\"\n";
+        assert_eq!(oldest(manifest).expect("named"), "1.95");
+        assert!(oldest("[workspace]").is_err());
+    }
+}

@@ -1,0 +1,117 @@
+//! The documentation as a site: the pages of `docs` by mdBook, with the viewer in a folder beside them.
+
+mod built;
+mod links;
+mod page;
+mod source;
+mod stage;
+
+use crate::{
+    cli::SiteOptions,
+    run::{Usage, root, run},
+    tools::Tool,
+    web::{self, server},
+};
+use anyhow::{Context as _, Result};
+use links::MarkdownPages;
+use std::{fs, path::Path, process::Command};
+
+/// Makes pages of Markdown, with a list of them and a search. It is built without what it serves and watches with.
+const MDBOOK: Tool<'_> = Tool {
+    package: "mdbook",
+    program: "mdbook",
+    version: "0.5.4",
+    reason: "it makes the pages; another version may name headings otherwise",
+    options: &["--no-default-features", "--features", "search"],
+};
+
+/// Marks a folder that holds a site, so that the next one may take its place.
+const MARK: &str = ".umbrage-site";
+
+/// Builds the site and, unless told otherwise, serves it until it is stopped.
+pub(crate) fn site(options: &SiteOptions) -> Result<()> {
+    let target = web::target_folder()?;
+    let out = match &options.out {
+        Some(folder) => std::path::absolute(folder)
+            .with_context(|| format!("cannot find {}", folder.display()))?,
+        None => target.join("site"),
+    };
+    check_out(&out)?;
+    // What is wrong with pages or port is told before minutes of building.
+    let pages = MarkdownPages::read(root())?;
+    pages.check(root())?;
+    let listener = server::listener(&options.serve)?;
+    let mdbook = MDBOOK.find_or_install(&target)?;
+    let has_viewer = !options.without_viewer;
+    let staged = target.join("site-pages");
+    empty(&staged)?;
+    stage::write(root(), &pages, &staged, has_viewer)?;
+    empty(&out)?;
+    // A run that fails leaves a folder that the next one may take, too.
+    mark(&out)?;
+    let mut book = Command::new(mdbook);
+    book.arg("build").arg("--dest-dir").arg(&out).arg(&staged);
+    run(&mut book)?;
+    // mdBook empties the folder first.
+    mark(&out)?;
+    if has_viewer {
+        web::build_page(&target, &out.join(stage::VIEWER))?;
+    }
+    let count = built::check(&out, stage::VIEWER)?;
+    println!(
+        "the site is in {}: {count} pages, all links lead to something",
+        out.display()
+    );
+    match listener {
+        Some(listener) => server::serve(&listener, &out),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a folder with files that are not an earlier site's, since those would be lost.
+fn check_out(out: &Path) -> Result<()> {
+    let Ok(mut entries) = fs::read_dir(out) else {
+        return Ok(());
+    };
+    if entries.next().is_none() || out.join(MARK).is_file() {
+        return Ok(());
+    }
+    Err(Usage(format!(
+        "{} holds files that are not a site's, which would be lost: name a new folder by --out",
+        out.display()
+    ))
+    .into())
+}
+
+/// Marks a folder as a site's.
+fn mark(folder: &Path) -> Result<()> {
+    fs::write(folder.join(MARK), "")
+        .with_context(|| format!("cannot write to {}", folder.display()))
+}
+
+/// Makes a folder, or removes all that is in it.
+fn empty(folder: &Path) -> Result<()> {
+    if folder.exists() {
+        fs::remove_dir_all(folder).with_context(|| format!("cannot empty {}", folder.display()))?;
+    }
+    fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MARK, check_out};
+    use std::fs;
+
+    #[test]
+    fn a_folder_with_other_files_is_not_overwritten() {
+        let folder = tempfile::tempdir().expect("a folder");
+        assert!(check_out(&folder.path().join("new")).is_ok());
+        assert!(check_out(folder.path()).is_ok(), "an empty one");
+        fs::write(folder.path().join("letter.txt"), "").expect("written");
+        let error = check_out(folder.path()).expect_err("not a site");
+        assert!(error.to_string().contains("--out"), "{error}");
+        assert!(error.is::<crate::run::Usage>());
+        fs::write(folder.path().join(MARK), "").expect("written");
+        assert!(check_out(folder.path()).is_ok(), "an earlier site");
+    }
+}
