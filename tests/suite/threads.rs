@@ -1,9 +1,11 @@
-//! The CPU backend gives the same bits on one thread and on many, with and without vector instructions.
+//! Threads change no result: the CPU backend's own, vector instructions, and a program's that polls the device.
 
 use glam::UVec2;
-use umbrage_core::{Backend, Geometry, Simd, View};
+use std::sync::atomic::{AtomicBool, Ordering};
+use umbrage_core::{Backend, Geometry, ShadowTechnique, Simd, View};
 use umbrage_cpu::{Cpu, CpuOptions};
-use umbrage_techniques::all;
+use umbrage_techniques::{Hard, all};
+use umbrage_tests::gpu::gpu;
 
 #[test]
 fn threads_and_vectors_change_nothing() {
@@ -44,4 +46,33 @@ fn threads_and_vectors_change_nothing() {
             );
         }
     }
+}
+
+/// A program may poll the device in a thread of its own, which then calls what a read-back waits for.
+#[test]
+fn read_backs_wait_for_callbacks_of_other_threads() {
+    let scene = (umbrage_scenes::find("cubes")
+        .expect("a built-in scene")
+        .build)();
+    let geometry = Geometry::bake(&scene).expect("valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let recipe = Hard::default().recipe(&view).expect("plays");
+    let mut gpu = gpu();
+    let device = gpu.device().0.clone();
+    let is_over = AtomicBool::new(false);
+    let poll_again = || {
+        while !is_over.load(Ordering::Acquire) {
+            device.poll(wgpu::PollType::Poll).expect("polls");
+        }
+    };
+    let failures: Vec<_> = std::thread::scope(|scope| {
+        for _ in 0..3 {
+            scope.spawn(poll_again);
+        }
+        let rendered = (0..200).map(|_| gpu.render(&view, &recipe).err());
+        let failures = rendered.flatten().collect();
+        is_over.store(true, Ordering::Release);
+        failures
+    });
+    assert!(failures.is_empty(), "{}: {failures:?}", failures.len());
 }

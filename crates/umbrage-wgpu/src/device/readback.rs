@@ -1,12 +1,12 @@
 //! From GPU memory to vectors.
 
-use crate::resources::{counters::Counters, images::GpuImage};
+use crate::resources::{counters::Counters, images::GpuImage, waiting::poll_until};
 use bytemuck::Pod;
 use std::sync::{Arc, OnceLock};
 use umbrage_core::BackendError;
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, Device,
-    MapMode, PollType, TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture,
+    MapMode, TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture,
     TextureAspect,
 };
 
@@ -139,8 +139,8 @@ impl<'a> ReadBack<'a> {
                 mapped.set(result.is_ok()).unwrap_or_default()
             });
         }
-        let polled = self.device.poll(PollType::wait_indefinitely());
-        polled.map_err(|e| BackendError::DeviceLost(e.to_string()))?;
+        let all_called = || self.copies.iter().all(|c| c.mapped.get().is_some());
+        poll_until(self.device, all_called).map_err(|e| BackendError::DeviceLost(e.to_string()))?;
         if self.copies.iter().all(|c| c.mapped.get() == Some(&true)) {
             return Ok(());
         }

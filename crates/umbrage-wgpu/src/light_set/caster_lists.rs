@@ -327,7 +327,7 @@ impl CasterLists {
     #[cfg(feature = "testing")]
     pub(crate) fn look(&mut self, device: &Device, id: LightId) -> Option<Listing> {
         let lists = self.lights.get_mut(id)?;
-        device.poll(wgpu::PollType::wait_indefinitely()).ok()?;
+        lists.read.wait(device).ok()?;
         lists.needed = lists.read.take(Listing::read).or(lists.needed);
         lists.needed
     }

@@ -1,5 +1,7 @@
 //! Bytes that the device made, read some frames later without waiting.
 
+#[cfg(feature = "testing")]
+use super::waiting::poll_until;
 use std::sync::{
     Arc,
     atomic::{AtomicU8, Ordering},
@@ -63,6 +65,12 @@ impl LateRead {
                 outcome.becomes = READY;
             }
         });
+    }
+
+    /// Waits for what is on its way.
+    #[cfg(feature = "testing")]
+    pub(crate) fn wait(&self, device: &Device) -> Result<(), wgpu::PollError> {
+        poll_until(device, || self.state.load(Ordering::Acquire) != WAITING)
     }
 
     /// Returns what `look` makes of the bytes, if they have come, and is idle from then on.

@@ -15,3 +15,4 @@ pub(crate) mod renderer_state;
 pub(crate) mod submissions;
 pub(crate) mod tables;
 pub(crate) mod timestamps;
+pub(crate) mod waiting;
