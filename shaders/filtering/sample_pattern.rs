@@ -245,13 +245,13 @@ impl PatternTable {
         }
         let turns: Vec<Vec4> = (0..TURNS).map(|k| turn(shape, k)).collect();
         let taps = sets.iter().flat_map(|set| &set.taps).map(|q| q.extend(0.0));
-        let rows = taps
+        let rows: Arc<[_]> = taps
             .chain(turns.iter().copied())
             .map(|row| row.to_array().map(f32::to_bits))
             .collect();
         let table = Table {
             label: "sample pattern",
-            rows,
+            rows: rows.into(),
         };
         Self {
             table,

@@ -62,19 +62,19 @@ impl SurfaceTables {
         [
             Table {
                 label: "vertices",
-                rows: self.vertices.clone(),
+                rows: self.vertices.clone().into(),
             },
             Table {
                 label: "triangles",
-                rows: self.triangles.clone(),
+                rows: self.triangles.clone().into(),
             },
             Table {
                 label: "materials",
-                rows: self.materials.clone(),
+                rows: self.materials.clone().into(),
             },
             Table {
                 label: "texels",
-                rows: self.texels.clone(),
+                rows: self.texels.clone().into(),
             },
         ]
     }

@@ -12,6 +12,7 @@
 //!
 //! Lights with an extent are taken for their middle.
 
+mod at_once;
 mod item_key;
 mod light_frame;
 mod lists;
@@ -26,14 +27,18 @@ use crate::{
     shadow_map::ShadowMap,
     techniques::traced::longest_ray,
 };
-use lists::{Lists, Rows};
+use lists::{KeptLists, Lists, Rows};
 use lookup::{cells_of_span, look_up_span};
 pub use on_device::ListsGrid;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::{
+    fmt::{Debug, Formatter},
+    sync::Arc,
+};
 use umbrage_core::{
     DeviceRecipe, Fit, Geometry, Inputs, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel,
-    Receivers, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    Receivers, Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock,
+    View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     glam::{UVec4, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler},
@@ -75,9 +80,7 @@ impl ShadowTechnique for Exact {
                 "lists need the scene's triangles, and this view has none",
             ));
         };
-        let lists = Lists::of(view.light, geometry);
-        let kernel = ExactKernel::new(view, geometry, lists.clone());
-        Ok(recipe_of(kernel, &lists))
+        Ok(recipe_of(ExactKernel::new(view, geometry)))
     }
 
     fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
@@ -85,16 +88,19 @@ impl ShadowTechnique for Exact {
     }
 }
 
-fn recipe_of(kernel: ExactKernel, lists: &Lists) -> Recipe {
-    let table = |label: &'static str, rows: &Rows| Table {
-        label,
-        rows: rows.clone(),
+fn recipe_of(kernel: ExactKernel) -> Recipe {
+    let table = |label: &'static str, rows_of: fn(&Lists) -> &Rows| {
+        let kernel = kernel.clone();
+        Table {
+            label,
+            rows: TableRows::on_first_use(move || rows_of(kernel.lists()).clone()),
+        }
     };
     let tables = vec![
-        table("tiles", &lists.tiles),
-        table("cells", &lists.cells),
-        table("items", &lists.items),
-        table("corners", &lists.corners),
+        table("tiles", |lists| &lists.tiles),
+        table("cells", |lists| &lists.cells),
+        table("items", |lists| &lists.items),
+        table("corners", |lists| &lists.corners),
     ];
     Recipe {
         images: Vec::new(),
@@ -156,13 +162,13 @@ impl Exact {
                 "cells are asked for known receivers, by triangles",
             ));
         };
-        let kernel = ExactKernel::new(view, geometry, Lists::of(view.light, geometry));
+        let kernel = ExactKernel::new(view, geometry);
         let mut out = vec![None; receivers.len()];
         let width = receivers.size.x as usize;
         for (row, out) in out.chunks_mut(width.max(1)).enumerate() {
             let first = row * width;
             let span = receivers.span(first, width);
-            cells_of_span(&kernel.uniforms, &kernel.lists, &span, out);
+            cells_of_span(&kernel.uniforms, kernel.lists(), &span, out);
             for (i, out) in out.iter_mut().enumerate() {
                 *out = out.filter(|_| receivers.receives[first + i]);
             }
@@ -196,20 +202,36 @@ uniforms! {
 }
 
 /// Asks the lists.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct ExactKernel {
     uniforms: ExactUniforms,
-    lists: Arc<Lists>,
+    lists: Arc<KeptLists>,
+    /// The casters; none where a device knows them.
+    geometry: Geometry,
+}
+
+impl Debug for ExactKernel {
+    /// Lists follow from the uniforms and the casters.
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ExactKernel")
+            .field("uniforms", &self.uniforms)
+            .field("casters", &self.geometry.fingerprint())
+            .finish_non_exhaustive()
+    }
 }
 
 impl ExactKernel {
-    fn new(view: &View<'_>, geometry: &Geometry, lists: Arc<Lists>) -> Self {
+    fn new(view: &View<'_>, geometry: &Geometry) -> Self {
         let extent = geometry.max_receiver_extent();
         let far = longest_ray(view, geometry);
-        Self::of_lists(view, lists, extent, far)
+        let lists = KeptLists::of(view.light, geometry);
+        Self {
+            geometry: geometry.clone(),
+            ..Self::of_lists(view, lists, extent, far)
+        }
     }
 
-    fn of_lists(view: &View<'_>, lists: Arc<Lists>, extent: f32, far: f32) -> Self {
+    fn of_lists(view: &View<'_>, lists: Arc<KeptLists>, extent: f32, far: f32) -> Self {
         let eye = view.camera.eye();
         let frame = &lists.frame;
         let [across, down, away] = frame.rows;
@@ -224,11 +246,20 @@ impl ExactKernel {
             tiles: UVec4::new(frame.tiles.x, frame.tiles.y, u32::from(frame.is_lamp), 0),
             far,
         };
-        Self { uniforms, lists }
+        Self {
+            uniforms,
+            lists,
+            geometry: Geometry::default(),
+        }
+    }
+
+    /// Returns the lists, which are made on first use.
+    fn lists(&self) -> &Lists {
+        self.lists.get(&self.geometry)
     }
 
     fn taps_from_memory(&self) -> f32 {
-        (self.lists.casters() as f32).sqrt() / CASTERS_A_TAP
+        (self.lists().casters() as f32).sqrt() / CASTERS_A_TAP
     }
 
     /// Returns how long the lists of some receivers are in the mean, 0 where none is asked.
@@ -243,7 +274,7 @@ impl ExactKernel {
             let count = chunk.min(receivers.len() - first);
             let span = receivers.span(first, count);
             let cells = &mut cells[..count];
-            cells_of_span(&self.uniforms, &self.lists, &span, cells);
+            cells_of_span(&self.uniforms, self.lists(), &span, cells);
             for (i, cell) in cells.iter().enumerate() {
                 if !receivers.receives[first + i] {
                     continue;
@@ -286,7 +317,21 @@ impl Kernel for ExactKernel {
 
 impl ReceiveKernel for ExactKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        look_up_span(inputs.simd, &self.uniforms, &self.lists, span, out);
+        look_up_span(inputs.simd, &self.uniforms, self.lists(), span, out);
+    }
+
+    fn receive_all(&self, simd: Simd, receivers: &Receivers) -> Option<Vec<f32>> {
+        if !self.lists.is_answered_without() {
+            return None;
+        }
+        let frame = &self.lists.frame;
+        Some(at_once::answer_all(
+            simd,
+            &self.uniforms,
+            frame,
+            &self.geometry,
+            receivers,
+        ))
     }
 
     /// A cell, and some of the casters in its list.
@@ -300,6 +345,6 @@ impl ReceiveKernel for ExactKernel {
     }
 
     fn triangles_listed(&self) -> u64 {
-        self.lists.triangles_listed()
+        self.lists().triangles_listed()
     }
 }

@@ -135,7 +135,7 @@ fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) ->
         }],
         tables: vec![Table {
             label: "planes of triangles",
-            rows: rows.clone(),
+            rows: rows.clone().into(),
         }],
         casts,
         filters: Vec::new(),

@@ -125,7 +125,7 @@ impl ShadowTechnique for Soft {
         let sorted = geometry.derived(|_| SortedTriangles::of(triangles));
         let table = |label: &'static str, rows: &Rows| Table {
             label,
-            rows: rows.clone(),
+            rows: rows.clone().into(),
         };
         Ok(Recipe {
             images: Vec::new(),

@@ -73,11 +73,11 @@ impl ShadowTechnique for Traced {
             tables: vec![
                 Table {
                     label: "hierarchy",
-                    rows: nodes.clone(),
+                    rows: nodes.clone().into(),
                 },
                 Table {
                     label: "triangles",
-                    rows: triangles.clone(),
+                    rows: triangles.clone().into(),
                 },
             ],
             casts: Vec::new(),

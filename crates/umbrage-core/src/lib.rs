@@ -28,7 +28,7 @@ pub use gbuffer::{
     resolve,
 };
 pub use geometry::{
-    Geometry, NO_MATERIAL,
+    Geometry, NO_MATERIAL, TRIANGLES_A_RUN,
     aabb::Aabb,
     bvh::{self, Bvh},
     displacement,
@@ -58,6 +58,7 @@ pub use recipe::{
     image::{Format, Image, ImageDesc, ImageView},
     kernel::{FilterKernel, Inputs, Kernel, ReceiveKernel, ShadeKernel},
     shader::{Module, UniformBlock, UniformLayout, Uniforms, join},
+    table_rows::TableRows,
     work::{KernelCost, Work},
 };
 pub use recipe_error::RecipeError;

@@ -147,7 +147,7 @@ impl Cpu {
             .shade
             .as_ref()
             .map(|shade| shade::shade(shade, receivers, &mask));
-        let bytes = image_bytes(recipe) + recipe.table_bytes() + gbuffer::bytes(receivers);
+        let bytes = image_bytes(recipe) + recipe.made_table_bytes() + gbuffer::bytes(receivers);
         let images = if recipe.keep_images {
             self.images.clone()
         } else {

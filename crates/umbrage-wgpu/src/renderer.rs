@@ -116,6 +116,7 @@ impl ShadowRenderer {
     ) -> Result<(), BackendError> {
         self.prepared = None;
         check_device(device, self.submissions.device())?;
+        recipe.make_tables();
         recipe.validate(&self.limits)?;
         check_counting(recipe, device.features())?;
         check_faces(recipe, device.limits().max_buffer_size)?;

@@ -51,14 +51,14 @@ impl Yardstick {
         let mut tables = row.tables.clone();
         tables.push(Table {
             label: "yardstick",
-            rows: table(),
+            rows: table().into(),
         });
         let kernel = Arc::new(YardstickKernel {
             uniforms: YardstickUniforms {
                 mask: ROWS - 1,
                 links,
             },
-            rows: table(),
+            rows: table().into(),
         });
         let receive = Receive {
             kernel,

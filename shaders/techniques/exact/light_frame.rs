@@ -14,7 +14,7 @@
 
 use umbrage_core::{
     Aabb, Geometry, Light,
-    glam::{DVec3, UVec2, Vec2, Vec3},
+    glam::{DVec3, UVec2, Vec2, Vec3, Vec4},
     math::dot3,
 };
 
@@ -276,6 +276,17 @@ impl LightFrame {
             self.before(1.0 / greatest.max(f32::MIN_POSITIVE))
         } else {
             self.before(least)
+        }
+    }
+
+    /// Returns what [`nearest_of_plane`](Self::nearest_of_plane) does, of four planes.
+    #[inline(always)]
+    pub(super) fn four_nearest_of_plane(&self, least: Vec4, greatest: Vec4) -> Vec4 {
+        if self.is_lamp {
+            let nearest = greatest.max(Vec4::splat(f32::MIN_POSITIVE)).recip();
+            nearest * (1.0 - self.depth_margin()) - self.rounding
+        } else {
+            least - self.depth_margin()
         }
     }
 

@@ -6,7 +6,10 @@ use super::{
     touches::TouchesByTile,
 };
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{
+    Arc, Mutex, OnceLock, PoisonError,
+    atomic::{AtomicU32, Ordering},
+};
 use umbrage_core::{Geometry, Light};
 
 /// Rows of four words.
@@ -25,6 +28,9 @@ const SEEN_TILES: f32 = 0.5;
 
 /// Lights whose lists a geometry keeps: those that were asked for last.
 const KEPT_LIGHTS: usize = 4;
+
+/// Pictures of the same casters under the same light that are answered before their lists are made.
+const PICTURES_WITHOUT: u32 = 8;
 
 /// Tiles of a row.
 const TILES_A_ROW: usize = 2;
@@ -47,12 +53,14 @@ pub(super) struct Lists {
     pub(super) corners: Rows,
 }
 
-/// The casters' corners, three rows a caster.
-struct CornerRows(Rows);
+/// The casters' corners, three rows a caster, once they were asked for.
+#[derive(Default)]
+struct CornerRows(OnceLock<Rows>);
 
 impl CornerRows {
     fn of(geometry: &Geometry) -> Rows {
-        let made = geometry.derived(|geometry| {
+        let kept = geometry.derived(|_| Self::default());
+        let make = || {
             let mut rows = zeros(3 * geometry.casters().len().max(1));
             let out = writable(&mut rows);
             let ids = geometry.casters().into_par_iter();
@@ -61,20 +69,31 @@ impl CornerRows {
                     *row = corner.extend(0.0).to_array().map(f32::to_bits);
                 }
             });
-            Self(rows)
-        });
-        made.0.clone()
+            rows
+        };
+        kept.0.get_or_init(make).clone()
     }
 }
 
 /// The lists of the lights that were asked for last, kept with the triangles.
 #[derive(Default)]
-struct Kept(Mutex<Vec<Arc<Lists>>>);
+struct Kept(Mutex<Vec<Arc<KeptLists>>>);
 
-impl Lists {
-    /// Returns the lists of a light over a geometry's casters: made, or, if they were made lately, the same.
+/// The lists of one light, made when somebody reads them.
+#[derive(Debug)]
+pub(super) struct KeptLists {
+    pub(super) frame: LightFrame,
+    made: OnceLock<Lists>,
+    /// Pictures that were answered without them.
+    answered_without: AtomicU32,
+}
+
+impl KeptLists {
+    /// Returns the lists of a light over a geometry's casters: if they were asked for lately, the same.
     pub(super) fn of(light: &Light, geometry: &Geometry) -> Arc<Self> {
         let frame = LightFrame::new(light, geometry);
+        // Copies of the geometry share what was made before they were, so the place for corners is.
+        geometry.derived(|_| CornerRows::default());
         let kept = geometry.derived(|_| Kept::default());
         // The lists follow from the frame and the triangles alone.
         let is_same = |lists: &Arc<Self>| lists.frame == frame;
@@ -82,19 +101,45 @@ impl Lists {
         if let Some(known) = lock().iter().find(|lists| is_same(lists)) {
             return known.clone();
         }
-        let made = Arc::new(Self::make(frame, geometry));
+        let new = Arc::new(Self {
+            frame,
+            made: OnceLock::new(),
+            answered_without: AtomicU32::new(0),
+        });
         let mut all = lock();
-        if !all.iter().any(is_same) {
-            if all.len() == KEPT_LIGHTS {
-                all.remove(0);
-            }
-            all.push(made.clone());
+        if all.len() == KEPT_LIGHTS {
+            all.remove(0);
         }
-        made
+        all.push(new.clone());
+        new
     }
 
     /// Returns the lists of no casters: for what knows them elsewhere.
     pub(super) fn without_casters(frame: LightFrame) -> Self {
+        Self {
+            frame,
+            made: OnceLock::from(Lists::without_casters(frame)),
+            answered_without: AtomicU32::new(0),
+        }
+    }
+
+    /// Returns the lists; they are made now if nobody asked before. `geometry` is that of [`of`](Self::of), or none if it was not
+    /// called.
+    pub(super) fn get(&self, geometry: &Geometry) -> &Lists {
+        self.made.get_or_init(|| Lists::make(self.frame, geometry))
+    }
+
+    /// Counts one more picture of a light under which nothing has moved. Returns whether it is to be answered without lists: they take as
+    /// long to make as some pictures without them, and only then are the quicker way.
+    pub(super) fn is_answered_without(&self) -> bool {
+        self.made.get().is_none()
+            && self.answered_without.fetch_add(1, Ordering::Relaxed) < PICTURES_WITHOUT
+    }
+}
+
+impl Lists {
+    /// Returns the lists of no casters.
+    fn without_casters(frame: LightFrame) -> Self {
         let tile_rows = frame.tile_count().div_ceil(TILES_A_ROW);
         let nothing_covers = [0, f32::INFINITY.to_bits(), f32::INFINITY.to_bits(), 0];
         Self {

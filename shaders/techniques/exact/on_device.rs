@@ -7,7 +7,7 @@
 use super::{
     ExactKernel, ITEM_KEY,
     light_frame::{LEAST_MARGIN, LightFrame},
-    lists::Lists,
+    lists::KeptLists,
     recipe_of,
 };
 use std::sync::Arc;
@@ -71,10 +71,10 @@ pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError
         side_log2: SIDE_LOG2,
         faces: frame.faces(),
     };
-    let none = Arc::new(Lists::without_casters(frame));
+    let none = Arc::new(KeptLists::without_casters(frame));
     let kernel = ExactKernel::of_lists(view, none.clone(), reach, 2.0 * reach).on_device();
     Ok(DeviceRecipe {
-        recipe: recipe_of(kernel, &none),
+        recipe: recipe_of(kernel),
         lists,
     })
 }

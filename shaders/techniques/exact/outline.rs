@@ -53,7 +53,7 @@ pub(super) fn outline_of(frame: &LightFrame, geometry: &Geometry, triangle: u32)
 }
 
 /// Returns a triangle's outline, its corners in frame space.
-fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
+pub(super) fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
     // Homogeneous directions, and what is linear in them: a sun's depth, or one over a lamp's.
     let mut directions = [DVec3::ZERO; 3];
     let mut depths = [0.0; 3];

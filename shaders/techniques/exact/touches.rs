@@ -81,18 +81,7 @@ struct Found<'a> {
 impl Found<'_> {
     #[inline]
     fn add_under_sun(&mut self, caster: u32, corners: [Vec3; 3]) {
-        let [a, b, c] = corners;
-        let least = |axis: usize| lesser(a[axis], lesser(b[axis], c[axis]));
-        let greatest = |axis: usize| greater(a[axis], greater(b[axis], c[axis]));
-        let low = Vec3::new(least(0), least(1), least(2));
-        let high = Vec2::new(greatest(0), greatest(1));
-        let bounds = FaceBounds {
-            low: low.truncate(),
-            high,
-            nearest: low.z,
-            area: 0.5 * (b - a).truncate().perp_dot((c - a).truncate()).abs(),
-            is_anywhere: false,
-        };
+        let bounds = FaceBounds::under_sun(corners);
         self.add_on_face(caster, 0, &bounds, self.frame.margin(0.0));
     }
 
@@ -193,18 +182,18 @@ fn touches_tile(frame: &LightFrame, on_face: &[Vec4; 3], tile: UVec2) -> bool {
 
 /// The box around what shows of a triangle on a face, in units of a direction, and its least depth.
 #[derive(Clone, Copy, Debug)]
-struct FaceBounds {
-    low: Vec2,
-    high: Vec2,
-    nearest: f32,
+pub(super) struct FaceBounds {
+    pub(super) low: Vec2,
+    pub(super) high: Vec2,
+    pub(super) nearest: f32,
     area: f32,
     /// Of a triangle so near to a lamp that its edges mean nothing.
-    is_anywhere: bool,
+    pub(super) is_anywhere: bool,
 }
 
 impl FaceBounds {
     /// Of a triangle at a lamp, which may lie anywhere.
-    const ANYWHERE: Self = Self {
+    pub(super) const ANYWHERE: Self = Self {
         low: Vec2::NEG_ONE,
         high: Vec2::ONE,
         nearest: 0.0,
@@ -212,9 +201,25 @@ impl FaceBounds {
         is_anywhere: true,
     };
 
+    /// Returns what shows of a triangle under a sun.
+    #[inline(always)]
+    pub(super) fn under_sun(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let least = |axis: usize| lesser(a[axis], lesser(b[axis], c[axis]));
+        let greatest = |axis: usize| greater(a[axis], greater(b[axis], c[axis]));
+        let low = Vec3::new(least(0), least(1), least(2));
+        Self {
+            low: low.truncate(),
+            high: Vec2::new(greatest(0), greatest(1)),
+            nearest: low.z,
+            area: 0.5 * (b - a).truncate().perp_dot((c - a).truncate()).abs(),
+            is_anywhere: false,
+        }
+    }
+
     /// Returns what shows of a triangle on a face of the cube around a lamp, and a little beyond its rim; none where nothing does.
     /// `corners` are relative to the lamp.
-    fn on_cube(face: u32, corners: [Vec3; 3], margin: f32) -> Option<Self> {
+    pub(super) fn on_cube(face: u32, corners: [Vec3; 3], margin: f32) -> Option<Self> {
         let axis = face as usize / 2;
         let sign = if face % 2 == 1 { -1.0 } else { 1.0 };
         // Across and down the face, and along its axis.

@@ -70,6 +70,11 @@ impl BoxTree {
         Self::new(runs.collect())
     }
 
+    /// Returns the boxes of the runs.
+    pub(crate) fn runs(&self) -> &[Aabb] {
+        &self.levels[0]
+    }
+
     /// Says that entries were looked at one by one, which tests count.
     pub(crate) fn count(&self, entries: &Range<u32>) {
         #[cfg(feature = "testing")]

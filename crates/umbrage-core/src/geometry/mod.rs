@@ -32,6 +32,9 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
+/// Triangles a box of [`Geometry::run_boxes`]; the last one may have fewer.
+pub const TRIANGLES_A_RUN: u32 = RUN;
+
 /// The material of triangles whose instance names none: [`Material::default`](crate::Material::default).
 pub const NO_MATERIAL: u32 = u32::MAX;
 
@@ -263,6 +266,11 @@ impl Geometry {
             });
             extents.reduce(|| 0.0, f32::max)
         })
+    }
+
+    /// Returns the boxes around runs of [`TRIANGLES_A_RUN`] triangles, found on first use.
+    pub fn run_boxes(&self) -> &[Aabb] {
+        self.box_tree().runs()
     }
 
     /// Returns the boxes around runs of triangles, built on first use.

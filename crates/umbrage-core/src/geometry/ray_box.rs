@@ -36,7 +36,7 @@ pub(crate) fn slab_inverse(d: Vec3) -> Vec3A {
 }
 
 #[inline(always)]
-fn safe_inverse(x: f32) -> f32 {
+pub(crate) fn safe_inverse(x: f32) -> f32 {
     if x.abs() < 1e-30 {
         if x >= 0.0 { 1e30 } else { -1e30 }
     } else {

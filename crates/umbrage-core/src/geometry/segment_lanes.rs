@@ -4,7 +4,7 @@
 //! for another. What a product with zero adds changes no bit that a comparison sees, and a sum of two numbers has one order; so two
 //! products and a sum are the same as the three products there.
 
-use crate::geometry::ray_box::{EXIT_SLACK, inverse_power, padded_box, slab_inverse};
+use crate::geometry::ray_box::{EXIT_SLACK, inverse_power, padded_box, safe_inverse, slab_inverse};
 use glam::{Vec3, Vec3A, Vec4};
 
 /// How many segments are tested at once.
@@ -129,6 +129,31 @@ pub struct FourSegments {
 }
 
 impl FourSegments {
+    /// Returns segments from points along vectors, one a lane for each axis, all of whose vectors are longest along `axis`.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(origin: [Vec4; 3], vector: [Vec4; 3], axis: u32) -> Self {
+        let axis = axis as usize;
+        let [along, first, second] = [axis, (axis + 1) % 3, (axis + 2) % 3].map(|k| vector[k]);
+        let each = |v: Vec4, f: fn(f32) -> f32| Vec4::from_array(v.to_array().map(f));
+        let scale = each(along, |v| inverse_power(v.abs()));
+        Self {
+            origin,
+            inverse: vector.map(|v| each(v, safe_inverse)),
+            scale,
+            shear: [first, second].map(|v| -(v / along) * scale),
+            along: along.recip(),
+            axis,
+        }
+    }
+
+    /// Returns segments with the same vectors from other points, one a lane for each axis.
+    #[inline(always)]
+    #[must_use]
+    pub fn from_origins(&self, origin: [Vec4; 3]) -> Self {
+        Self { origin, ..*self }
+    }
+
     /// Returns a bit for each segment that meets the triangle, edges and ends included.
     #[inline(always)]
     pub fn hits(&self, corners: [Vec3; 3]) -> u32 {
@@ -256,6 +281,11 @@ mod tests {
                 arrays.set(lane, o, d);
             }
             let bits = arrays.four(0).hits(corners);
+            let lanes = |of: fn(&(Vec3, Vec3)) -> Vec3| {
+                [0, 1, 2].map(|k| Vec4::from_array(segments.map(|s| of(&s)[k])))
+            };
+            let made_at_once = FourSegments::new(lanes(|s| s.0), lanes(|s| s.1), arrays.axis(0));
+            let bits_at_once = made_at_once.hits(corners);
             for (lane, &(o, d)) in segments.iter().enumerate() {
                 if arrays.axis(lane) != arrays.axis(0) {
                     continue;
@@ -266,6 +296,7 @@ mod tests {
                     expected,
                     "{corners:?} from {o} along {d}"
                 );
+                assert_eq!(bits_at_once >> lane & 1, bits >> lane & 1, "made at once");
                 hits += u32::from(expected);
                 tested += 1;
             }

@@ -42,6 +42,13 @@ pub trait ReceiveKernel: Kernel {
     /// The Rust half: visibility 0..=1 of each entry of the span, into `out` of the same length.
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]);
 
+    /// Returns the visibility of all receivers of a picture at once, as [`receive`](Self::receive) has it of each, and 1 where a
+    /// pixel doesn't receive. None: no way is quicker than asking span by span.
+    fn receive_all(&self, simd: Simd, receivers: &Receivers) -> Option<Vec<f32>> {
+        let _ = (simd, receivers);
+        None
+    }
+
     /// What it does for one receiver, at most: for [`Work`](crate::Work), which the price of a technique is made of.
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::default()

@@ -4,13 +4,14 @@ pub(crate) mod device_lists;
 pub(crate) mod image;
 pub(crate) mod kernel;
 pub(crate) mod shader;
+pub(crate) mod table_rows;
 #[cfg(feature = "testing")]
 pub(crate) mod twin;
 pub(crate) mod work;
 
 use crate::{
     CasterSet, FilterKernel, Format, Geometry, ImageDesc, Invalid, LightSpace, ReceiveKernel,
-    ShadeKernel, invalid,
+    ShadeKernel, TableRows, invalid,
 };
 use glam::Vec4;
 use std::{ops::Range, sync::Arc};
@@ -235,7 +236,14 @@ pub struct Table {
     /// For error messages.
     pub label: &'static str,
     /// The rows; at least one.
-    pub rows: Arc<[[u32; 4]]>,
+    pub rows: TableRows,
+}
+
+impl Table {
+    /// Returns the rows; they are made now if nobody asked before.
+    pub fn rows(&self) -> &Arc<[[u32; 4]]> {
+        self.rows.get()
+    }
 }
 
 /// What a backend can hold.
@@ -255,12 +263,28 @@ impl Recipe {
         self.images.iter().map(ImageDesc::bytes).sum()
     }
 
-    /// Returns the bytes of all tables.
+    /// Returns the bytes of all tables; those that nobody asked for before are made now.
     pub fn table_bytes(&self) -> u64 {
-        self.tables.iter().map(|t| 16 * t.rows.len() as u64).sum()
+        let bytes = |table: &Table| size_of_val::<[[u32; 4]]>(table.rows()) as u64;
+        self.tables.iter().map(bytes).sum()
     }
 
-    /// Checks that a backend with these limits can run the recipe.
+    /// Returns the bytes of the tables that were made so far.
+    pub fn made_table_bytes(&self) -> u64 {
+        let made = self.tables.iter().filter_map(|table| table.rows.made());
+        made.map(|rows| size_of_val::<[[u32; 4]]>(rows) as u64)
+            .sum()
+    }
+
+    /// Makes all tables that nobody asked for so far.
+    pub fn make_tables(&self) {
+        for table in &self.tables {
+            table.rows();
+        }
+    }
+
+    /// Checks that a backend with these limits can run the recipe. Of tables only those that were made are checked: who reads all of
+    /// them calls [`make_tables`](Self::make_tables) before.
     ///
     /// # Errors
     /// Errors with the first fault found: sizes of zero or beyond the limits, ids that name nothing, formats that don't fit a
@@ -270,7 +294,10 @@ impl Recipe {
             check_image(image, limits)?;
         }
         for table in &self.tables {
-            let bytes = 16 * table.rows.len() as u64;
+            let Some(rows) = table.rows.made() else {
+                continue;
+            };
+            let bytes = size_of_val::<[[u32; 4]]>(rows) as u64;
             if bytes == 0 || bytes > limits.table_bytes {
                 let why = format!(
                     "takes {bytes} bytes, and this backend holds 1 to {}",

@@ -30,11 +30,12 @@ pub(super) fn time_recipe(
     view: &View<'_>,
 ) -> Result<(Recipe, TimingStats), RecipeError> {
     let recipe = technique.recipe(view)?;
+    recipe.make_tables();
     let start = Instant::now();
     let mut times = Vec::new();
     for _ in 0..RECIPES {
         let one = Instant::now();
-        technique.recipe(view)?;
+        technique.recipe(view)?.make_tables();
         times.push(one.elapsed().as_secs_f64() * 1e3);
         if start.elapsed().as_secs_f64() > MAX_SECONDS {
             break;
@@ -56,8 +57,9 @@ pub(super) fn time_of_scene(
         ..*view
     };
     let start = Instant::now();
-    if technique.recipe(&view).is_err() {
-        return 0.0;
+    match technique.recipe(&view) {
+        Ok(recipe) => recipe.make_tables(),
+        Err(_) => return 0.0,
     }
     let first_ms = start.elapsed().as_secs_f64() * 1e3;
     (first_ms - later_ms).max(0.0)
@@ -76,7 +78,7 @@ pub(super) fn play_alike(a: &Recipe, b: &Recipe) -> bool {
         && a.tables
             .iter()
             .zip(&b.tables)
-            .all(|(a, b)| Arc::ptr_eq(&a.rows, &b.rows) || a.rows == b.rows);
+            .all(|(a, b)| Arc::ptr_eq(a.rows(), b.rows()) || a.rows() == b.rows());
     draw_alike(a, b) && same_tables && of_lookup(a) == of_lookup(b)
 }
 

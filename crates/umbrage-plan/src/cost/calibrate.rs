@@ -100,6 +100,8 @@ fn measure(
         Err(RecipeError::Unsupported(_)) => return Ok(Vec::new()),
         Err(e) => return Err(e.into()),
     };
+    // Making tables is priced apart, as `Work::listed`.
+    recipe.make_tables();
     let mut least_draw = f64::INFINITY;
     let mut least_lookup = f64::INFINITY;
     let mut spent = 0.0;

@@ -327,11 +327,14 @@ impl SharedTables {
         let known = self
             .held
             .iter()
-            .find(|held| held.content.is_rows(&table.rows));
+            .find(|held| held.content.is_rows(table.rows()));
         if let Some(held) = known {
             return held.place();
         }
-        self.push(Content::Rows(table.rows.clone()), table.rows.len() as u32)
+        self.push(
+            Content::Rows(table.rows().clone()),
+            table.rows().len() as u32,
+        )
     }
 
     /// Sees to it that a region has at least so many rows. Returns whether its place changed.

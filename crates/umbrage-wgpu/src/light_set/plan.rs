@@ -152,5 +152,5 @@ fn uniform_bytes(kernel: &dyn Kernel) -> Option<Vec<u8>> {
 }
 
 fn same_table(a: &Table, b: &Table) -> bool {
-    Arc::ptr_eq(&a.rows, &b.rows) || a.rows == b.rows
+    Arc::ptr_eq(a.rows(), b.rows()) || a.rows() == b.rows()
 }

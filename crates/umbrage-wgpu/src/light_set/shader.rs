@@ -354,7 +354,7 @@ impl SetShader {
             let mut with_own = bytes;
             let counted_before = counted.len();
             let used = plan.recipe.receive.tables.iter();
-            for rows in used.map(|&i| &plan.recipe.tables[i].rows) {
+            for rows in used.map(|&i| plan.recipe.tables[i].rows()) {
                 if !counted.iter().any(|other| Arc::ptr_eq(other, rows)) {
                     counted.push(rows.clone());
                     with_own += size_of_val::<[[u32; 4]]>(rows) as u64;
@@ -382,7 +382,7 @@ impl SetShader {
         let is_used = |rows: &Arc<[[u32; 4]]>| {
             plans().any(|plan| {
                 let receive = &plan.recipe.receive;
-                let mut used = receive.tables.iter().map(|&i| &plan.recipe.tables[i].rows);
+                let mut used = receive.tables.iter().map(|&i| plan.recipe.tables[i].rows());
                 used.any(|held| held == rows)
             })
         };

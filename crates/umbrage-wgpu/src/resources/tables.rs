@@ -12,14 +12,14 @@ pub(crate) struct Tables(Vec<(Arc<[[u32; 4]]>, Buffer)>);
 impl Tables {
     pub(crate) fn get(&mut self, factory: &mut ResourceFactory<'_>, table: &Table) -> Buffer {
         for (rows, buffer) in &self.0 {
-            if Arc::ptr_eq(rows, &table.rows) {
+            if Arc::ptr_eq(rows, table.rows()) {
                 return buffer.clone();
             }
         }
-        let bytes: &[u8] = bytemuck::cast_slice(&table.rows);
+        let bytes: &[u8] = bytemuck::cast_slice(table.rows());
         let buffer = factory.buffer(table.label, BufferUsages::STORAGE, bytes.len() as u64);
         factory.queue.write_buffer(&buffer, 0, bytes);
-        self.0.push((table.rows.clone(), buffer.clone()));
+        self.0.push((table.rows().clone(), buffer.clone()));
         buffer
     }
 

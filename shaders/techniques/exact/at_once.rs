@@ -1,0 +1,221 @@
+//! The CPU's way to answer all receivers of a picture: casters ask receivers, and no list is made.
+//!
+//! The transpose of [`lookup`](super::lookup), after Johnson, Lee, Burns and Mark 2005, "The Irregular Z-Buffer", with a hierarchy over
+//! receivers as in Sintorn, Kämpe, Olsson and Assarsson 2014, "Per-Triangle Shadow Volumes Using a View-Sample Cluster Hierarchy". Each run of
+//! casters goes down boxes around receivers as the light sees them, with those of its casters that may hide the light there; the triangle test hides
+//! it from those that a caster meets. Boxes are widened by the margins of [`light_frame`](super::light_frame), so nothing that a ray
+//! meets is left out, and any caster that a ray meets hides the light: so the answer is that of `traced`, in whatever order
+//! casters come, on however many threads.
+
+mod boxes;
+mod caster_run;
+mod rays;
+
+use super::{ExactUniforms, light_frame::LightFrame};
+use boxes::{BOXES, Reach};
+use caster_run::{CasterRun, RUN};
+use rayon::prelude::*;
+use rays::{FaceRays, Rays, make_rays};
+use std::ops::Range;
+use umbrage_core::{Aabb, Geometry, Receivers, Simd, SimdTask};
+
+/// Runs of casters that a thread takes at a time.
+const RUNS_A_TASK: usize = 16;
+
+/// Casters that are tested one by one with eight boxes at a time; more are tested together, with one box after the other.
+const MANY: u32 = 16;
+
+/// Nodes that wait at most: seven a level and one more, and there are no more than eleven levels over 2^32 pixels.
+const MOST_WAITING: usize = 80;
+
+/// Returns the light's visibility for each receiver; 1 where none is.
+pub(super) fn answer_all(
+    simd: Simd,
+    uniforms: &ExactUniforms,
+    frame: &LightFrame,
+    geometry: &Geometry,
+    receivers: &Receivers,
+) -> Vec<f32> {
+    let faces = make_rays(simd, uniforms, frame, receivers);
+    let hide = Hide {
+        frame,
+        geometry,
+        receivers,
+        faces: &faces,
+        rays: Rays::of(uniforms, frame),
+    };
+    let casters = geometry.casters();
+    let runs = casters.start as usize / RUN..(casters.end as usize).div_ceil(RUN);
+    let tasks = geometry.run_boxes()[runs.clone()].par_chunks(RUNS_A_TASK);
+    tasks.enumerate().for_each(|(task, boxes)| {
+        simd.run_task(HideFromRuns {
+            hide: &hide,
+            first_run: runs.start + task * RUNS_A_TASK,
+            boxes,
+        });
+    });
+    let unlit = |&receives: &bool| if receives { 0.0 } else { 1.0 };
+    let mut mask: Vec<f32> = receivers.receives.iter().map(unlit).collect();
+    for face in &faces {
+        face.each_open(|pixel| mask[pixel] = 1.0);
+    }
+    mask
+}
+
+/// Hides the light from receivers.
+struct Hide<'a> {
+    frame: &'a LightFrame,
+    geometry: &'a Geometry,
+    receivers: &'a Receivers,
+    faces: &'a [FaceRays],
+    rays: Rays,
+}
+
+/// Hides the light from what some runs of casters cover.
+struct HideFromRuns<'a> {
+    hide: &'a Hide<'a>,
+    first_run: usize,
+    /// Around each run.
+    boxes: &'a [Aabb],
+}
+
+impl SimdTask for HideFromRuns<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let all = self.hide.geometry.casters();
+        let mut casters = CasterRun::new();
+        for (i, bounds) in self.boxes.iter().enumerate() {
+            let first = ((self.first_run + i) * RUN) as u32;
+            let run = first.max(all.start)..(first + RUN as u32).min(all.end);
+            for face in self.hide.faces {
+                self.hide.hide_from_run(face, &run, bounds, &mut casters);
+            }
+        }
+    }
+}
+
+/// Eight boxes to visit, and a bit for each caster of a run that may hide the light there.
+#[derive(Clone, Copy, Default)]
+struct Visit {
+    level: usize,
+    number: usize,
+    casters: u64,
+}
+
+impl Hide<'_> {
+    /// Hides the light from what a run of casters covers on a face. `casters` is room to work in.
+    #[inline(always)]
+    fn hide_from_run(
+        &self,
+        face: &FaceRays,
+        run: &Range<u32>,
+        bounds: &Aabb,
+        casters: &mut CasterRun,
+    ) {
+        let Some(reach) = Reach::of_box(self.frame, face.face, bounds) else {
+            return;
+        };
+        let top = face.levels.len() - 1;
+        if face.levels[top][0].met_by(&reach) == 0 {
+            return;
+        }
+        casters.read(self.frame, self.geometry, face.face, run);
+        let mut waiting = [Visit::default(); MOST_WAITING];
+        waiting[0] = Visit {
+            level: top,
+            number: 0,
+            casters: casters.all(),
+        };
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let visit = waiting[count];
+            if visit.level == 0 {
+                self.hide_in_blocks(face, casters, visit);
+                continue;
+            }
+            let of_child = self.casters_of_children(face, casters, visit);
+            for (child, &casters) in of_child.iter().enumerate() {
+                waiting[count] = Visit {
+                    level: visit.level - 1,
+                    number: visit.number * BOXES + child,
+                    casters,
+                };
+                count += usize::from(casters != 0);
+            }
+        }
+    }
+
+    /// Returns, for each of eight boxes, a bit for each caster that may hide the light there.
+    #[inline(always)]
+    fn casters_of_children(
+        &self,
+        face: &FaceRays,
+        casters: &mut CasterRun,
+        visit: Visit,
+    ) -> [u64; BOXES] {
+        let boxes = &face.levels[visit.level][visit.number];
+        let mut out = [0; BOXES];
+        if visit.casters.count_ones() > MANY {
+            let mut children = boxes.met_by(&casters.reach);
+            while let Some(child) = take_lowest(&mut children) {
+                out[child] = visit.casters & casters.meeting(&boxes.get(child));
+            }
+            return out;
+        }
+        let mut left = visit.casters;
+        while left != 0 {
+            let caster = left.trailing_zeros();
+            left &= left - 1;
+            let mut children = casters.meets(self.frame, caster as usize, boxes);
+            while let Some(child) = take_lowest(&mut children) {
+                out[child] |= 1 << caster;
+            }
+        }
+        out
+    }
+
+    /// Hides the light from what casters cover in eight blocks.
+    #[inline(always)]
+    fn hide_in_blocks(&self, face: &FaceRays, casters: &mut CasterRun, visit: Visit) {
+        let boxes = &face.levels[0][visit.number];
+        let mut left = visit.casters;
+        while left != 0 {
+            let caster = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let mut blocks = casters.meets(self.frame, caster, boxes);
+            while let Some(block) = take_lowest(&mut blocks) {
+                let block = visit.number * BOXES + block;
+                let open = face.open(block);
+                if open == 0 {
+                    continue;
+                }
+                let hits = open & face.hits(block, &self.rays, casters.corners(caster));
+                if hits != 0 {
+                    self.close(face, block, hits, casters.id(caster));
+                }
+            }
+        }
+    }
+
+    /// Hides the light from rays of a block, but for those that start on the caster.
+    #[inline(always)]
+    fn close(&self, face: &FaceRays, block: usize, mut hits: u32, caster: u32) {
+        let mut blocked = 0;
+        while let Some(ray) = take_lowest(&mut hits) {
+            let own = self.receivers.triangle[face.pixel(block, ray)];
+            blocked |= u32::from(own != caster) << ray;
+        }
+        face.close(block, blocked);
+    }
+}
+
+/// Takes the lowest bit off, and returns its place.
+#[inline(always)]
+fn take_lowest(bits: &mut u32) -> Option<usize> {
+    let place = bits.trailing_zeros();
+    *bits &= bits.wrapping_sub(1);
+    (place < u32::BITS).then_some(place as usize)
+}

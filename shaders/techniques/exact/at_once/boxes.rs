@@ -1,0 +1,250 @@
+//! Boxes of eight things side by side: on a face of a light's frame, and how deep.
+
+use super::super::{light_frame::LightFrame, outline::distance_to_origin};
+use umbrage_core::{
+    Aabb,
+    glam::{Vec2, Vec4},
+    math::{greater, lesser},
+};
+
+/// How many boxes are tested at once.
+pub(super) const BOXES: usize = 8;
+/// Boxes in a vector.
+const LANES: usize = 4;
+
+/// A number of each box.
+type Eight = [f32; BOXES];
+
+/// Where a caster may hide the light on a face, margins included.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    pub(super) low: Vec2,
+    pub(super) high: Vec2,
+    /// Least depth.
+    pub(super) nearest: f32,
+}
+
+/// Where receivers lie on a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceBox {
+    pub(super) low: Vec2,
+    pub(super) high: Vec2,
+    /// Greatest depth.
+    pub(super) farthest: f32,
+}
+
+/// Eight such boxes; those that are not used hold nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Boxes {
+    low: [Eight; 2],
+    high: [Eight; 2],
+    farthest: Eight,
+}
+
+/// A large caster's edges and plane, as functions on a face.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FaceOutline {
+    /// Factors of the coordinates across and down, and a summand; a lane each for three edges and the plane.
+    pub(super) factors: [Vec4; 3],
+    /// Whether the plane's function means anything.
+    pub(super) knows_depth: bool,
+}
+
+impl Reach {
+    /// Of no caster.
+    pub(super) const NOWHERE: Self = Self {
+        low: Vec2::INFINITY,
+        high: Vec2::NEG_INFINITY,
+        nearest: f32::INFINITY,
+    };
+    /// Of casters that may be anywhere.
+    const ANYWHERE: Self = Self {
+        low: Vec2::NEG_INFINITY,
+        high: Vec2::INFINITY,
+        nearest: 0.0,
+    };
+
+    /// Grows by another one.
+    #[inline(always)]
+    pub(super) fn add(&mut self, other: &Self) {
+        self.low = self.low.min(other.low);
+        self.high = self.high.max(other.high);
+        self.nearest = self.nearest.min(other.nearest);
+    }
+
+    /// Returns where casters in a box in world space may hide the light on a face; none if nowhere.
+    #[inline(always)]
+    pub(super) fn of_box(frame: &LightFrame, face: u32, bounds: &Aabb) -> Option<Self> {
+        if frame.is_lamp {
+            Self::of_box_at_lamp(frame, face, bounds)
+        } else {
+            Some(Self::of_box_under_sun(frame, bounds))
+        }
+    }
+
+    #[inline(always)]
+    fn of_box_under_sun(frame: &LightFrame, bounds: &Aabb) -> Self {
+        let center = bounds.center();
+        let half = bounds.max - center;
+        let placed = frame.place_as::<false>(center);
+        let [across, down, deep] = frame.rows.map(|row| row.abs().dot(half));
+        // What the products' roundings add, many times over.
+        let margin = frame.margin(0.0) + frame.rounding;
+        let at = placed.truncate();
+        let half = Vec2::new(across, down) + margin;
+        Self {
+            low: at - half,
+            high: at + half,
+            nearest: frame.before(placed.z - deep) - margin,
+        }
+    }
+
+    #[inline(always)]
+    fn of_box_at_lamp(frame: &LightFrame, face: u32, bounds: &Aabb) -> Option<Self> {
+        let low = frame.place_as::<true>(bounds.min);
+        let high = frame.place_as::<true>(bounds.max);
+        let distance = distance_to_origin([low, high, high]);
+        if frame.is_at_lamp(distance) {
+            return Some(Self::ANYWHERE);
+        }
+        let margin = 2.0 * frame.margin(distance);
+        let axis = face as usize / 2;
+        let [near, far] = if face % 2 == 1 {
+            [-high[axis], -low[axis]]
+        } else {
+            [low[axis], high[axis]]
+        };
+        if far < 0.0 {
+            return None;
+        }
+        // Beside the pyramid that is seen through the face.
+        let widest = far * (1.0 + margin);
+        let sides = [(axis + 1) % 3, (axis + 2) % 3];
+        if sides.iter().any(|&k| low[k] > widest || -high[k] > widest) {
+            return None;
+        }
+        if near <= 0.0 {
+            return Some(Self::ANYWHERE);
+        }
+        // Directions are coordinates over the depth, which lies between the two.
+        let least = |k: usize| low[k] / if low[k] < 0.0 { near } else { far };
+        let greatest = |k: usize| high[k] / if high[k] < 0.0 { far } else { near };
+        let [across, down] = sides;
+        Some(Self {
+            low: Vec2::new(least(across), least(down)) - margin,
+            high: Vec2::new(greatest(across), greatest(down)) + margin,
+            nearest: frame.before(near),
+        })
+    }
+}
+
+impl FaceBox {
+    /// The box around nothing.
+    pub(super) const EMPTY: Self = Self {
+        low: Vec2::INFINITY,
+        high: Vec2::NEG_INFINITY,
+        farthest: f32::NEG_INFINITY,
+    };
+
+    /// Grows around a point. What is not a number is left out.
+    #[inline(always)]
+    pub(super) fn add(&mut self, at: Vec2, depth: f32) {
+        self.low = Vec2::new(lesser(at.x, self.low.x), lesser(at.y, self.low.y));
+        self.high = Vec2::new(greater(at.x, self.high.x), greater(at.y, self.high.y));
+        self.farthest = greater(depth, self.farthest);
+    }
+
+    /// Grows around a box.
+    #[inline(always)]
+    pub(super) fn add_box(&mut self, other: &Self) {
+        self.low = self.low.min(other.low);
+        self.high = self.high.max(other.high);
+        self.farthest = greater(other.farthest, self.farthest);
+    }
+}
+
+impl Boxes {
+    const EMPTY: Self = Self {
+        low: [[f32::INFINITY; BOXES]; 2],
+        high: [[f32::NEG_INFINITY; BOXES]; 2],
+        farthest: [f32::NEG_INFINITY; BOXES],
+    };
+
+    /// Returns up to eight boxes side by side, and the box around all of them.
+    #[inline(always)]
+    pub(super) fn around(boxes: &[FaceBox]) -> (Self, FaceBox) {
+        let mut all = FaceBox::EMPTY;
+        let mut out = Self::EMPTY;
+        for (i, one) in boxes.iter().enumerate() {
+            all.add_box(one);
+            for axis in 0..2 {
+                out.low[axis][i] = one.low[axis];
+                out.high[axis][i] = one.high[axis];
+            }
+            out.farthest[i] = one.farthest;
+        }
+        (out, all)
+    }
+
+    /// Returns box `i`.
+    #[inline(always)]
+    pub(super) fn get(&self, i: usize) -> FaceBox {
+        FaceBox {
+            low: Vec2::new(self.low[0][i], self.low[1][i]),
+            high: Vec2::new(self.high[0][i], self.high[1][i]),
+            farthest: self.farthest[i],
+        }
+    }
+
+    /// Returns a bit for each box in which a caster may hide the light.
+    #[inline(always)]
+    pub(super) fn met_by(&self, caster: &Reach) -> u32 {
+        let [left, top] = caster.low.to_array().map(Vec4::splat);
+        let [right, bottom] = caster.high.to_array().map(Vec4::splat);
+        let nearest = Vec4::splat(caster.nearest);
+        let mut bits = 0;
+        for first in (0..BOXES).step_by(LANES) {
+            let across =
+                four(&self.low[0], first).cmple(right) & four(&self.high[0], first).cmpge(left);
+            let down =
+                four(&self.low[1], first).cmple(bottom) & four(&self.high[1], first).cmpge(top);
+            let deep = four(&self.farthest, first).cmpge(nearest);
+            bits |= (across & down & deep).bitmask() << first;
+        }
+        bits
+    }
+
+    /// Returns a bit for each box of which a caster's edges leave anything, and which reaches behind its plane.
+    #[inline(always)]
+    pub(super) fn within(&self, frame: &LightFrame, outline: &FaceOutline) -> u32 {
+        let [across, down, summand] = outline.factors;
+        let mut bits = 0;
+        for first in (0..BOXES).step_by(LANES) {
+            let at = |v: &Eight| four(v, first);
+            let low = self.low.each_ref().map(at);
+            let high = self.high.each_ref().map(at);
+            // The greatest that a linear function is in the box, or the least where its factors are turned round.
+            let extreme = |edge: usize, sign: f32| {
+                let [x, y] = [across[edge], down[edge]];
+                let u = if x * sign > 0.0 { high[0] } else { low[0] };
+                let v = if y * sign > 0.0 { high[1] } else { low[1] };
+                Vec4::splat(summand[edge]) + u * x + v * y
+            };
+            let minus_one = Vec4::NEG_ONE;
+            let mut inside = extreme(0, 1.0).cmpge(minus_one)
+                & extreme(1, 1.0).cmpge(minus_one)
+                & extreme(2, 1.0).cmpge(minus_one);
+            if outline.knows_depth {
+                let nearest = frame.four_nearest_of_plane(extreme(3, -1.0), extreme(3, 1.0));
+                inside &= at(&self.farthest).cmpge(nearest);
+            }
+            bits |= inside.bitmask() << first;
+        }
+        bits
+    }
+}
+
+#[inline(always)]
+fn four(numbers: &Eight, first: usize) -> Vec4 {
+    Vec4::from_slice(&numbers[first..first + LANES])
+}

@@ -1,0 +1,206 @@
+//! Runs of casters as the light sees them.
+
+use super::{
+    super::{
+        light_frame::LightFrame,
+        outline::{distance_to_origin, outline},
+        touches::FaceBounds,
+    },
+    boxes::{Boxes, FaceBox, FaceOutline, Reach},
+};
+use std::ops::Range;
+use umbrage_core::{
+    Geometry, TRIANGLES_A_RUN,
+    glam::{Vec2, Vec3, Vec4},
+};
+
+/// Casters of a run.
+pub(super) const RUN: usize = TRIANGLES_A_RUN as usize;
+
+/// Boxes that a caster may meet before its edges are asked, too.
+const FEW: u32 = 4;
+
+/// Casters in a vector.
+const LANES: usize = 4;
+
+/// A number of each caster of a run.
+type OfEach<T> = [T; RUN];
+
+/// A run of casters on a face.
+pub(super) struct CasterRun {
+    face: u32,
+    first: u32,
+    /// By corner, axis and caster, in world space.
+    corner: [[OfEach<f32>; 3]; 3],
+    low: [OfEach<f32>; 2],
+    high: [OfEach<f32>; 2],
+    nearest: OfEach<f32>,
+    /// Of all that show on the face.
+    pub(super) reach: Reach,
+    /// A bit for each that shows on the face.
+    shown: u64,
+    /// A bit for each so near to a lamp that its edges mean nothing.
+    is_anywhere: u64,
+    /// A bit for each whose outline is known.
+    has_outline: u64,
+    outline: OfEach<FaceOutline>,
+}
+
+impl CasterRun {
+    pub(super) fn new() -> Self {
+        Self {
+            face: 0,
+            first: 0,
+            corner: [[[0.0; RUN]; 3]; 3],
+            low: [[0.0; RUN]; 2],
+            high: [[0.0; RUN]; 2],
+            nearest: [0.0; RUN],
+            reach: Reach::NOWHERE,
+            shown: 0,
+            is_anywhere: 0,
+            has_outline: 0,
+            outline: [FaceOutline::default(); RUN],
+        }
+    }
+
+    /// Reads a run of a geometry: at least one caster.
+    #[inline(always)]
+    pub(super) fn read(
+        &mut self,
+        frame: &LightFrame,
+        geometry: &Geometry,
+        face: u32,
+        run: &Range<u32>,
+    ) {
+        self.face = face;
+        self.first = run.start;
+        self.shown = u64::MAX >> (RUN - run.len());
+        self.is_anywhere = 0;
+        self.has_outline = 0;
+        for (i, id) in run.clone().enumerate() {
+            for (of_corner, corner) in self.corner.iter_mut().zip(geometry.corners(id)) {
+                for (axis, of_axis) in of_corner.iter_mut().enumerate() {
+                    of_axis[i] = corner[axis];
+                }
+            }
+        }
+        if frame.is_lamp {
+            self.place_around_lamp(frame, run.len());
+        } else {
+            self.place_under_sun(frame);
+        }
+        self.reach = Reach::NOWHERE;
+        for i in 0..run.len() {
+            if self.shown >> i & 1 == 1 {
+                self.reach.add(&self.reach_of(i));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn place_under_sun(&mut self, frame: &LightFrame) {
+        // A copy, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
+        let frame = *frame;
+        let margin = frame.margin(0.0);
+        for i in 0..RUN {
+            let placed = self.corners(i).map(|p| frame.place_as::<false>(p));
+            let bounds = FaceBounds::under_sun(placed);
+            self.set_reach(i, &frame, &bounds, margin);
+        }
+    }
+
+    #[inline(always)]
+    fn place_around_lamp(&mut self, frame: &LightFrame, count: usize) {
+        for i in 0..count {
+            let placed = self.corners(i).map(|p| frame.place_as::<true>(p));
+            let distance = distance_to_origin(placed);
+            let margin = frame.margin(distance);
+            if frame.is_at_lamp(distance) {
+                self.is_anywhere |= 1 << i;
+                self.set_reach(i, frame, &FaceBounds::ANYWHERE, margin);
+            } else if let Some(bounds) = FaceBounds::on_cube(self.face, placed, margin) {
+                self.set_reach(i, frame, &bounds, margin);
+            } else {
+                self.shown &= !(1 << i);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn set_reach(&mut self, i: usize, frame: &LightFrame, bounds: &FaceBounds, margin: f32) {
+        self.low[0][i] = bounds.low.x - margin;
+        self.low[1][i] = bounds.low.y - margin;
+        self.high[0][i] = bounds.high.x + margin;
+        self.high[1][i] = bounds.high.y + margin;
+        self.nearest[i] = frame.before(bounds.nearest);
+    }
+
+    #[inline(always)]
+    fn reach_of(&self, i: usize) -> Reach {
+        Reach {
+            low: Vec2::new(self.low[0][i], self.low[1][i]),
+            high: Vec2::new(self.high[0][i], self.high[1][i]),
+            nearest: self.nearest[i],
+        }
+    }
+
+    /// Returns a bit for each caster that shows on the face.
+    #[inline(always)]
+    pub(super) fn all(&self) -> u64 {
+        self.shown
+    }
+
+    /// Returns the triangle that caster `i` is.
+    #[inline(always)]
+    pub(super) fn id(&self, i: usize) -> u32 {
+        self.first + i as u32
+    }
+
+    /// Returns the corners of caster `i` in world space.
+    #[inline(always)]
+    pub(super) fn corners(&self, i: usize) -> [Vec3; 3] {
+        let corner = |axes: &[OfEach<f32>; 3]| Vec3::new(axes[0][i], axes[1][i], axes[2][i]);
+        self.corner.each_ref().map(corner)
+    }
+
+    /// Returns a bit for each of eight boxes in which caster `i` may hide the light.
+    #[inline(always)]
+    pub(super) fn meets(&mut self, frame: &LightFrame, i: usize, boxes: &Boxes) -> u32 {
+        let met = boxes.met_by(&self.reach_of(i));
+        if self.has_outline >> i & 1 == 0 {
+            // What edges cost pays where they leave much out, or will.
+            if met.count_ones() <= FEW || self.is_anywhere >> i & 1 == 1 {
+                return met;
+            }
+            self.outline[i] = self.find_outline(frame, i);
+            self.has_outline |= 1 << i;
+        }
+        met & boxes.within(frame, &self.outline[i])
+    }
+
+    #[inline(never)]
+    fn find_outline(&self, frame: &LightFrame, i: usize) -> FaceOutline {
+        let traits = outline(frame, self.corners(i).map(|p| frame.place(p)));
+        FaceOutline {
+            factors: traits.outline.on_face(frame.is_lamp, self.face),
+            knows_depth: traits.knows_depth,
+        }
+    }
+
+    /// Returns a bit for each caster that may hide the light in a box; bits of those that don't show mean nothing.
+    #[inline(always)]
+    pub(super) fn meeting(&self, bounds: &FaceBox) -> u64 {
+        let [right, bottom] = bounds.high.to_array().map(Vec4::splat);
+        let [left, top] = bounds.low.to_array().map(Vec4::splat);
+        let farthest = Vec4::splat(bounds.farthest);
+        let mut bits = 0;
+        for first in (0..RUN).step_by(LANES) {
+            let four = |v: &OfEach<f32>| Vec4::from_slice(&v[first..first + LANES]);
+            let across = four(&self.low[0]).cmple(right) & four(&self.high[0]).cmpge(left);
+            let down = four(&self.low[1]).cmple(bottom) & four(&self.high[1]).cmpge(top);
+            let deep = four(&self.nearest).cmple(farthest);
+            bits |= u64::from((across & down & deep).bitmask()) << first;
+        }
+        bits
+    }
+}
