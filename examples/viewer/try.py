@@ -7,7 +7,7 @@
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
 Regions of the pictures are compared with those in `goldens` (see `goldens.py`); `--bless` keeps the present ones instead.
-`--only NAME` plays one part: keyboard, loading, readable, or mouse.
+`--only NAME` plays one part: keyboard, moving, loading, readable, or mouse.
 The program keeps what it shows and measures in a file (`--report`), with the places of the panel's parts: they are found by their words.
 """
 
@@ -191,6 +191,7 @@ def messages(program):
         ("a broken size", ["--size", "12"], 2, "write it as 1280x720", {}),
         ("an unknown technique", ["--left", "nothing"], 2, "possible values", {}),
         ("an unknown scene", ["cubess"], 1, "cubes", {}),
+        ("a failure that isn't there", ["cubes", "--failure"], 1, "hills-pan", {}),
         ("a file that isn't there", ["/none/a.obj"], 1, "/none/a.obj", {}),
         ("no display", [], 1, "display", {"DISPLAY": ""}),
         ("no adapter", [], 1, "driver", {"VK_DRIVER_FILES": "/none", "VK_ICD_FILENAMES": "/none"}),
@@ -403,6 +404,42 @@ def tabbed(window):
     print(f"Tab goes through the panel ({len(places) - 1} parts to `Add`), and Enter presses")
 
 
+def moving(program, out):
+    """A place of failure that moves plays its path, until it is paused or the user moves the camera or the light."""
+    window = Window(program, out, ["hills-pan", "--failure", "--fresh"])
+    begin = window.report()
+    assert begin["path"]["playing"] and begin["scene"] == "hills", begin["path"]
+    window.wait(lambda r: r["path"]["step"] != begin["path"]["step"] and r["camera"] != begin["camera"], "the next step")
+    window.shot("moving")
+    window.press("space", holds=lambda r: not r["path"]["playing"], what="the pause")
+    time.sleep(1)
+    paused = window.measured()
+    time.sleep(1)
+    after = window.report()
+    assert after["camera"] == paused["camera"] and after["path"]["step"] > 0, "it moves while it is paused"
+    window.shot("paused")
+    fault, cure = [side["wrong"] for side in after["sides"]]
+    print(f"hills-pan, paused at step {after['path']['step']}: {fault:.0f} pixels wrong on the left, {cure:.0f} on the right")
+    window.click("Play", role="Button")
+    window.wait(lambda r: r["path"]["playing"] and r["camera"] != paused["camera"], "the way on")
+    before = window.report()["camera"]
+    window.move(WIDTH - 200, HEIGHT - 60)
+    window.do("keydown", "w")
+    time.sleep(1)
+    window.do("keyup", "w")
+    stopped = window.wait(lambda r: r["path"]["step"] is None, "the end of the path")
+    assert not stopped["path"]["playing"], stopped["path"]
+    far = sum((a - b) ** 2 for a, b in zip(before, begin["camera"])) ** 0.5
+    print(f"the path had gone {far:.2f} m; the user's own motion ended it")
+    window.press("b", holds=lambda r: r["loading"] is None and (r["path"] or {}).get("name") != "hills-pan", what="the next place")
+    window.press("F3")
+    window.type("hills-sun")
+    report = window.press("Return", holds=lambda r: (r["path"] or {}).get("name") == "hills-sun", what="the turning sun")
+    window.wait(lambda r: r["lights"] != report["lights"], "the sun's turn")
+    window.press("Left", holds=lambda r: r["path"]["step"] is None, what="the end of the path")
+    window.close()
+
+
 def keyboard(program, out, kept):
     """All is done without a mouse."""
     window = Window(program, out, ["cubes", "--left", "hard", "--right", "exact", "--fresh"])
@@ -462,6 +499,8 @@ def keyboard(program, out, kept):
     window.press("ctrl+plus", holds=lambda r: r["zoom"] and abs(r["pixels_per_point"] - 1.1) < 0.01, what="larger text")
     window.press("ctrl+minus", "ctrl+minus", holds=lambda r: abs(r["pixels_per_point"] - 0.9) < 0.01, what="smaller text")
     window.press("ctrl+0", holds=lambda r: r["zoom"] is None and r["pixels_per_point"] == 1, what="text of the usual size")
+    window.press("F4", holds=lambda r: r["folded"], what="the folded panel")
+    window.press("F4", holds=lambda r: r["folded"] is False, what="the panel")
     window.do("key", "ctrl+q")
     window.program.wait(timeout=30)
     print("the keyboard alone chooses scene, techniques and lights, divides, plans, copies, and looks at failures")
@@ -586,7 +625,7 @@ def main():
     parser.add_argument("--viewer", type=pathlib.Path)
     parser.add_argument("--out", default=ROOT / "target/viewer-tried", type=pathlib.Path)
     parser.add_argument("--bless", action="store_true")
-    parser.add_argument("--only", choices=["keyboard", "loading", "readable", "mouse"])
+    parser.add_argument("--only", choices=["keyboard", "moving", "loading", "readable", "mouse"])
     options = parser.parse_args()
     missing = [tool for tool in ["Xvfb", "xdotool", "import"] if not shutil.which(tool)]
     if missing:
@@ -607,6 +646,7 @@ def main():
     time.sleep(1)
     parts = {
         "keyboard": lambda: keyboard(program, options.out, kept),
+        "moving": lambda: moving(program, options.out),
         "loading": lambda: loading(program, options.out),
         "readable": lambda: readable(program, options.out),
         "mouse": lambda: mouse(program, options.out, kept),

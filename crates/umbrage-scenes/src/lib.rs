@@ -5,6 +5,7 @@
 //!   [`Kind::Content`] is as what games and films show.
 //! * **A scene file** (`.toml`) or **a model** (`.obj`): [`load`].
 //! * **Either**: [`by_argument`], for command lines.
+//! * **In motion**: [`motion`] has those in which the camera, the light or casters move, and how.
 //! * **Files that are not on disk**: [`read`], with all that a scene file or a model names.
 //!
 //! ```
@@ -102,6 +103,7 @@ mod framing;
 mod load;
 mod lone_model;
 mod looks;
+pub mod motion;
 mod nearest;
 mod obj;
 mod polygon;

@@ -1,7 +1,5 @@
 //! The program: what is shown, what the user does with it, and what is measured meanwhile.
 
-#[cfg(target_arch = "wasm32")]
-use crate::drops::Drops;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::told::file::ToldFile;
 use crate::{
@@ -12,8 +10,9 @@ use crate::{
     loading::{Loader, Then},
     measure::view_figures::{Question, ShownFigures, ViewFigures},
     panel::{self, maps::MapPicture, picker::Picker},
+    path::MotionPath,
     plan_job::{PlanJob, PlanRequest},
-    render::{FrameSettings, Renderer, Shown},
+    render::{FrameSettings, Renderer, Shown, present::Presenter},
     stage::Stage,
     state::{Saved, Settings, Start},
     zoom,
@@ -57,7 +56,7 @@ pub(crate) struct App {
     last_frame: Option<Instant>,
     /// Whether something moved in the last frame.
     was_moving: bool,
-    pub texture: Option<(egui::TextureId, UVec2)>,
+    presenter: Presenter,
     pub camera: Option<Camera>,
     changed: Instant,
     pub figures: ViewFigures,
@@ -73,13 +72,15 @@ pub(crate) struct App {
     lost: Message,
     screenshot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
     pub loader: Loader,
+    /// What the user chose; none before.
+    pub panel_is_folded: Option<bool>,
+    /// What moves in a place of failure.
+    pub path: Option<MotionPath>,
     /// The list from which the keyboard chooses, while it is open.
     pub picker: Option<Picker>,
     pub focus: Focus,
     /// Frames since the window was opened.
     pub frames: u64,
-    #[cfg(target_arch = "wasm32")]
-    pub drops: Drops,
 }
 
 impl App {
@@ -146,7 +147,7 @@ impl App {
             times: FrameTimes::default(),
             last_frame: None,
             was_moving: false,
-            texture: None,
+            presenter: Presenter::new(&render.device, render.target_format),
             camera: None,
             changed: Instant::now(),
             #[cfg(not(target_arch = "wasm32"))]
@@ -161,26 +162,25 @@ impl App {
             lost,
             screenshot: Arc::default(),
             loader: Loader::default(),
+            path: None,
+            panel_is_folded: None,
             picker: None,
             focus: Focus::default(),
             frames: 0,
-            #[cfg(target_arch = "wasm32")]
-            drops: Drops::default(),
             render,
         };
         let failure = start
             .shows_failure
-            .then(|| bookmarks::failure_of(&wanted))
+            .then(|| bookmarks::find(&wanted))
             .flatten();
+        let scene = failure.map_or(wanted.as_str(), |failure| failure.scene);
         let then = match (failure, saved) {
             (Some(failure), _) => Then::Compare(failure),
             (None, Some(saved)) if saved.scene == wanted => Then::SeeFrom(saved.view),
             _ => Then::Show,
         };
-        app.open(ctx, &wanted, then);
+        app.open(ctx, scene, then);
         app.message = start.message;
-        // In browsers it is there already.
-        app.take_loaded(ctx);
         Ok(app)
     }
 
@@ -232,10 +232,9 @@ impl App {
         let rect = ui.available_rect_before_wrap();
         // Not a part that Tab goes to: there is nothing in it to be pressed.
         let response = ui.allocate_rect(rect, egui::Sense::CLICK | egui::Sense::DRAG);
-        if self.steer(ui, &response, passed) {
-            self.touch();
-        }
-        let pixels = rect.size() * ui.ctx().pixels_per_point();
+        self.leave_path(|app| app.steer(ui, &response, passed));
+        self.follow_path(passed);
+        let pixels = pixels_of(rect, ui.ctx().pixels_per_point());
         let is_moving = !self.rests();
         if is_moving && self.was_moving {
             self.adapt(passed);
@@ -245,9 +244,13 @@ impl App {
         let stepped = (self.scale * SCALE_STEPS).round() / SCALE_STEPS;
         let scale = if is_moving { stepped } else { 1.0 };
         let most = self.render.device.limits().max_texture_dimension_2d as f32;
-        let side = |length: f32| (length * scale).round().clamp(1.0, most) as u32;
+        let side = |length: u32| (length as f32 * scale).round().clamp(1.0, most) as u32;
         let size = UVec2::new(side(pixels.x), side(pixels.y));
         let camera = self.settings.view.camera(size);
+        let camera = match &self.path {
+            Some(path) => path.camera(&camera),
+            None => camera,
+        };
         let begin = Instant::now();
         let shown = self.shown();
         let frame = FrameSettings {
@@ -256,31 +259,14 @@ impl App {
             lights: &self.settings.lights,
             sides: [&self.settings.sides[0], &self.settings.sides[1]],
             shown,
+            is_coarse: is_moving && scale < 1.0,
             prepares_both: !is_moving,
         };
         let view = self.renderer.frame(&frame)?;
-        let mut egui_renderer = self.render.renderer.write();
-        let filter = wgpu::FilterMode::Linear;
-        let texture = match self.texture {
-            Some((id, known)) if known == size => id,
-            Some((id, _)) => {
-                egui_renderer.update_egui_texture_from_wgpu_texture(
-                    &self.render.device,
-                    view,
-                    filter,
-                    id,
-                );
-                id
-            }
-            None => egui_renderer.register_native_texture(&self.render.device, view, filter),
-        };
-        drop(egui_renderer);
-        self.texture = Some((texture, size));
+        let presented = self.presenter.shape(rect, view, size, pixels);
         self.camera = Some(camera);
         self.times.work = begin.elapsed();
-        let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-        ui.painter_at(rect)
-            .image(texture, rect, whole, egui::Color32::WHITE);
+        ui.painter_at(rect).add(presented);
         self.divider(ui, rect);
         self.lights(ui, rect, &camera);
         if self.changed.elapsed() < REST {
@@ -486,6 +472,18 @@ impl App {
     }
 }
 
+/// Returns how many pixels of the window a part of it has, as the panel's painter places its edges.
+fn pixels_of(rect: egui::Rect, pixels_per_point: f32) -> UVec2 {
+    let between = |from: f32, to: f32| {
+        let [from, to] = [from, to].map(|edge| (edge * pixels_per_point).round());
+        (to - from).max(0.0) as u32
+    };
+    UVec2::new(
+        between(rect.min.x, rect.max.x),
+        between(rect.min.y, rect.max.y),
+    )
+}
+
 /// Returns what is to be measured; none while the chosen light is off.
 fn question<'a>(
     camera: Option<Camera>,
@@ -540,6 +538,10 @@ impl eframe::App for App {
         }
         #[cfg(not(target_arch = "wasm32"))]
         self.tell(&ctx);
+        #[cfg(target_arch = "wasm32")]
+        if !self.stage.is_nothing() {
+            crate::web::note_frame();
+        }
         if self.is_steered(&ctx) || self.changed.elapsed() < REST {
             ctx.request_repaint();
         } else if !self.figures.is_asked() {

@@ -80,6 +80,23 @@ impl ViewCamera {
         }
     }
 
+    /// Returns the view as another camera has it: its place, direction and angle.
+    pub(crate) fn seen_as(&self, camera: &Camera, bounds: &Aabb) -> Self {
+        let seen = Self::new(camera, bounds);
+        Self {
+            mode: self.mode,
+            speed: self.speed,
+            orthographic: self.orthographic,
+            distance: self.distance,
+            fov_y: if self.orthographic {
+                self.fov_y
+            } else {
+                seen.fov_y
+            },
+            ..seen
+        }
+    }
+
     /// Turns as the mouse moves, points.
     pub(crate) fn turn(&mut self, moved: Vec2) {
         let pivot = self.pivot();

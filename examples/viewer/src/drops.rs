@@ -1,17 +1,6 @@
 //! Files that are dropped on the window or the page.
 
-#[cfg(target_arch = "wasm32")]
-pub(crate) use crate::web::Drops;
 use std::path::PathBuf;
-
-/// What the page has read of dropped files.
-#[cfg(target_arch = "wasm32")]
-pub(crate) struct Dropped {
-    pub name: String,
-    pub stage: anyhow::Result<crate::stage::Stage>,
-    /// What else the user should know.
-    pub note: Option<String>,
-}
 
 /// Returns which of the files that were dropped together is the scene, and a note if others could be, too: a scene file before a model,
 /// and the first of several. All else is what the scene names.

@@ -7,7 +7,10 @@ use crate::{
     lights::{EditLight, MAX_LIGHTS},
     loading::Then,
     measure::figures::Picture,
-    panel::picker::{self, Choice, Outcome, Picker},
+    panel::{
+        self,
+        picker::{self, Choice, Outcome, Picker},
+    },
 };
 use egui::{Key, Modifiers};
 use umbrage::glam::{Quat, Vec2, Vec3};
@@ -20,6 +23,7 @@ enum Action {
     Choose(Choice),
     /// The next place of failure, or the one before.
     Failure(isize),
+    Play,
     Split,
     Flip,
     /// Moves the divider by steps.
@@ -40,6 +44,8 @@ enum Action {
     /// Copies a side's preset: the shown one's or the left's, or the other one's.
     Copy(usize),
     Maps,
+    /// Folds the panel, or unfolds it.
+    Fold,
     Home,
     Orbit,
     Screenshot,
@@ -89,7 +95,7 @@ const FINE: f32 = 0.1;
 /// What keys turn the view by in a second, in points of the mouse.
 const LOOK: f32 = 350.0;
 
-pub(crate) const KEYS: [Keys; 33] = {
+pub(crate) const KEYS: [Keys; 35] = {
     use With::{Any, Command, Nothing, Shift};
     [
         line("W A S D, E Q", "fly; with shift faster", &[]),
@@ -119,6 +125,11 @@ pub(crate) const KEYS: [Keys; 33] = {
                 (Nothing, Key::B, Action::Failure(1)),
                 (Shift, Key::B, Action::Failure(-1)),
             ],
+        ),
+        line(
+            "Space",
+            "plays what moves there, or pauses",
+            &[(Nothing, Key::Space, Action::Play)],
         ),
         line(
             "1, 2",
@@ -216,6 +227,11 @@ pub(crate) const KEYS: [Keys; 33] = {
                 (Shift, Key::C, Action::Copy(1)),
             ],
         ),
+        line(
+            "F4",
+            "folds the panel, or unfolds it",
+            &[(Nothing, Key::F4, Action::Fold)],
+        ),
         line("M", "the maps", &[(Nothing, Key::M, Action::Maps)]),
         line("Tab, Shift Tab", "through the panel; Enter presses", &[]),
         line(
@@ -282,11 +298,14 @@ fn action_of(ctx: &egui::Context, event: &egui::Event) -> Option<(Action, bool)>
     };
     let mut bound = KEYS.iter().flat_map(|keys| keys.actions);
     let (with, _, action) = bound.find(|(with, of, _)| of == key && with.is_held(*modifiers))?;
-    // The panel's own arrows go from one part to the next.
+    // The panel's own arrows go from one part to the next, and its space presses.
     let is_in_panel = ctx.memory(|memory| memory.focused().is_some());
     let is_left_to_panel = match with {
         With::Command => false,
-        _ => ctx.text_edit_focused() || (is_in_panel && matches!(action, Action::MoveLight(_))),
+        _ => {
+            let is_of_panel = matches!(action, Action::MoveLight(_) | Action::Play);
+            ctx.text_edit_focused() || (is_in_panel && is_of_panel)
+        }
     };
     (!is_left_to_panel).then_some((*action, modifiers.shift))
 }
@@ -340,6 +359,7 @@ impl App {
                 self.picker = Some(Picker::new(choice));
             }
             Action::Failure(by) => self.next_failure(ctx, by),
+            Action::Play => self.play_or_pause(),
             Action::Split => settings.split = settings.split.is_none().then_some(0.5),
             Action::Flip => {
                 settings.split = None;
@@ -373,6 +393,7 @@ impl App {
                 self.copy_preset(ctx, if nth == 0 { first } else { 1 - first });
             }
             Action::Maps => settings.shows_maps = !settings.shows_maps,
+            Action::Fold => panel::fold(self, ctx),
             Action::Home => {
                 settings.view = ViewCamera::new(&self.stage.camera, &self.stage.bounds);
                 self.touch();
@@ -448,15 +469,17 @@ impl App {
     /// Opens the next place of failure, or the one before.
     fn next_failure(&mut self, ctx: &egui::Context, by: isize) {
         let all = bookmarks::all();
-        let present = all
-            .iter()
-            .position(|(_, entry)| entry.name == self.stage.argument);
+        let name = match &self.path {
+            Some(path) => path.moving.name,
+            None => self.stage.argument.as_str(),
+        };
+        let present = all.iter().position(|bookmark| bookmark.name == name);
         let next = match present {
             Some(at) => stepped(at, by, all.len()),
             None => 0,
         };
-        if let Some((failure, entry)) = all.get(next) {
-            self.open(ctx, entry.name, Then::Compare(*failure));
+        if let Some(bookmark) = all.get(next) {
+            self.open(ctx, bookmark.scene, Then::Compare(*bookmark));
         }
     }
 

@@ -1,28 +1,28 @@
-//! Scenes and models are read on a thread of their own, so that the window never waits: the scene that is shown stays until the new one
-//! has been read, placed, uploaded, and drawn once.
+//! Scenes and models are read beside the window, which never waits: the scene that is shown stays until the new one has been read,
+//! placed, uploaded, and drawn once.
 //!
-//! Browsers have no threads here: there the page stands still meanwhile.
+//! On the desktop a thread does all of it. In browsers a worker reads and places; uploading and the first frame are left to the page.
 
 #[cfg(not(target_arch = "wasm32"))]
-use crate::drops::scene_among;
+mod thread;
+
+#[cfg(target_arch = "wasm32")]
+pub(crate) use crate::web::Loader;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use thread::Loader;
+
 use crate::{
     app::{App, FIRST_SCENE},
-    bookmarks,
+    bookmarks::{self, Bookmark},
     camera::ViewCamera,
+    drops::scene_among,
+    path::MotionPath,
     render::{FrameSettings, Renderer, Shown},
     stage::Stage,
     state::Settings,
 };
 use anyhow::Result;
-use std::{
-    panic::{self, AssertUnwindSafe},
-    sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicBool, Ordering},
-    },
-};
-use umbrage::{glam::UVec2, scenes::Failure};
-use web_time::Instant;
+use umbrage::glam::UVec2;
 
 /// What follows once a scene is there.
 #[derive(Clone, Copy)]
@@ -32,28 +32,23 @@ pub(crate) enum Then {
     /// It is seen from where it was seen the last time.
     SeeFrom(ViewCamera),
     /// The fault on the left, the cure on the right.
-    Compare(Failure),
+    Compare(Bookmark),
 }
 
 /// Where a scene comes from.
 pub(crate) enum Source {
     /// A built-in scene's name, or a file.
     Argument(String),
-    /// A browser has read it.
+    /// Files that were dropped on the page; the first is the scene.
     #[cfg(target_arch = "wasm32")]
-    Read(Result<Stage>),
-}
-
-/// A scene that is there.
-struct Loaded {
-    stage: Stage,
-    renderer: Renderer,
+    Files(Vec<egui::DroppedFileHandle>),
 }
 
 /// What is asked for.
-struct Request {
-    source: Source,
-    then: Then,
+pub(crate) struct Request {
+    pub name: String,
+    pub source: Source,
+    pub then: Then,
     /// Those of the window when it was asked: the first frame is drawn with them.
     settings: Settings,
     /// Size of the picture, pixels.
@@ -62,135 +57,84 @@ struct Request {
     queue: wgpu::Queue,
 }
 
-/// A scene that is being read.
-struct Job {
-    name: String,
-    then: Then,
-    begun: Instant,
-    is_given_up: AtomicBool,
-    shared: Mutex<Shared>,
+/// A scene that is there.
+pub(crate) struct Loaded {
+    stage: Stage,
+    renderer: Renderer,
+    path: Option<MotionPath>,
+    /// What else the user should know.
+    note: Option<String>,
 }
 
-#[derive(Default)]
-struct Shared {
-    /// What is being done, in words.
-    at: String,
-    outcome: Option<Result<Loaded>>,
+/// What came of a request.
+pub(crate) struct Outcome {
+    pub name: String,
+    pub then: Then,
+    pub loaded: Result<Loaded>,
 }
 
-/// Reads one scene at a time; a newer one replaces it.
-#[derive(Default)]
-pub(crate) struct Loader {
-    job: Option<Arc<Job>>,
-}
+/// Says what is done next, in words; false once the scene is not wanted any more.
+pub(crate) type GoesOn<'a> = &'a dyn Fn(String) -> bool;
 
-fn locked(job: &Job) -> MutexGuard<'_, Shared> {
-    job.shared.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Loader {
-    fn start(&mut self, name: String, request: Request, wake: impl Fn() + Send + 'static) {
-        self.cancel();
-        let job = Arc::new(Job {
-            name,
-            then: request.then,
-            begun: Instant::now(),
-            is_given_up: AtomicBool::new(false),
-            shared: Mutex::default(),
-        });
-        self.job = Some(job.clone());
-        let play = move || {
-            // A panic would leave the window waiting for ever.
-            let played = panic::catch_unwind(AssertUnwindSafe(|| load(request, &job)));
-            let outcome = played.unwrap_or_else(|_| {
-                Err(anyhow::anyhow!(
-                    "reading it hit an error of this program; please report it, with the file"
-                ))
-            });
-            locked(&job).outcome = outcome.transpose();
-            wake();
-        };
-        #[cfg(not(target_arch = "wasm32"))]
-        std::thread::spawn(play);
-        #[cfg(target_arch = "wasm32")]
-        play();
-    }
-
-    /// Gives up what is being read. The thread ends with the step that it is at.
-    pub(crate) fn cancel(&mut self) {
-        if let Some(job) = self.job.take() {
-            job.is_given_up.store(true, Ordering::Release);
-        }
-    }
-
-    /// What is being read, and what is done with it, in words; none while nothing is.
-    pub(crate) fn at(&self) -> Option<String> {
-        let job = self.job.as_ref()?;
-        let seconds = job.begun.elapsed().as_secs();
-        Some(format!("{}: {} ({seconds} s)", job.name, locked(job).at))
-    }
-
-    /// Returns what has been read since it was asked last: its name, what follows, and the scene.
-    fn take(&mut self) -> Option<(String, Then, Result<Loaded>)> {
-        let job = self.job.as_ref()?;
-        let outcome = locked(job).outcome.take()?;
-        let (name, then) = (job.name.clone(), job.then);
-        self.job = None;
-        Some((name, then, outcome))
-    }
-}
-
-impl Drop for Loader {
-    fn drop(&mut self) {
-        self.cancel();
-    }
-}
-
-/// Reads and prepares a scene; none if it was given up.
-fn load(request: Request, job: &Job) -> Result<Option<Loaded>> {
-    let goes_on = |at: String| {
-        locked(job).at = at;
-        !job.is_given_up.load(Ordering::Acquire)
-    };
-    let stage = match request.source {
-        Source::Argument(argument) => {
-            goes_on("is read".to_owned());
-            // Errors of scenes hold what they come from in their own words: `anyhow` is given the words alone, else it would repeat it.
-            let scene = umbrage::scenes::by_argument(&argument).map_err(anyhow::Error::msg)?;
-            if !goes_on("its triangles are placed".to_owned()) {
-                return Ok(None);
-            }
-            Stage::of_scene(&argument, &argument, scene)?
-        }
-        #[cfg(target_arch = "wasm32")]
-        Source::Read(stage) => stage?,
-    };
+/// Returns what is said while the stage goes to the device.
+pub(crate) fn going_to_device(stage: &Stage) -> String {
     let count = stage.geometry.triangles().len();
-    if !goes_on(format!("{count} triangles go to the device")) {
-        return Ok(None);
+    format!("{count} triangles go to the device")
+}
+
+impl Request {
+    /// Uploads a stage, and draws it for the first time; none if it was given up.
+    ///
+    /// # Errors
+    /// Errors if the device can't hold it.
+    pub(crate) fn prepared(self, stage: Stage, goes_on: GoesOn<'_>) -> Result<Option<Loaded>> {
+        if !goes_on(going_to_device(&stage)) {
+            return Ok(None);
+        }
+        let mut settings = self.settings;
+        settings.show(&stage);
+        self.then.apply(&mut settings, &stage);
+        let sides = settings.sides.each_ref();
+        let mut renderer = Renderer::new(&self.device, &self.queue, &stage, sides)?;
+        let count = stage.geometry.triangles().len();
+        if !goes_on(format!("{count} triangles are drawn for the first time")) {
+            return Ok(None);
+        }
+        let camera = settings.view.camera(self.size.max(UVec2::splat(16)));
+        let frame = FrameSettings {
+            camera: &camera,
+            stage: &stage,
+            lights: &settings.lights,
+            sides,
+            shown: Shown::Both(0.5),
+            is_coarse: false,
+            prepares_both: true,
+        };
+        // The first frame makes pipelines, maps and lists: the window's own first one finds them. What is wrong with it that one says, too.
+        if let Err(error) = renderer.frame(&frame) {
+            log::warn!("{}: {error:#}", self.name);
+        }
+        let path = match self.then {
+            Then::Compare(bookmark) => bookmark.moving(),
+            Then::Show | Then::SeeFrom(_) => None,
+        };
+        let path = path
+            .map(|moving| MotionPath::new(moving, &stage, &settings.view, bookmarks::COARSE))
+            .transpose()?;
+        Ok(Some(Loaded {
+            stage,
+            renderer,
+            path,
+            note: None,
+        }))
     }
-    let mut settings = request.settings;
-    settings.show(&stage);
-    request.then.apply(&mut settings, &stage);
-    let sides = settings.sides.each_ref();
-    let mut renderer = Renderer::new(&request.device, &request.queue, &stage, sides)?;
-    if !goes_on(format!("{count} triangles are drawn for the first time")) {
-        return Ok(None);
+}
+
+#[cfg(target_arch = "wasm32")]
+impl Loaded {
+    pub(crate) fn with_note(self, note: Option<String>) -> Self {
+        Self { note, ..self }
     }
-    let camera = settings.view.camera(request.size.max(UVec2::splat(16)));
-    let frame = FrameSettings {
-        camera: &camera,
-        stage: &stage,
-        lights: &settings.lights,
-        sides,
-        shown: Shown::Both(0.5),
-        prepares_both: true,
-    };
-    // The first frame makes pipelines, maps and lists: the window's own first one finds them. What is wrong with it that one says, too.
-    if let Err(error) = renderer.frame(&frame) {
-        log::warn!("{}: {error:#}", job.name);
-    }
-    Ok(Some(Loaded { stage, renderer }))
 }
 
 impl Then {
@@ -199,13 +143,10 @@ impl Then {
         match self {
             Self::Show => {}
             Self::SeeFrom(view) => settings.view = view,
-            Self::Compare(failure) => {
+            Self::Compare(bookmark) => {
                 let range = settings.sides[0].range;
                 let light = stage.lights.first();
-                settings.sides = [
-                    bookmarks::fault(failure, range),
-                    bookmarks::cure(light, range),
-                ];
+                settings.sides = [bookmark.fault(range), bookmark.cure(light, range)];
                 settings.split = Some(0.5);
             }
         }
@@ -216,12 +157,13 @@ impl App {
     /// Begins to read another scene; one that is being read is given up. The present one stays until then, and for good if the other can't
     /// be shown: a message says why.
     pub(crate) fn open(&mut self, ctx: &egui::Context, argument: &str, then: Then) {
-        self.message = None;
         self.load(ctx, argument, Source::Argument(argument.to_owned()), then);
     }
 
-    pub(crate) fn load(&mut self, ctx: &egui::Context, name: &str, source: Source, then: Then) {
+    fn load(&mut self, ctx: &egui::Context, name: &str, source: Source, then: Then) {
+        self.message = None;
         let request = Request {
+            name: name.to_owned(),
             source,
             then,
             settings: self.settings.clone(),
@@ -230,8 +172,7 @@ impl App {
             queue: self.render.queue.clone(),
         };
         let wake = ctx.clone();
-        self.loader
-            .start(name.to_owned(), request, move || wake.request_repaint());
+        self.loader.start(request, move || wake.request_repaint());
     }
 
     /// Gives up what is being read; the present scene stays.
@@ -244,19 +185,24 @@ impl App {
 
     /// Shows what has been read since the last frame.
     pub(crate) fn take_loaded(&mut self, ctx: &egui::Context) {
-        let Some((name, then, outcome)) = self.loader.take() else {
+        let Some(Outcome { name, then, loaded }) = self.loader.take() else {
             return;
         };
-        match outcome {
-            Ok(Loaded { stage, renderer }) => {
+        match loaded {
+            Ok(Loaded {
+                stage,
+                renderer,
+                path,
+                note,
+            }) => {
                 self.settings.show(&stage);
                 then.apply(&mut self.settings, &stage);
                 self.stage = stage;
                 // The overlays go with the old renderer.
                 self.renderer = renderer;
-                // The panel still holds the old one's picture, which may have the same size.
-                self.texture = self.texture.map(|(id, _)| (id, UVec2::ZERO));
+                self.path = path;
                 self.figures.forget();
+                self.message = note.or_else(|| self.message.take());
                 self.touch();
             }
             Err(error) => {
@@ -268,8 +214,7 @@ impl App {
         }
     }
 
-    /// Takes files that were dropped on the window. What a scene names is read from its folder, dropped or not.
-    #[cfg(not(target_arch = "wasm32"))]
+    /// Takes files that were dropped on the window or the page. On the desktop, what a scene names is read from its folder, dropped or not.
     pub(crate) fn take_files(&mut self, ctx: &egui::Context) {
         let files = ctx.input(|input| input.raw.dropped_files.clone());
         let paths: Vec<_> = files.iter().map(|file| file.path().to_owned()).collect();
@@ -277,17 +222,15 @@ impl App {
             return;
         }
         let (first, note) = scene_among(&paths);
-        self.open(ctx, &paths[first].display().to_string(), Then::Show);
-        self.message = note;
-    }
-
-    /// Takes files that were dropped on the page, once they have been read.
-    #[cfg(target_arch = "wasm32")]
-    pub(crate) fn take_files(&mut self, ctx: &egui::Context) {
-        if let Some(dropped) = self.drops.take(ctx) {
-            let source = Source::Read(dropped.stage);
-            self.load(ctx, &dropped.name, source, Then::Show);
-            self.message = dropped.note;
+        let name = paths[first].display().to_string();
+        #[cfg(not(target_arch = "wasm32"))]
+        self.open(ctx, &name, Then::Show);
+        #[cfg(target_arch = "wasm32")]
+        {
+            let mut files = files;
+            files.swap(0, first);
+            self.load(ctx, &name, Source::Files(files), Then::Show);
         }
+        self.message = note;
     }
 }

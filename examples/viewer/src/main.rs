@@ -14,6 +14,7 @@ mod measure;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
 mod panel;
+mod path;
 mod plan_job;
 mod render;
 mod settings;

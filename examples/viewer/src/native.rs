@@ -34,6 +34,7 @@ Examples:
   umbrage-viewer                    the scene of the last time, or a town
   umbrage-viewer street             a built-in scene
   umbrage-viewer fence --failure    a fault and its cure, side by side
+  umbrage-viewer hills-pan --failure    a fault that shows while the camera moves, which it does by itself
   umbrage-viewer model.obj          a model, put on a floor in the sun
   umbrage-viewer scene.toml --left exact --right pcf";
 
@@ -49,7 +50,7 @@ struct Options {
     /// Technique of the right side.
     #[arg(long, value_name = "NAME", value_parser = technique_names())]
     right: Option<String>,
-    /// Shows the fault that a built-in scene provokes on the left, and its cure on the right.
+    /// Shows the fault of this scene on the left, and its cure on the right; also of scenes in motion, such as hills-pan.
     #[arg(long, requires = "scene", conflicts_with_all = ["left", "right"])]
     failure: bool,
     /// Size of the window, points.
@@ -102,7 +103,7 @@ pub(crate) fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<()> {
-    if let Some(scene) = &options.scene {
+    if let Some(scene) = options.scene.as_ref().filter(|_| !options.failure) {
         // A scene that isn't there is told before there is a window. One that is may take long, and is read behind it.
         let is_file = [".toml", ".obj"]
             .iter()
@@ -113,14 +114,14 @@ fn run(options: &Options) -> Result<()> {
     }
     if options.failure
         && let Some(scene) = &options.scene
-        && bookmarks::failure_of(scene).is_none()
+        && bookmarks::find(scene).is_none()
     {
         let known: Vec<_> = bookmarks::all()
             .iter()
-            .map(|(_, entry)| entry.name)
+            .map(|bookmark| bookmark.name)
             .collect();
         anyhow::bail!(
-            "`{scene}` is no scene of a failure; choose one of {}",
+            "`{scene}` is no place of failure; choose one of {}",
             known.join(", ")
         );
     }

@@ -178,7 +178,9 @@ mod page {
                         format!("the worker's plan can't be read: {error}")
                     })))
                 }
-                Told::Failed(error) => Self::ended(Some(Err(format!("No plan was made: {error}")))),
+                Told::Failed(error) | Told::NeverBegan(error) => {
+                    Self::ended(Some(Err(format!("No plan was made: {error}"))))
+                }
             };
         }
     }

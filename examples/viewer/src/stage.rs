@@ -1,12 +1,12 @@
 //! The scene that is shown.
 
+use crate::loading::GoesOn;
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
-#[cfg(target_arch = "wasm32")]
-use umbrage::scenes;
 use umbrage::{
     Aabb, Camera, Geometry, Light, Material, Scene, Texture,
     glam::{Affine3A, UVec2, camera::rh::proj::directx},
+    scenes,
 };
 
 /// A scene with its triangles placed. Workers of a web page hand it over as bytes.
@@ -47,6 +47,20 @@ impl Stage {
     /// Whether no scene has been read yet.
     pub(crate) fn is_nothing(&self) -> bool {
         self.geometry.triangles().is_empty()
+    }
+
+    /// Makes a built-in scene, or reads a file; none if it was given up.
+    ///
+    /// # Errors
+    /// Errors if it can't be read.
+    pub(crate) fn of_argument(argument: &str, goes_on: GoesOn<'_>) -> Result<Option<Self>> {
+        goes_on("is read".to_owned());
+        // Errors of scenes hold what they come from in their own words: `anyhow` is given the words alone, else it would repeat it.
+        let scene = scenes::by_argument(argument).map_err(anyhow::Error::msg)?;
+        if !goes_on("its triangles are placed".to_owned()) {
+            return Ok(None);
+        }
+        Self::of_scene(argument, argument, scene).map(Some)
     }
 
     /// Reads a scene file or a model that is in memory, with what it names.

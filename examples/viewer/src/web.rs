@@ -1,12 +1,14 @@
 //! The program in a browser: its canvas, and what the page says while it starts or when it ends.
 
 mod in_worker;
+mod loader;
+mod making;
 mod query;
-mod reading;
 mod report;
 pub(crate) mod worker;
 
-pub(crate) use reading::Drops;
+pub(crate) use loader::Loader;
+pub(crate) use report::note_frame;
 
 use crate::{
     app::App,
@@ -60,7 +62,7 @@ pub(crate) fn main() {
 }
 
 async fn run() -> Result<(), String> {
-    say("Opening the graphics device and the scene\u{2026}");
+    say("Opening the graphics device\u{2026}");
     let canvas = document()
         .and_then(|document| document.get_element_by_id(CANVAS))
         .and_then(|element| element.dyn_into::<HtmlCanvasElement>().ok())
@@ -97,10 +99,7 @@ async fn run() -> Result<(), String> {
 fn watch(ctx: &egui::Context, lost: Message) {
     let first = Once::new();
     let at_end = move |_: &mut egui::Ui| {
-        first.call_once(|| {
-            say_nothing();
-            report::note_first_frame();
-        });
+        first.call_once(say_nothing);
         if let Some(loss) = taken(&lost) {
             say(&format!("{loss} Load the page again."));
         }

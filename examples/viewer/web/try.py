@@ -35,6 +35,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan",
           "--use-vulkan=swiftshader", "--use-angle=swiftshader"]
 SIZE = {"width": 960, "height": 540}
+# A telephone, held upright.
+NARROW = {"width": 390, "height": 844}
+UNFOLD = "\u2630 Scene and settings"
 # Seconds that a server on the same machine may take to show the first frame.
 MOST_START = 5
 # Frames that are drawn, at least, while a worker is busy. On two cores that a software driver shares with the worker there are few; a page
@@ -445,13 +448,59 @@ def read_beside(viewer):
     viewer.open("?scene=cubes&left=hard&right=pcf&split=left")
     viewer.drop({"other.obj": large})
     viewer.wait(lambda r: r["reading"] == "other.obj", "reading")
-    viewer.click("Button", "Cancel")
+    viewer.click("Button", "Cancel loading")
     viewer.wait(lambda r: r["reading"] is None, "the end of reading", 5)
     time.sleep(3)
     assert viewer.report()["scene"] == "cubes", "what was called off was shown"
     viewer.drop({"other.obj": large})
     viewer.wait(lambda r: r["reading"] == "other.obj", "reading")
     viewer.page.screenshot(path=viewer.out / "reads.png", timeout=120_000)
+
+
+def choose_scene(viewer, name):
+    """Chooses a built-in scene by keys."""
+    viewer.key("F2")
+    viewer.page.keyboard.type(name)
+    viewer.page.keyboard.press("Enter")
+
+
+def made_beside(viewer):
+    """The page goes on drawing while a large built-in scene is made, which is called off by a newer choice and by Esc."""
+    viewer.open("?scene=cubes&left=hard&right=pcf&split=left")
+    begin = time.time()
+    choose_scene(viewer, "forest")
+    before = viewer.wait(lambda r: r["reading"] == "forest", "the begin of the forest")
+    assert before["scene"] == "cubes", before
+    # The key flies: each frame is another picture.
+    viewer.page.keyboard.down("s")
+    steps = set()
+
+    def is_made(report):
+        steps.add((report["loading"] or "").split(" (")[0])
+        return report["reading"] and "go to the device" not in report["loading"]
+    frames, seconds = viewer.frames_while(is_made, 60)
+    camera = viewer.report()["camera"]
+    viewer.page.keyboard.up("s")
+    report = viewer.wait(lambda r: r["scene"] == "forest", "the forest", 300)
+    print(f"the forest, {report['triangles']} triangles: shown after {time.time() - begin:.1f} s; {frames} frames while it was made, "
+          f"in {seconds:.1f} s; it told {sorted(steps)}")
+    assert camera != before["camera"], "the camera did not move"
+    assert frames >= LEAST_FRAMES, frames
+    assert any(word in step for step in steps for word in ["is read", "placed", "handed over"]), steps
+    viewer.open("?scene=cubes&left=hard&right=pcf&split=left")
+    choose_scene(viewer, "forest")
+    viewer.wait(lambda r: r["reading"] == "forest", "the begin of the forest")
+    viewer.page.screenshot(path=viewer.out / "makes.png", timeout=120_000)
+    choose_scene(viewer, "fence")
+    viewer.wait(lambda r: r["scene"] == "fence", "the newer choice")
+    choose_scene(viewer, "forest")
+    viewer.wait(lambda r: r["reading"] == "forest", "the begin of the forest")
+    viewer.key("Escape")
+    viewer.wait(lambda r: r["reading"] is None, "the end of loading", 5)
+    time.sleep(4)
+    report = viewer.report()
+    assert report["scene"] == "fence" and report["message"] is None, report
+    print("making a scene is called off by a newer choice, and by Esc")
 
 
 def planned(viewer):
@@ -499,8 +548,9 @@ def broken_workers(viewer):
         ("runs out of memory", script.replace(call, "umbrage_work('memory', parts);"), "no memory is left"),
         ("is asked for something else", script.replace(call, "umbrage_work('dance', parts);"), "`dance`"),
     ]:
-        Server.instead["/worker.js"] = instead
+        Server.instead.clear()
         viewer.open("?scene=cubes&left=hard&right=exact&split=left")
+        Server.instead["/worker.js"] = instead
         viewer.click("Button", "Find it")
         report = viewer.wait(lambda r: r["message"], "a message")
         print(f"a worker that {what}: {report['message']}")
@@ -508,6 +558,13 @@ def broken_workers(viewer):
         viewer.drop({"ball.toml": BALL})
         report = viewer.wait(lambda r: "ball.toml" in (r["message"] or ""), "a message")
         assert words in report["message"] and report["reading"] is None and report["scene"] == "cubes", report
+        choose_scene(viewer, "fence")
+        if instead is None:
+            report = viewer.wait(lambda r: r["scene"] == "fence", "a scene that is made without a worker")
+            assert report["message"] is None, report
+        else:
+            report = viewer.wait(lambda r: "fence:" in (r["message"] or ""), "a message")
+            assert words in report["message"] and report["reading"] is None and report["scene"] == "cubes", report
         assert viewer.page.locator("#status").is_hidden(), "the page says that it stopped"
     Server.instead.clear()
     # A browser that knows no workers.
@@ -517,8 +574,50 @@ def broken_workers(viewer):
     report = viewer.wait(lambda r: r["message"], "a message")
     print(f"a browser without workers: {report['message']}")
     assert "starts no worker (no workers here)" in report["message"], report
+    choose_scene(viewer, "fence")
+    viewer.wait(lambda r: r["scene"] == "fence", "a scene that is made without a worker")
     viewer.shot("without-workers")
     viewer.told.clear()
+
+
+def narrow(viewer):
+    """On a telephone the panel is folded at first; a button unfolds it."""
+    viewer.page.set_viewport_size(NARROW)
+    try:
+        viewer.open("?scene=cubes&left=hard&right=exact&split=0.5")
+        viewer.measured()
+        left, top, right, bottom = viewer.find("Button", UNFOLD)
+        assert min(left, top) >= 0 and right <= NARROW["width"] and bottom - top >= 40, (left, top, right, bottom)
+        image = viewer.shot("narrow")
+        right_of_it = image.crop((NARROW["width"] // 2, 300, NARROW["width"], 700))
+        left_of_it = image.crop((0, 300, NARROW["width"] // 2, 700))
+        assert min(spread(right_of_it), spread(left_of_it)) > 5, "the picture is covered"
+        viewer.click("Button", UNFOLD)
+        viewer.find("Button", "Failures")
+        viewer.shot("narrow-unfolded")
+        viewer.click("Button", "Fold")
+        viewer.find("Button", UNFOLD)
+        viewer.key("F1")
+        viewer.shot("narrow-keys")
+        viewer.key("Escape")
+    finally:
+        viewer.page.set_viewport_size(SIZE)
+    viewer.open("?scene=cubes&left=hard&right=exact&split=0.5")
+    assert not [w for w in viewer.widgets() if w["label"] == UNFOLD], "the panel is folded in a wide window"
+    print(f"in a window {NARROW['width']} pixels wide the panel is folded at first, and the button unfolds it")
+
+
+def moving(viewer):
+    """A place of failure that moves plays its path, and its button pauses it."""
+    viewer.open("?failure=hills-pan")
+    begin = viewer.wait(lambda r: r["path"] and r["path"]["playing"], "the path")
+    viewer.wait(lambda r: r["camera"] != begin["camera"] and r["path"]["step"] != begin["path"]["step"], "the next step")
+    viewer.click("Button", "Pause")
+    paused = viewer.wait(lambda r: not r["path"]["playing"], "the pause")
+    viewer.measured()
+    assert viewer.report()["camera"] == paused["camera"], "it moves while it is paused"
+    viewer.shot("hills-pan")
+    print(f"hills-pan plays, and is paused at step {paused['path']['step']}")
 
 
 def others(viewer):
@@ -544,7 +643,8 @@ def first(viewer):
 
 PARTS = {
     "first": first, "masks": masks, "switched": switched, "dropped": dropped, "together": dropped_together, "large": read_beside,
-    "plan": planned, "broken": broken_workers, "others": others,
+    "made": made_beside, "plan": planned, "broken": broken_workers, "moving": moving,
+    "narrow": narrow, "others": others,
 }
 
 

@@ -43,11 +43,12 @@ pub use guard::is_as_new;
 pub use measure::Measure;
 pub use motion::{MotionFrame, Moving};
 pub use passing::Demand;
-pub use row::{Motion, StabilityCase, StabilityRow};
+pub use row::{StabilityCase, StabilityRow};
 pub use rows::{PLATE, cases, rows};
 pub use run::{StabilityEvent, StabilityOptions, case_truth, check_state, run};
 pub use setting_verdicts::{FailedRow, SettingVerdicts, nearest};
 pub use settings::settings;
+pub use umbrage_scenes::motion::Motion;
 pub use verdict::{FAILS_AT, Verdict, VerdictLimits};
 pub use window::{Base, BiasWindow, windows};
 

@@ -21,18 +21,16 @@ use super::{
     measures::shimmer::{change, change_error, shimmer},
     pictures,
     play::{cell, no_mask},
-    row::Motion,
 };
 use crate::{LabError, compare::Backends};
-use glam::{Affine3A, Quat, Vec2, Vec3};
-use umbrage_core::{
-    Backend, Camera, Fit, Geometry, Invalid, Layout, Light, Receivers, ShadowTechnique, View,
-};
+use glam::Vec3;
+use umbrage_core::{Backend, Camera, Geometry, Invalid, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
 use umbrage_plan::{
     motion::{draws_the_picture, pixel_shift},
     truth::TruthOptions,
 };
+use umbrage_scenes::motion::{Motion, MotionStep, texel_width};
 
 /// The camera, the light and the casters of one frame.
 #[derive(Clone, Debug)]
@@ -62,38 +60,6 @@ pub struct Moving<'a> {
     pub motion: Motion,
 }
 
-/// Texels that the camera pans by from a frame to the next.
-const PAN_TEXELS: f64 = 0.37;
-/// Texels that casters move by from a frame to the next: more than one, so that no frame may rest, and no whole number.
-const CASTER_TEXELS: f64 = 1.37;
-/// Degrees that the camera yaws by from a frame to the next.
-const YAW: f64 = 0.1;
-/// Degrees that the sun turns by from a frame to the next.
-const TURN: f64 = 0.25;
-/// Vertical field of view of the first frame of a widening, degrees.
-const FIRST_FOV: f64 = 75.0;
-/// Vertical field of view of the last frame of a widening, degrees.
-const LAST_FOV: f64 = 90.0;
-
-/// Returns the camera that a motion starts from.
-pub(super) fn first_camera(camera: &Camera, motion: Motion) -> Camera {
-    if motion == Motion::Widening {
-        with_fov(camera, FIRST_FOV)
-    } else {
-        *camera
-    }
-}
-
-/// Returns the camera with another vertical field of view, degrees, and the same aspect ratio.
-fn with_fov(camera: &Camera, degrees: f64) -> Camera {
-    let mut out = *camera;
-    // A perspective matrix scales y by the cotangent of half the angle.
-    let scale = (1.0 / (0.5 * degrees.to_radians()).tan()) as f32;
-    out.clip_from_view.x_axis.x *= scale / out.clip_from_view.y_axis.y;
-    out.clip_from_view.y_axis.y = scale;
-    out
-}
-
 impl<'a> Moving<'a> {
     /// Moves the case's camera or light through `count` frames, and traces truth.
     ///
@@ -106,13 +72,18 @@ impl<'a> Moving<'a> {
         options: &TruthOptions,
     ) -> Result<Self, LabError> {
         let mut cpu = Cpu::new();
-        let texel = texel_width(case_truth)?;
+        let texel = first_texel(case_truth)?;
         let mut frames = Vec::new();
         let mut truth = Vec::new();
         for index in 0..count {
-            let camera = camera_at(case_truth, motion, index, count, texel);
-            let light = light_at(case_truth, motion, index);
-            let geometry = geometry_at(case_truth, motion, index, texel)?;
+            let step = MotionStep {
+                index,
+                count,
+                texel,
+            };
+            let camera = motion.camera(&case_truth.camera, &step);
+            let light = motion.light(&case_truth.lights[0], &step);
+            let geometry = geometry_at(case_truth, motion, &step)?;
             let receivers = cpu.receivers(&camera, &geometry)?;
             truth.push(visibility_at_receivers(
                 &geometry,
@@ -298,123 +269,24 @@ struct PlayedFrames {
     disagreeing: Option<u64>,
 }
 
-/// Returns the camera of frame `index` of `count`; `texel` is the width of the first map's texels, metres.
-fn camera_at(case_truth: &CaseTruth, motion: Motion, index: u32, count: u32, texel: f64) -> Camera {
-    let first = &case_truth.camera;
-    let steps = f64::from(index);
-    match motion {
-        Motion::Still | Motion::Sun | Motion::Casters => *first,
-        Motion::Jitter => first.nudged(jitter(index)),
-        Motion::Pan => panned(first, steps * PAN_TEXELS * texel),
-        Motion::Yaw => yawed(first, steps * YAW),
-        Motion::Widening => {
-            // 0 at the first frame, 1 at the last.
-            let part = steps / f64::from(count.max(2) - 1);
-            with_fov(first, FIRST_FOV + part * (LAST_FOV - FIRST_FOV))
-        }
-    }
-}
-
-/// Returns the light of frame `index`.
-fn light_at(case_truth: &CaseTruth, motion: Motion, index: u32) -> Light {
-    let first = case_truth.lights[0];
-    if motion == Motion::Sun {
-        turned(&first, f64::from(index) * TURN)
-    } else {
-        first
-    }
-}
-
-/// Returns the jitter of frame `index`, pixels, -.5 to .5 each way: the sequence of Halton (1960) in bases 2 and 3, which
-/// temporal antialiasing commonly takes. The first frame has none.
-fn jitter(index: u32) -> Vec2 {
-    if index == 0 {
-        return Vec2::ZERO;
-    }
-    Vec2::new(
-        radical_inverse(index, 2) - 0.5,
-        radical_inverse(index, 3) - 0.5,
-    )
-}
-
-/// Returns the digits of a number in a base, mirrored at the point: 6 is 110 in base 2, and becomes .011, which is .375.
-fn radical_inverse(number: u32, base: u32) -> f32 {
-    let mut rest = number;
-    let mut place = 1.0_f32;
-    let mut out = 0.0;
-    while rest > 0 {
-        place /= base as f32;
-        out += (rest % base) as f32 * place;
-        rest /= base;
-    }
-    out
-}
-
-/// Returns the triangles of frame `index`; `texel` is the width of the first map's texels, metres.
+/// Returns the triangles of a frame.
 fn geometry_at(
     case_truth: &CaseTruth,
     motion: Motion,
-    index: u32,
-    texel: f64,
+    step: &MotionStep,
 ) -> Result<Geometry, Invalid> {
     if motion != Motion::Casters {
         return Ok(case_truth.geometry.clone());
     }
-    let offset = f64::from(index) * CASTER_TEXELS * texel;
-    let mut scene = case_truth.scene.clone();
-    // The first thing is the ground.
-    for instance in scene.instances.iter_mut().skip(1).filter(|i| i.casts) {
-        instance.world_from_local.translation.x += offset as f32;
-    }
-    Geometry::bake(&scene)
-}
-
-/// Returns the camera moved to its right by this many metres.
-fn panned(camera: &Camera, by: f64) -> Camera {
-    let mut out = *camera;
-    let right = out.world_from_view.matrix3.x_axis.as_dvec3().normalize();
-    out.world_from_view.translation =
-        (out.world_from_view.translation.as_dvec3() + right * by).as_vec3a();
-    out
-}
-
-/// Returns the camera turned about the vertical.
-fn yawed(camera: &Camera, degrees: f64) -> Camera {
-    let turn = Affine3A::from_quat(Quat::from_rotation_y(degrees.to_radians() as f32));
-    let mut out = *camera;
-    out.world_from_view.matrix3 = turn.matrix3 * out.world_from_view.matrix3;
-    out
-}
-
-/// Returns a directional light turned about the vertical; other lights stay.
-fn turned(light: &Light, degrees: f64) -> Light {
-    match *light {
-        Light::Directional {
-            direction,
-            angular_diameter,
-        } => {
-            let turn = glam::DQuat::from_rotation_y(degrees.to_radians());
-            Light::Directional {
-                direction: (turn * direction.as_dvec3()).as_vec3(),
-                angular_diameter,
-            }
-        }
-        other => other,
-    }
+    Geometry::bake(&motion.scene(&case_truth.scene, step))
 }
 
 /// Returns the width of a texel of the first frame's map, metres.
-fn texel_width(case_truth: &CaseTruth) -> Result<f64, LabError> {
+fn first_texel(case_truth: &CaseTruth) -> Result<f64, LabError> {
     let view = case_truth
         .view(&case_truth.lights[0])
         .with_receivers(&case_truth.truth.receivers);
-    let spaces = Fit::Tight.light_spaces(Layout::Auto, &view, case_truth.map_size, 0.0)?;
-    // Clip units, of which a map is 2 wide, for each metre.
-    let scale = spaces
-        .spaces
-        .first()
-        .map_or(1.0, |space| f64::from(space.clip_from_view.x_axis.x));
-    Ok(2.0 / (scale * f64::from(case_truth.map_size)))
+    Ok(texel_width(&view, case_truth.map_size)?)
 }
 
 /// Whether a point counts: it is near an edge of a shadow, and seen in every frame.
@@ -446,23 +318,4 @@ fn is_seen(case_truth: &CaseTruth, frame: &MotionFrame, i: usize) -> bool {
     let direction = to_eye - lift;
     let bvh = frame.geometry.bvh();
     is_inside && !bvh.occluded(origin, direction, receivers.triangle[i])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn jitter_is_haltons() {
-        let expected = [
-            Vec2::ZERO,
-            Vec2::new(0.5, 1.0 / 3.0) - 0.5,
-            Vec2::new(0.25, 2.0 / 3.0) - 0.5,
-            Vec2::new(0.75, 1.0 / 9.0) - 0.5,
-        ];
-        for (index, place) in (0..4).zip(expected) {
-            assert!(jitter(index).distance(place) < 1e-6, "{index}");
-        }
-        assert_eq!(radical_inverse(6, 2), 0.375);
-    }
 }

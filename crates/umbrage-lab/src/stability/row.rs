@@ -2,7 +2,10 @@
 
 use super::measure::Measure;
 use umbrage_core::Fit;
-use umbrage_scenes::SceneEntry;
+use umbrage_scenes::{
+    SceneEntry,
+    motion::{Motion, MovingScene},
+};
 use umbrage_techniques::ConfiguredTechniques;
 
 /// A way in which shadow methods fail, and the scenes that provoke it.
@@ -43,52 +46,6 @@ pub struct StabilityCase {
     pub extra: Option<fn(map_size: u32) -> ConfiguredTechniques>,
 }
 
-/// What moves from frame to frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
-    /// Nothing.
-    Still,
-    /// The camera moves sideways by .37 texels of the map a frame: within a few frames edges have met texels in all phases.
-    Pan,
-    /// The camera turns by .1 degree a frame about the vertical.
-    Yaw,
-    /// The camera's vertical field of view opens from 75 to 90 degrees.
-    Widening,
-    /// The sun turns by .25 degree a frame about the vertical.
-    Sun,
-    /// All that casts but the first thing of the scene, its ground, moves along x by 1.37 texels of the map a frame.
-    Casters,
-    /// The camera's projection is moved by parts of a pixel, another way in each frame, as temporal antialiasing does.
-    Jitter,
-}
-
-impl Motion {
-    /// Returns a short description for people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Still => "still",
-            Self::Pan => "camera pans by .37 texels a frame",
-            Self::Yaw => "camera yaws by .1 degree a frame",
-            Self::Widening => "field of view opens from 75 to 90 degrees",
-            Self::Sun => "sun turns by .25 degree a frame",
-            Self::Casters => "casters move by 1.37 texels a frame",
-            Self::Jitter => "projection jitters within a pixel",
-        }
-    }
-}
-
-impl Motion {
-    /// Whether true shadows move; else the camera does.
-    pub const fn moves_shadows(self) -> bool {
-        matches!(self, Self::Sun | Self::Casters)
-    }
-
-    /// Whether the camera's pictures show points at other pixels from frame to frame.
-    pub fn moves_pixels(self) -> bool {
-        matches!(self, Self::Pan | Self::Yaw | Self::Widening)
-    }
-}
-
 impl StabilityCase {
     /// A still scene.
     pub(super) const fn still(scene: &'static str, measure: Measure) -> Self {
@@ -105,16 +62,16 @@ impl StabilityCase {
     }
 
     /// A moving scene. While light and casters stand still nothing may change; else as much may change as in truth.
-    pub(super) const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> Self {
-        let measure = if motion.moves_shadows() {
+    pub(super) const fn moving(moving: MovingScene) -> Self {
+        let measure = if moving.motion.moves_shadows() {
             Measure::ChangeError
         } else {
             Measure::Shimmer
         };
         Self {
-            name,
-            motion,
-            ..Self::still(scene, measure)
+            name: moving.name,
+            motion: moving.motion,
+            ..Self::still(moving.scene, measure)
         }
     }
 

@@ -3,11 +3,12 @@
 use super::{
     measure::Measure,
     measures::{band::Band, gap::Contact},
-    row::{Motion, StabilityCase, StabilityRow},
+    row::{StabilityCase, StabilityRow},
 };
 use glam::Vec3;
 use std::sync::Arc;
 use umbrage_core::{Cascades, Fit, Layout, Split};
+use umbrage_scenes::motion::MovingScene;
 use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, Pcf, ShadowMap};
 
 /// All rows, by number.
@@ -65,8 +66,8 @@ const fn still(scene: &'static str, measure: Measure) -> StabilityCase {
     StabilityCase::still(scene, measure)
 }
 
-const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> StabilityCase {
-    StabilityCase::moving(name, scene, motion)
+const fn moving(moving: MovingScene) -> StabilityCase {
+    StabilityCase::moving(moving)
 }
 
 const fn row(
@@ -173,23 +174,16 @@ fn cascaded(size: u32) -> ConfiguredTechniques {
 
 /// How deep the stable fits reach whose cascades' seams are looked at: as far as is seen.
 const FARTHEST_SEAM: f32 = 320.0;
-/// How deep stable fits reach in views a few metres deep, metres.
-const NEARBY: f32 = 8.0;
-/// How deep they reach in landscapes.
-const LANDSCAPE: f32 = 160.0;
-
-const FENCE_PAN: StabilityCase = moving("fence-pan", "fence", Motion::Pan);
-const HILLS_PAN: StabilityCase = moving("hills-pan", "hills", Motion::Pan);
-const HILLS_1E5_PAN: StabilityCase =
-    moving("hills-1e5-pan", "hills-1e5", Motion::Pan).limits_from("hills");
-const HILLS_1E6_PAN: StabilityCase =
-    moving("hills-1e6-pan", "hills-1e6", Motion::Pan).limits_from("hills");
-const HILLS_YAW: StabilityCase = moving("hills-yaw", "hills", Motion::Yaw);
-const HILLS_FOV: StabilityCase = moving("hills-fov", "hills", Motion::Widening);
-const HILLS_SUN: StabilityCase = moving("hills-sun", "hills", Motion::Sun);
-const HILLS_ENDLESS_PAN: StabilityCase = moving("hills-endless-pan", "hills-endless", Motion::Pan);
-const HILLS_CASTERS: StabilityCase = moving("hills-casters", "hills", Motion::Casters);
-const HILLS_JITTER: StabilityCase = moving("hills-jitter", "hills", Motion::Jitter);
+const FENCE_PAN: StabilityCase = moving(MovingScene::FENCE_PAN);
+const HILLS_PAN: StabilityCase = moving(MovingScene::HILLS_PAN);
+const HILLS_1E5_PAN: StabilityCase = moving(MovingScene::HILLS_1E5_PAN).limits_from("hills");
+const HILLS_1E6_PAN: StabilityCase = moving(MovingScene::HILLS_1E6_PAN).limits_from("hills");
+const HILLS_YAW: StabilityCase = moving(MovingScene::HILLS_YAW);
+const HILLS_FOV: StabilityCase = moving(MovingScene::HILLS_FOV);
+const HILLS_SUN: StabilityCase = moving(MovingScene::HILLS_SUN);
+const HILLS_ENDLESS_PAN: StabilityCase = moving(MovingScene::HILLS_ENDLESS_PAN);
+const HILLS_CASTERS: StabilityCase = moving(MovingScene::HILLS_CASTERS);
+const HILLS_JITTER: StabilityCase = moving(MovingScene::HILLS_JITTER);
 
 const MOMENTS: &str = "moment maps (VSM, EVSM, MSM)";
 const WARPS: &str = "perspective warps";
@@ -222,23 +216,23 @@ const ROWS: &[StabilityRow] = &[
         still("hovering-feet", Measure::LeakAround(&FEET, LEAK_RADIUS)),
     ]).not_covered_yet("exponential maps (EVSM)"),
     row(9, "fine detail", "wires as thin as a texel come and go", &[
-        still("fence", Measure::Rmse), FENCE_PAN, FENCE_PAN.stable("fence-pan-stable", NEARBY),
+        still("fence", Measure::Rmse), FENCE_PAN, FENCE_PAN.stable("fence-pan-stable", MovingScene::FENCE_PAN.range),
     ]).not_covered_yet("alpha-tested casters"),
     row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
-        still("hills", Measure::Rmse), HILLS_PAN, HILLS_PAN.stable("hills-pan-stable", LANDSCAPE),
+        still("hills", Measure::Rmse), HILLS_PAN, HILLS_PAN.stable("hills-pan-stable", MovingScene::HILLS_PAN.range),
     ]),
     row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
         still("hills-1e5", Measure::Rmse).limits_from("hills"),
-        HILLS_1E5_PAN, HILLS_1E5_PAN.stable("hills-1e5-pan-stable", LANDSCAPE),
+        HILLS_1E5_PAN, HILLS_1E5_PAN.stable("hills-1e5-pan-stable", MovingScene::HILLS_1E5_PAN.range),
         still("hills-1e6", Measure::Rmse).limits_from("hills"),
-        HILLS_1E6_PAN, HILLS_1E6_PAN.stable("hills-1e6-pan-stable", LANDSCAPE),
+        HILLS_1E6_PAN, HILLS_1E6_PAN.stable("hills-1e6-pan-stable", MovingScene::HILLS_1E6_PAN.range),
     ]),
     row(12, "turning camera", "a fit that isn't stabilised changes with every frame", &[
-        HILLS_YAW, HILLS_YAW.stable("hills-yaw-stable", LANDSCAPE),
-        HILLS_FOV, HILLS_FOV.stable("hills-fov-stable", LANDSCAPE),
+        HILLS_YAW, HILLS_YAW.stable("hills-yaw-stable", MovingScene::HILLS_YAW.range),
+        HILLS_FOV, HILLS_FOV.stable("hills-fov-stable", MovingScene::HILLS_FOV.range),
     ]),
     row(13, "turning sun", "texels turn with the light and crawl along edges; or the shadow lags the light", &[
-        HILLS_SUN, HILLS_SUN.stable("hills-sun-stable", LANDSCAPE),
+        HILLS_SUN, HILLS_SUN.stable("hills-sun-stable", MovingScene::HILLS_SUN.range),
     ]),
     row(14, "into the light", "looking into the sun: the map is coarse where the picture is fine", &[
         still("into-light", Measure::Rmse),
@@ -306,13 +300,13 @@ const ROWS: &[StabilityRow] = &[
     ]),
     row(35, "other projections", "depth is reversed and without end: near and far are taken for one another, or for infinite", &[
         still("hills-endless", Measure::Rmse),
-        HILLS_ENDLESS_PAN, HILLS_ENDLESS_PAN.stable("hills-endless-pan-stable", LANDSCAPE),
+        HILLS_ENDLESS_PAN, HILLS_ENDLESS_PAN.stable("hills-endless-pan-stable", MovingScene::HILLS_ENDLESS_PAN.range),
     ]),
     row(36, "moving casters", "a fit that goes around casters moves with them, and all other shadows crawl", &[
-        HILLS_CASTERS, HILLS_CASTERS.stable("hills-casters-stable", LANDSCAPE),
+        HILLS_CASTERS, HILLS_CASTERS.stable("hills-casters-stable", MovingScene::HILLS_CASTERS.range),
     ]),
     row(37, "jittered projection", "a fit that follows the picture changes with every jitter of temporal antialiasing", &[
-        HILLS_JITTER, HILLS_JITTER.stable("hills-jitter-stable", LANDSCAPE),
+        HILLS_JITTER, HILLS_JITTER.stable("hills-jitter-stable", MovingScene::HILLS_JITTER.range),
     ]),
     row(38, "cascade seams", "where one map ends and a coarser one begins: a line across the picture, or no shadow at all", &[
         still("hills", Measure::CascadeSeams).also(cascaded).named("hills-seams"),
@@ -328,6 +322,19 @@ mod tests {
     fn vertices(scene: &str) -> Vec<Vec3> {
         let scene = umbrage_scenes::by_argument(scene).expect("built in");
         Geometry::bake(&scene).expect("valid").positions().to_vec()
+    }
+
+    #[test]
+    fn moving_scenes_are_in_their_rows() {
+        for moving in MovingScene::ALL {
+            let found: Vec<_> = cases()
+                .filter(|(_, case)| case.name == moving.name)
+                .collect();
+            let [(row, case)] = found[..] else {
+                panic!("{} is there once", moving.name);
+            };
+            assert_eq!((row.number, case.motion), (moving.row, moving.motion));
+        }
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! Plays all rows with all techniques.
 
 use super::{
-    CaseResult, CellOutcome, Criterion, Stability,
+    CaseResult, CellOutcome, Criterion, Motion, Stability,
     case_truth::CaseTruth,
     guard,
     measure::Measure,
-    motion::{Moving, first_camera},
+    motion::Moving,
     play::Still,
-    row::{Motion, StabilityCase, StabilityRow},
+    row::{StabilityCase, StabilityRow},
     rows::{cases, rows},
     settings::settings,
 };
@@ -176,7 +176,7 @@ pub fn run(
 }
 
 /// Whether two cases begin with the same view of the same scene: only a widening motion changes the first camera
-/// ([`first_camera`]).
+/// ([`Motion::first_camera`]).
 fn has_same_truth(a: &StabilityCase, b: &StabilityCase) -> bool {
     let a_widens = a.motion == Motion::Widening;
     let b_widens = b.motion == Motion::Widening;
@@ -200,7 +200,9 @@ pub fn case_truth(
         )
     })?;
     let scene = (entry.build)();
-    let camera = first_camera(&scene.cameras[0].resized(options.size), case.motion);
+    let camera = case
+        .motion
+        .first_camera(&scene.cameras[0].resized(options.size));
     let lights = scene.lights.iter().take(case.lights).copied().collect();
     CaseTruth::new(scene, camera, lights, options.map_size, &options.truth)
 }

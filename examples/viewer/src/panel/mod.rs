@@ -15,9 +15,38 @@ use umbrage::scenes;
 
 /// Points.
 const WIDTH: f32 = 310.0;
+/// Windows less wide than this begin with the panel folded, since it would cover the picture: pixels divided by the display's scale
+/// factor.
+const NARROW: f32 = 700.0;
 
-/// Draws the panel.
+/// Whether the panel is folded. Until the user says so, that goes with the window's width.
+fn is_folded(app: &App, ctx: &egui::Context) -> bool {
+    app.panel_is_folded.unwrap_or_else(|| is_narrow(ctx))
+}
+
+fn is_narrow(ctx: &egui::Context) -> bool {
+    ctx.viewport_rect().width() * ctx.zoom_factor() < NARROW
+}
+
+/// Folds the panel, or unfolds it.
+pub(crate) fn fold(app: &mut App, ctx: &egui::Context) {
+    app.panel_is_folded = Some(!is_folded(app, ctx));
+}
+
+/// Returns how far the picture's middle is right of the window's, points.
+fn beside(app: &App, ctx: &egui::Context) -> f32 {
+    if is_folded(app, ctx) {
+        0.0
+    } else {
+        0.5 * WIDTH
+    }
+}
+
+/// Draws the panel, unless it is folded.
 pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
+    if is_folded(app, ui.ctx()) {
+        return;
+    }
     let panel = egui::Panel::left("panel")
         .default_size(WIDTH)
         .size_range(220.0..=520.0)
@@ -46,7 +75,7 @@ fn scene(app: &mut App, ui: &mut egui::Ui) {
         ui.label("Scene");
         egui::ComboBox::from_id_salt("scene")
             .selected_text(&app.stage.name)
-            .width(190.0)
+            .width(140.0)
             .height(500.0)
             .show_ui(ui, |ui| {
                 for entry in scenes::all() {
@@ -57,6 +86,13 @@ fn scene(app: &mut App, ui: &mut egui::Ui) {
                 }
             });
         failures(app, ui);
+        if ui
+            .button("Fold")
+            .on_hover_text("Folds the panel (F4)")
+            .clicked()
+        {
+            fold(app, ui.ctx());
+        }
         if ui.button("?").on_hover_text("All keys (F1)").clicked() {
             app.settings.shows_help = !app.settings.shows_help;
         }
@@ -65,14 +101,13 @@ fn scene(app: &mut App, ui: &mut egui::Ui) {
     ui.weak(format!(
         "{triangles} triangles; drop a .toml or .obj file here, with what it names, for another scene"
     ));
-    #[cfg(target_arch = "wasm32")]
-    if let Some(name) = app.drops.reading().map(str::to_owned) {
+    if let Some(path) = &mut app.path {
         ui.horizontal(|ui| {
-            ui.spinner();
-            ui.label(format!("reads {name}"));
-            if ui.button("Cancel").clicked() {
-                app.drops.cancel();
+            let words = if path.is_playing { "Pause" } else { "Play" };
+            if ui.button(words).on_hover_text("Space").clicked() {
+                path.is_playing = !path.is_playing;
             }
+            ui.label(path.moving.motion.label());
         });
     }
     if let Some(name) = wanted {
@@ -87,10 +122,10 @@ fn failures(app: &mut App, ui: &mut egui::Ui) {
         egui::ScrollArea::vertical()
             .max_height(500.0)
             .show(ui, |ui| {
-                for (failure, entry) in bookmarks::all() {
-                    let label = format!("{} {}", failure.row(), entry.name);
-                    if ui.button(label).on_hover_text(entry.summary).clicked() {
-                        app.open(ui.ctx(), entry.name, Then::Compare(failure));
+                for bookmark in bookmarks::all() {
+                    let label = format!("{} {}", bookmark.row, bookmark.name);
+                    if ui.button(label).on_hover_text(bookmark.summary).clicked() {
+                        app.open(ui.ctx(), bookmark.scene, Then::Compare(bookmark));
                         ui.close();
                     }
                 }
@@ -185,7 +220,8 @@ fn figures(app: &App, ui: &mut egui::Ui) {
 /// Draws what stands over the picture: what each side shows, messages, the keys.
 pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
     let rect = ui.max_rect();
-    side::labels(app, ui, rect);
+    let below = unfold(app, ui, rect);
+    side::labels(app, ui, rect.with_min_y(rect.min.y + below));
     maps::show(app, ui, app.rests());
     picker::show(app, ui);
     let is_loading = loading(app, ui);
@@ -195,7 +231,7 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
         egui::Window::new("message")
             .title_bar(false)
             .resizable(false)
-            .anchor(egui::Align2::CENTER_BOTTOM, [0.5 * WIDTH, up])
+            .anchor(egui::Align2::CENTER_BOTTOM, [beside(app, ui.ctx()), up])
             .show(ui.ctx(), |ui| {
                 ui.set_max_width(0.7 * rect.width());
                 ui.horizontal(|ui| {
@@ -207,26 +243,66 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
             });
     }
     if app.settings.shows_help {
-        egui::Window::new("Keys")
-            .open(&mut app.settings.shows_help)
-            .resizable(false)
-            .anchor(egui::Align2::CENTER_CENTER, [0.5 * WIDTH, 0.0])
-            .show(ui.ctx(), |ui| {
-                egui::Grid::new("keys")
-                    .num_columns(4)
-                    .striped(true)
-                    .show(ui, |ui| {
-                        // Two columns of lines, so that small windows hold them.
-                        for lines in KEYS.chunks(2) {
-                            for line in lines {
-                                ui.strong(line.keys);
-                                ui.label(line.what);
-                            }
-                            ui.end_row();
-                        }
-                    });
-            });
+        help(app, ui);
     }
+}
+
+/// Shows the keys.
+fn help(app: &mut App, ui: &egui::Ui) {
+    let middle = beside(app, ui.ctx());
+    let is_narrow = is_narrow(ui.ctx());
+    let keys = |ui: &mut egui::Ui| {
+        if is_narrow {
+            for line in &KEYS {
+                ui.horizontal_wrapped(|ui| {
+                    ui.strong(line.keys);
+                    ui.label(line.what);
+                });
+            }
+            return;
+        }
+        egui::Grid::new("keys")
+            .num_columns(4)
+            .striped(true)
+            .show(ui, |ui| {
+                // Two columns of lines, so that small windows hold them.
+                for lines in KEYS.chunks(2) {
+                    for line in lines {
+                        ui.strong(line.keys);
+                        ui.label(line.what);
+                    }
+                    ui.end_row();
+                }
+            });
+    };
+    egui::Window::new("Keys")
+        .open(&mut app.settings.shows_help)
+        .resizable(false)
+        .vscroll(is_narrow)
+        .anchor(egui::Align2::CENTER_CENTER, [middle, 0.0])
+        .show(ui.ctx(), keys);
+}
+
+/// Draws the button that unfolds a folded panel. Returns its height with a margin, points; 0 while there is none.
+fn unfold(app: &mut App, ui: &egui::Ui, rect: egui::Rect) -> f32 {
+    if !is_folded(app, ui.ctx()) {
+        return 0.0;
+    }
+    let area = egui::Area::new(egui::Id::unique("unfold"))
+        .fixed_pos(rect.left_top() + egui::vec2(8.0, 8.0))
+        .show(ui.ctx(), |ui| {
+            // Large enough for fingers.
+            let words = egui::RichText::new("\u{2630} Scene and settings").size(16.0);
+            let button = egui::Button::new(words).min_size(egui::vec2(44.0, 40.0));
+            if ui
+                .add(button)
+                .on_hover_text("Unfolds the panel (F4)")
+                .clicked()
+            {
+                fold(app, ui.ctx());
+            }
+        });
+    area.response.rect.height() + 8.0
 }
 
 /// Says what is being read. Returns whether something is.
@@ -237,7 +313,7 @@ fn loading(app: &mut App, ui: &egui::Ui) -> bool {
     egui::Window::new("loading")
         .title_bar(false)
         .resizable(false)
-        .anchor(egui::Align2::CENTER_BOTTOM, [0.5 * WIDTH, -16.0])
+        .anchor(egui::Align2::CENTER_BOTTOM, [beside(app, ui.ctx()), -16.0])
         .show(ui.ctx(), |ui| {
             ui.horizontal(|ui| {
                 ui.label(at);

@@ -1,10 +1,13 @@
 //! A list over the picture from which the keyboard chooses: typing leaves what holds the words, arrows go up and down, Enter takes.
 
-use crate::{app::App, bookmarks, loading::Then, render::SIDES, settings::entry};
-use umbrage::{
-    scenes::{self, Failure},
-    techniques,
+use crate::{
+    app::App,
+    bookmarks::{self, Bookmark},
+    loading::Then,
+    render::SIDES,
+    settings::entry,
 };
+use umbrage::{scenes, techniques};
 
 /// What is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +51,7 @@ struct Line {
 #[derive(Clone)]
 pub(crate) enum Taken {
     Scene(String),
-    Failure(Failure, &'static str),
+    Failure(Bookmark),
     Technique(usize, &'static str),
 }
 
@@ -91,9 +94,9 @@ impl Picker {
                 .collect(),
             Choice::Failure => bookmarks::all()
                 .into_iter()
-                .map(|(failure, e)| {
-                    let name = format!("{} {}", failure.row(), e.name);
-                    line(name, e.summary, Taken::Failure(failure, e.name))
+                .map(|bookmark| {
+                    let name = format!("{} {}", bookmark.row, bookmark.name);
+                    line(name, bookmark.summary, Taken::Failure(bookmark))
                 })
                 .collect(),
             Choice::Technique(side) => techniques::all()
@@ -174,9 +177,13 @@ pub(crate) fn show(app: &mut App, ui: &egui::Ui) {
         .open(&mut is_open)
         .resizable(false)
         .collapsible(false)
-        .anchor(egui::Align2::CENTER_TOP, [0.5 * super::WIDTH, 40.0])
+        .anchor(
+            egui::Align2::CENTER_TOP,
+            [super::beside(app, ui.ctx()), 40.0],
+        )
         .show(ui.ctx(), |ui| {
-            ui.set_width(430.0);
+            let window = ui.ctx().viewport_rect().width();
+            ui.set_width((window - 32.0).min(430.0));
             taken = contents(&mut picker, ui);
         });
     match taken {
@@ -226,7 +233,7 @@ fn contents(picker: &mut Picker, ui: &mut egui::Ui) -> Option<Taken> {
 pub(crate) fn take(app: &mut App, ctx: &egui::Context, taken: Taken) {
     match taken {
         Taken::Scene(name) => app.open(ctx, &name, Then::Show),
-        Taken::Failure(failure, scene) => app.open(ctx, scene, Then::Compare(failure)),
+        Taken::Failure(bookmark) => app.open(ctx, bookmark.scene, Then::Compare(bookmark)),
         Taken::Technique(side, name) => {
             app.settings.sides[side].choose(entry(name));
             app.forget_mask(side);

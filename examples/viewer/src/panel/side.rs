@@ -152,6 +152,26 @@ fn bias(ui: &mut egui::Ui, bias: &mut Bias) {
     });
 }
 
+/// Width below which texts over the picture are left out, points.
+const NARROWEST: f32 = 80.0;
+
+/// Writes a text that is at most so wide, points.
+fn wrapped(
+    painter: &egui::Painter,
+    corner: egui::Pos2,
+    anchor: egui::Align2,
+    text: &str,
+    color: egui::Color32,
+    most: f32,
+) {
+    let font = egui::FontId::proportional(15.0);
+    let mut job = egui::text::LayoutJob::simple(text.to_owned(), font, color, most);
+    job.halign = anchor.x();
+    let galley = painter.layout_job(job);
+    // Galleys lie around the line that they are aligned to.
+    painter.galley(corner, galley, color);
+}
+
 /// Writes over the picture what each side shows, and how wrong it is.
 pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
     let painter = ui.painter_at(rect);
@@ -160,6 +180,11 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
         None if app.settings.shown_side == 0 => &[0],
         None => &[1],
     };
+    // Each side has its half of the picture.
+    let most = rect.width() / shown.len() as f32 - 16.0;
+    if most < NARROWEST {
+        return;
+    }
     for &side in shown {
         let (corner, anchor) = if side == 0 {
             (
@@ -190,7 +215,6 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
                 text += &format!("\n{ambiguous} pixels left out: truth hangs on rounding");
             }
         }
-        let font = egui::FontId::proportional(15.0);
         // A shadow of its own keeps it readable on any picture.
         let black = egui::Color32::BLACK;
         for offset in [
@@ -198,8 +222,8 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
             egui::vec2(-1.0, 1.0),
             egui::vec2(1.0, -1.0),
         ] {
-            painter.text(corner + offset, anchor, &text, font.clone(), black);
+            wrapped(&painter, corner + offset, anchor, &text, black, most);
         }
-        painter.text(corner, anchor, &text, font, egui::Color32::WHITE);
+        wrapped(&painter, corner, anchor, &text, egui::Color32::WHITE, most);
     }
 }

@@ -1,6 +1,7 @@
 //! A scene's triangles and looks on the device.
 
 use super::{
+    coarse::{self, CoarseLevel},
     convex,
     pipelines::{Forward, Layouts, group},
 };
@@ -16,8 +17,8 @@ use wgpu::util::DeviceExt as _;
 
 /// Triangles that are one caster of the light sets: few enough that a lamp leaves out what it can't reach.
 const CASTER_TRIANGLES: u32 = 16_384;
-/// Triangles that are drawn together: few enough that a camera leaves out what it doesn't see.
-const DRAWN_TRIANGLES: u32 = 4096;
+/// Triangles that are drawn together: few enough that a camera leaves out what it doesn't see, and that all are about as far away.
+const DRAWN_TRIANGLES: u32 = 1024;
 /// Bytes from one material's numbers to the next, as dynamic offsets of uniform buffers ask.
 const MATERIAL_STRIDE: u64 = 256;
 
@@ -32,6 +33,8 @@ pub(crate) struct Looks {
 /// Triangles of one material, near each other.
 struct Draw {
     indices: Range<u32>,
+    /// The same with fewer triangles.
+    coarser: Vec<CoarseLevel>,
     bounds: Aabb,
     material: u32,
     /// Index among the bind groups.
@@ -46,7 +49,7 @@ pub(crate) struct SceneBuffers {
     looks: wgpu::Buffer,
     /// In the order of the geometry's triangles.
     indices: wgpu::Buffer,
-    /// Sorted by material.
+    /// Sorted by material; coarser levels follow.
     sorted: wgpu::Buffer,
     draws: Vec<Draw>,
     groups: Vec<wgpu::BindGroup>,
@@ -90,9 +93,16 @@ impl SceneBuffers {
         let vertex = wgpu::BufferUsages::VERTEX;
         let index = wgpu::BufferUsages::INDEX;
         let triangles = geometry.triangles();
-        let (sorted, runs) = sorted_by_material(geometry);
+        let (mut sorted, runs) = sorted_by_material(geometry);
+        let ranges: Vec<Range<u32>> = runs.iter().map(|run| run.indices.clone()).collect();
+        // Elsewhere triangles cost little, and the levels would only take memory.
+        let levels = if device.adapter_info().device_type == wgpu::DeviceType::Cpu {
+            coarse::add_levels(geometry, &mut sorted, &ranges)
+        } else {
+            Vec::new()
+        };
         let looks_of_materials = MaterialGroups::new(device, queue, layouts, materials, textures)?;
-        let draw = |run: Run| {
+        let draw = |(run, coarser): (Run, Vec<CoarseLevel>)| {
             let without = materials.len() as u32;
             let material = if run.material == NO_MATERIAL {
                 without
@@ -101,13 +111,15 @@ impl SceneBuffers {
             };
             Draw {
                 indices: run.indices,
+                coarser,
                 bounds: run.bounds,
                 material,
                 group: looks_of_materials.group_of[material as usize],
                 convex: run.convex,
             }
         };
-        let draws = runs.into_iter().map(draw).collect();
+        let levels = levels.into_iter().chain(std::iter::repeat_with(Vec::new));
+        let draws = runs.into_iter().zip(levels).map(draw).collect();
         Ok(Self {
             positions: buffer(
                 "positions",
@@ -158,7 +170,10 @@ impl SceneBuffers {
             }
             let offset = draw.material * MATERIAL_STRIDE as u32;
             pass.set_bind_group(group, &self.groups[draw.group], &[offset]);
-            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+            let pixel = seen.pixel_at(&draw.bounds);
+            let coarse = pixel.and_then(|pixel| coarse::level_for(&draw.coarser, pixel));
+            let indices = coarse.map_or(&draw.indices, |level| &level.indices);
+            pass.draw_indexed(indices.clone(), 0, 0..1);
         }
     }
 
@@ -268,6 +283,8 @@ pub(crate) struct SeenPart {
     pub eye: Option<Vec3>,
     /// How far from the eye things may be cut off, metres.
     pub near: f32,
+    /// How many metres a pixel spans where details smaller than that may be left out; in perspective, a metre away.
+    pub coarse_pixel: Option<f32>,
 }
 
 impl SeenPart {
@@ -278,6 +295,13 @@ impl SeenPart {
         };
         let nearest = eye.clamp(bounds.min, bounds.max);
         nearest.distance(eye) > self.near
+    }
+
+    /// Returns how many metres a pixel spans at the nearest point of a box, where details may be left out.
+    fn pixel_at(&self, bounds: &Aabb) -> Option<f32> {
+        let pixel = self.coarse_pixel?;
+        let nearest = |eye: Vec3| eye.clamp(bounds.min, bounds.max).distance(eye);
+        Some(pixel * self.eye.map_or(1.0, nearest))
     }
 
     /// Whether something of a box may be seen: it is not, if all of its corners are beyond one side.

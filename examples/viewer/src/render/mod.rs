@@ -1,11 +1,13 @@
 //! Draws the scene through light sets, as any program would: one set for each of the two techniques that are compared.
 
 mod buffers;
+mod coarse;
 mod convex;
 pub(crate) mod mask;
 mod overlay;
 mod pass_clock;
 mod pipelines;
+pub(crate) mod present;
 mod side;
 
 use crate::{lights::EditLight, settings::SideSettings, stage::Stage};
@@ -44,6 +46,8 @@ pub(crate) struct FrameSettings<'a> {
     pub lights: &'a [EditLight],
     pub sides: [&'a SideSettings; 2],
     pub shown: Shown,
+    /// Whether details smaller than a pixel may be left out.
+    pub is_coarse: bool,
     /// Whether a side that is not shown is made ready, too: its mask may be asked for.
     pub prepares_both: bool,
 }
@@ -221,6 +225,7 @@ impl Renderer {
                 eye: has_perspective.then(|| frame.camera.eye()),
                 // Its corners are farther away than its middle: twice is enough for views of 120 degrees.
                 near: 2.0 * near(frame.camera),
+                coarse_pixel: frame.is_coarse.then(|| pixel(frame.camera)),
             };
             self.sides[*i].draw(&mut pass, &self.scene, &seen)?;
         }
@@ -242,6 +247,11 @@ impl Renderer {
 /// Returns how far the near plane is from the eye, metres: depth is reversed and endless, so that it is `near / distance`.
 fn near(camera: &Camera) -> f32 {
     camera.clip_from_view.w_axis.z
+}
+
+/// Returns how many metres a pixel spans; in perspective, a metre away.
+fn pixel(camera: &Camera) -> f32 {
+    2.0 / (camera.clip_from_view.y_axis.y.abs() * camera.size.y as f32)
 }
 
 /// Returns which columns each side is drawn into; sides without any are left out.

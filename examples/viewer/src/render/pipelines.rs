@@ -127,6 +127,29 @@ pub(crate) fn overlay(device: &wgpu::Device, layouts: &Layouts) -> wgpu::RenderP
     )
 }
 
+/// Returns the pipeline that draws a picture into the window, whose colours have this format.
+pub(crate) fn present(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    window: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let encodes = format!("const ENCODES = {};\n", window.is_srgb());
+    let text = encodes + include_str!("shaders/present.wgsl");
+    let strip = wgpu::PrimitiveState {
+        topology: wgpu::PrimitiveTopology::TriangleStrip,
+        ..wgpu::PrimitiveState::default()
+    };
+    pipeline(
+        device,
+        text,
+        &[Some(layout)],
+        &[],
+        strip,
+        None,
+        window.into(),
+    )
+}
+
 fn pipeline(
     device: &wgpu::Device,
     text: String,
@@ -167,7 +190,7 @@ fn pipeline(
     })
 }
 
-fn layout(device: &wgpu::Device, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+pub(crate) fn layout(device: &wgpu::Device, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = (0..)
         .zip(types)
         .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {

@@ -28,6 +28,12 @@ pub(crate) fn report(app: &App) -> Value {
         "scene": app.stage.name,
         "loading": app.loader.at(),
         "frames": app.frames,
+        "folded": app.panel_is_folded,
+        "path": app.path.as_ref().map(|path| json!({
+            "name": path.moving.name,
+            "playing": path.is_playing,
+            "step": path.index(),
+        })),
         "zoom": app.settings.zoom,
         "pixels_per_point": app.pixels_per_point(),
         "camera": app.camera.map(|camera| camera.eye().to_array()),

@@ -1,7 +1,7 @@
 //! The worker's half: plays a job, and tells the page what comes of it. [`worker`](super::worker) has the page's half.
 
 use super::{
-    reading::read_files,
+    making::{MadeStage, make, read_files},
     worker::{WorkerJob, object},
 };
 use crate::plan_job::{PlanRequest, planned, words};
@@ -44,9 +44,15 @@ fn play(job: &str, parts: &Array) -> Result<Vec<u8>, String> {
     if job == WorkerJob::Plan.name() {
         return plan(&Uint8Array::new(&parts.get(0)).to_vec());
     }
+    let goes_on = |at: String| {
+        post("step", &at.into());
+        true
+    };
+    if job == WorkerJob::Make.name() {
+        return written(&make(parts, &goes_on)?);
+    }
     if job == WorkerJob::Read.name() {
-        let read = read_files(parts)?;
-        return postcard::to_allocvec(&read).map_err(|error| error.to_string());
+        return written(&read_files(parts, &goes_on)?);
     }
     match job {
         // For tests: faults that a job should never have.
@@ -59,6 +65,11 @@ fn play(job: &str, parts: &Array) -> Result<Vec<u8>, String> {
             "a worker was asked for `{job}`, which it doesn't know"
         )),
     }
+}
+
+fn written(made: &MadeStage) -> Result<Vec<u8>, String> {
+    post("step", &"is handed over".into());
+    postcard::to_allocvec(made).map_err(|error| error.to_string())
 }
 
 fn plan(request: &[u8]) -> Result<Vec<u8>, String> {

@@ -60,12 +60,12 @@ impl Query {
                 Some(_) => self.start.scene = Some(value),
                 None => return unknown("scene"),
             },
-            "failure" => match bookmarks::failure_of(&value) {
+            "failure" => match bookmarks::find(&value) {
                 Some(_) => {
                     self.start.scene = Some(value);
                     self.start.shows_failure = true;
                 }
-                None => return unknown("scene of a failure"),
+                None => return unknown("place of failure"),
             },
             "left" | "right" => match techniques::find(&value) {
                 Some(_) => self.start.techniques[usize::from(key == "right")] = Some(value),

@@ -11,11 +11,14 @@ use serde_json::Value;
 use std::sync::atomic::{AtomicU32, Ordering};
 use wasm_bindgen::{JsValue, closure::Closure};
 
-/// Milliseconds from the page's begin to its first frame, rounded; 0 before.
+/// Milliseconds from the page's begin to its first frame with a scene, rounded; 0 before.
 static FIRST_FRAME: AtomicU32 = AtomicU32::new(0);
 
-/// Notes that the first frame was submitted.
-pub(super) fn note_first_frame() {
+/// Notes, if it is the first, that a frame with a scene was submitted.
+pub(crate) fn note_frame() {
+    if FIRST_FRAME.load(Ordering::Relaxed) != 0 {
+        return;
+    }
     let now = web_sys::window().and_then(|window| window.performance());
     let milliseconds = now.map_or(0.0, |clock| clock.now());
     FIRST_FRAME.store(milliseconds as u32, Ordering::Relaxed);
@@ -53,7 +56,7 @@ fn offer_one(name: &str, tell: impl Fn() -> Value + 'static) {
 
 fn report(app: &App, ctx: &egui::Context) -> Value {
     let mut told = told::report(app);
-    told["reading"] = app.drops.reading().into();
+    told["reading"] = app.loader.name().into();
     told["frames"] = ctx.cumulative_frame_nr().into();
     told["first_frame_ms"] = FIRST_FRAME.load(Ordering::Relaxed).into();
     told

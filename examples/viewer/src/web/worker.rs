@@ -16,7 +16,9 @@ const SCRIPT: &str = "worker.js";
 pub(crate) enum WorkerJob {
     /// Parts: the request. Done: the plan, as JSON.
     Plan,
-    /// Parts: each file's name, then the file; the scene comes first. Done: a [`FileRead`](super::reading::FileRead).
+    /// Parts: a built-in scene's name. Done: a [`MadeStage`](super::making::MadeStage).
+    Make,
+    /// Parts: each file's name, then the file; the scene comes first. Done: a [`MadeStage`](super::making::MadeStage).
     Read,
 }
 
@@ -24,6 +26,7 @@ impl WorkerJob {
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Plan => "plan",
+            Self::Make => "make",
             Self::Read => "read",
         }
     }
@@ -36,6 +39,8 @@ pub(crate) enum Told {
     /// What came out.
     Done(Vec<u8>),
     Failed(String),
+    /// Its script could not be loaded.
+    NeverBegan(String),
 }
 
 /// A worker at its job; it ends when this is dropped, wherever it is.
@@ -72,11 +77,12 @@ impl PageWorker {
         let on_error = Closure::<dyn Fn(ErrorEvent)>::new(move |event: ErrorEvent| {
             // It is told here: the page's own listener need not stop the viewer.
             event.prevent_default();
-            // What could not be loaded comes without a message.
             let message = Reflect::get(&event, &"message".into()).ok();
-            let message = message.and_then(|message| message.as_string());
-            let message = message.unwrap_or_else(|| format!("{SCRIPT} can't be loaded"));
-            on_told(Told::Failed(format!("{message}. Load the page again.")));
+            on_told(match message.and_then(|message| message.as_string()) {
+                Some(message) => Told::Failed(format!("{message}. Load the page again.")),
+                // What could not be loaded comes without a message.
+                None => Told::NeverBegan(format!("{SCRIPT} can't be loaded. Load the page again.")),
+            });
         });
         worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
         let message = object(&[
