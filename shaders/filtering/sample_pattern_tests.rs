@@ -92,9 +92,9 @@ fn bad_counts_are_refused_and_equal_tables_shared() {
         )
         .unwrap()
     };
-    assert!(Arc::ptr_eq(&make(5).table.rows, &make(5).table.rows));
-    assert!(!Arc::ptr_eq(&make(5).table.rows, &make(6).table.rows));
-    assert_eq!(make(5).table.rows.len(), 8 + TURNS as usize);
+    assert!(Arc::ptr_eq(make(5).table.rows(), make(5).table.rows()));
+    assert!(!Arc::ptr_eq(make(5).table.rows(), make(6).table.rows()));
+    assert_eq!(make(5).table.rows().len(), 8 + TURNS as usize);
 }
 
 /// Taps drawn closer, each with its weight, stand for areas: those within a distance add up to the distance's square. A

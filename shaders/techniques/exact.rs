@@ -27,6 +27,7 @@ use crate::{
     shadow_map::ShadowMap,
     techniques::traced::longest_ray,
 };
+use at_once::answer_all;
 use lists::{KeptLists, Lists, Rows};
 use lookup::{cells_of_span, look_up_span};
 pub use on_device::ListsGrid;
@@ -150,6 +151,33 @@ pub struct AskedCell {
 }
 
 impl Exact {
+    /// Returns the light's visibility for each of a view's receivers, without lists, for any light and any casters: as the CPU has it of many casters
+    /// under a sun that were not asked before.
+    ///
+    /// # Errors
+    /// Errors if the view has no receivers or no triangles, or something in it can't be used.
+    pub fn answers_without_lists(
+        &self,
+        simd: Simd,
+        view: &View<'_>,
+    ) -> Result<Vec<f32>, RecipeError> {
+        view.validate()?;
+        let (Some(geometry), Some(receivers)) = (view.geometry, view.receivers) else {
+            return Err(RecipeError::unsupported(
+                "without lists, known receivers are asked by triangles",
+            ));
+        };
+        let kernel = ExactKernel::new(view, geometry);
+        let frame = &kernel.lists.frame;
+        Ok(answer_all(
+            simd,
+            &kernel.uniforms,
+            frame,
+            geometry,
+            receivers,
+        ))
+    }
+
     /// Returns the cells that are asked for a view's receivers, pixel by pixel: none where a receiver faces away from the light, where
     /// no caster can be in its way, or where nothing receives.
     ///
@@ -321,11 +349,14 @@ impl ReceiveKernel for ExactKernel {
     }
 
     fn receive_all(&self, simd: Simd, receivers: &Receivers) -> Option<Vec<f32>> {
-        if !self.lists.is_answered_without() {
+        if !self
+            .lists
+            .is_answered_without(self.geometry.casters().len())
+        {
             return None;
         }
         let frame = &self.lists.frame;
-        Some(at_once::answer_all(
+        Some(answer_all(
             simd,
             &self.uniforms,
             frame,

@@ -19,6 +19,8 @@ pub(crate) fn receive(
     if let Some(mask) = recipe.receive.kernel.receive_all(simd, receivers) {
         return mask;
     }
+    // Kernels may read what tables are made of.
+    recipe.make_tables();
     let views = views(images, &recipe.receive.inputs);
     let inputs = Inputs {
         images: &views,

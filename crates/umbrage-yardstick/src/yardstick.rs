@@ -58,7 +58,7 @@ impl Yardstick {
                 mask: ROWS - 1,
                 links,
             },
-            rows: table().into(),
+            rows: table(),
         });
         let receive = Receive {
             kernel,

@@ -48,6 +48,12 @@ impl From<Arc<[[u32; 4]]>> for TableRows {
     }
 }
 
+impl From<Vec<[u32; 4]>> for TableRows {
+    fn from(rows: Vec<[u32; 4]>) -> Self {
+        Self(Content::Made(rows.into()))
+    }
+}
+
 impl Debug for TableRows {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         match self.made() {

@@ -1,5 +1,5 @@
-//! Times `exact` against what it is to replace, a hard map of 2048 texels and single rays: with lists that are kept, and without lists, as it
-//! answers where all is new.
+//! Times `exact` against what it is to replace, a hard map of 2048 texels and single rays: with lists that are kept, and as it answers where all is
+//! new.
 
 use super::paired::{Pair, Paired, Repetitions, paired};
 use std::{
@@ -125,13 +125,13 @@ impl Stage<'_> {
             self.pair("lookup", ["lists", "rays"], lookup, Some(RAYS_BAR)),
             self.pair(
                 "made anew",
-                ["exact without lists", "hard 2048, without its plan"],
+                ["exact", "hard 2048, without its plan"],
                 against_map,
                 Some(1.0),
             ),
             self.pair(
                 "made anew",
-                ["exact without lists", "hierarchy and rays"],
+                ["exact", "hierarchy and rays"],
                 with_hierarchy,
                 Some(RAYS_BAR),
             ),
