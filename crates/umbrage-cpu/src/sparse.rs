@@ -37,6 +37,8 @@ impl Cpu {
                 simd: cpu.simd,
             };
             let mut out = vec![1.0; pixels.len()];
+            // Kernels may read what tables are made of.
+            recipe.make_tables();
             let chunks = out.par_chunks_mut(CHUNK).zip(pixels.par_chunks(CHUNK));
             chunks.for_each(|(out, pixels)| {
                 for (out, &pixel) in out.iter_mut().zip(pixels) {

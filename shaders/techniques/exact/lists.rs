@@ -74,7 +74,12 @@ impl CornerRows {
             });
             rows
         };
-        kept.0.get_or_init(make).clone()
+        if let Some(rows) = kept.0.get() {
+            return rows.clone();
+        }
+        // Without a lock, as `TableRows` says.
+        let rows = make();
+        kept.0.get_or_init(|| rows).clone()
     }
 }
 
@@ -129,7 +134,12 @@ impl KeptLists {
     /// Returns the lists; they are made now if nobody asked before. `geometry` is that of [`of`](Self::of), or none if it was not
     /// called.
     pub(super) fn get(&self, geometry: &Geometry) -> &Lists {
-        self.made.get_or_init(|| Lists::make(self.frame, geometry))
+        if let Some(lists) = self.made.get() {
+            return lists;
+        }
+        // Without a lock, as `TableRows` says.
+        let lists = Lists::make(self.frame, geometry);
+        self.made.get_or_init(|| lists)
     }
 
     /// Counts one more picture of so many casters that have not moved. Returns whether it is to be answered without lists: they take as

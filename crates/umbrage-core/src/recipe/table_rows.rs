@@ -2,11 +2,11 @@
 
 use std::{
     fmt::{Debug, Formatter},
-    sync::{Arc, LazyLock},
+    sync::{Arc, OnceLock},
 };
 
 type Rows = Arc<[[u32; 4]]>;
-type Make = Box<dyn FnOnce() -> Rows + Send>;
+type Make = dyn Fn() -> Rows + Send + Sync;
 
 /// Rows of a table. Copies share them.
 #[derive(Clone)]
@@ -15,21 +15,41 @@ pub struct TableRows(Content);
 #[derive(Clone)]
 enum Content {
     Made(Rows),
-    OnFirstUse(Arc<LazyLock<Rows, Make>>),
+    OnFirstUse(Arc<Later>),
+}
+
+struct Later {
+    made: OnceLock<Rows>,
+    make: Box<Make>,
+}
+
+impl Later {
+    /// Rows are made without a lock: who makes them may have threads do a part of it, and a thread that waits for them may meanwhile be given work
+    /// that asks for the same rows. If several threads make them, all get those of the first.
+    fn get(&self) -> &Rows {
+        if let Some(rows) = self.made.get() {
+            return rows;
+        }
+        let rows = (self.make)();
+        self.made.get_or_init(|| rows)
+    }
 }
 
 impl TableRows {
-    /// Returns rows that `make` makes when they are asked for, once: for tables that not every backend reads.
-    pub fn on_first_use(make: impl FnOnce() -> Arc<[[u32; 4]]> + Send + 'static) -> Self {
-        let make: Make = Box::new(make);
-        Self(Content::OnFirstUse(Arc::new(LazyLock::new(make))))
+    /// Returns rows that `make` makes when they are first asked for: for tables that not every backend reads. Threads that ask at
+    /// once may each call it; all get the same rows.
+    pub fn on_first_use(make: impl Fn() -> Arc<[[u32; 4]]> + Send + Sync + 'static) -> Self {
+        Self(Content::OnFirstUse(Arc::new(Later {
+            made: OnceLock::new(),
+            make: Box::new(make),
+        })))
     }
 
     /// Returns the rows; they are made now if nobody asked before.
     pub fn get(&self) -> &Arc<[[u32; 4]]> {
         match &self.0 {
             Content::Made(rows) => rows,
-            Content::OnFirstUse(rows) => LazyLock::force(rows),
+            Content::OnFirstUse(later) => later.get(),
         }
     }
 
@@ -37,7 +57,7 @@ impl TableRows {
     pub fn made(&self) -> Option<&Arc<[[u32; 4]]>> {
         match &self.0 {
             Content::Made(rows) => Some(rows),
-            Content::OnFirstUse(rows) => LazyLock::get(rows),
+            Content::OnFirstUse(later) => later.made.get(),
         }
     }
 }
