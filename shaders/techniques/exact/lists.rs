@@ -31,8 +31,8 @@ const KEPT_LIGHTS: usize = 4;
 
 /// Pictures of the same casters under the same sun that are answered before their lists are made.
 const PICTURES_WITHOUT: u32 = 8;
-/// Fewer casters are listed and looked up sooner than they ask receivers, and so are any around a lamp: of ten frames that were timed, `hall` with 57
-/// thousand and all three with lamps.
+/// Fewer casters, and any around a lamp, are listed and looked up about as soon as they ask receivers, or sooner: `docs/measured.md` has the
+/// frames that were timed.
 const CASTERS_WITHOUT: usize = 100_000;
 
 /// Tiles of a row.
