@@ -152,7 +152,7 @@ pub struct AskedCell {
 
 impl Exact {
     /// Returns the light's visibility for each of a view's receivers, without lists, for any light and any casters: as the CPU has it of many casters
-    /// under a sun that were not asked before.
+    /// that were not asked before.
     ///
     /// # Errors
     /// Errors if the view has no receivers or no triangles, or something in it can't be used.

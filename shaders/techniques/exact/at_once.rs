@@ -9,13 +9,16 @@
 
 mod boxes;
 mod caster_run;
+mod open;
+mod order;
 mod rays;
 
 use super::{ExactUniforms, light_frame::LightFrame};
 use boxes::{BOXES, Reach};
 use caster_run::{CasterRun, RUN};
+use open::take_lowest;
 use rayon::prelude::*;
-use rays::{FaceRays, Rays, make_rays};
+use rays::{AllRays, FaceRays, Rays, make_rays};
 use std::ops::Range;
 use umbrage_core::{Aabb, Geometry, Receivers, Simd, SimdTask};
 
@@ -36,11 +39,10 @@ pub(super) fn answer_all(
     geometry: &Geometry,
     receivers: &Receivers,
 ) -> Vec<f32> {
-    let faces = make_rays(simd, uniforms, frame, receivers);
+    let AllRays { faces, mask } = make_rays(simd, uniforms, frame, receivers);
     let hide = Hide {
         frame,
         geometry,
-        receivers,
         faces: &faces,
         rays: Rays::of(uniforms, frame),
     };
@@ -54,19 +56,16 @@ pub(super) fn answer_all(
             boxes,
         });
     });
-    let unlit = |&receives: &bool| if receives { 0.0 } else { 1.0 };
-    let mut mask: Vec<f32> = receivers.receives.iter().map(unlit).collect();
     for face in &faces {
-        face.each_open(|pixel| mask[pixel] = 1.0);
+        face.answer(&mask);
     }
-    mask
+    mask.into_numbers()
 }
 
 /// Hides the light from receivers.
 struct Hide<'a> {
     frame: &'a LightFrame,
     geometry: &'a Geometry,
-    receivers: &'a Receivers,
     faces: &'a [FaceRays],
     rays: Rays,
 }
@@ -118,7 +117,7 @@ impl Hide<'_> {
             return;
         };
         let top = face.levels.len() - 1;
-        if face.levels[top][0].met_by(&reach) == 0 {
+        if face.levels[top][0].met_by(&reach) & face.open.parts(top, 0) == 0 {
             return;
         }
         casters.read(self.frame, self.geometry, face.face, run);
@@ -157,9 +156,10 @@ impl Hide<'_> {
         visit: Visit,
     ) -> [u64; BOXES] {
         let boxes = &face.levels[visit.level][visit.number];
+        let mut open = face.open.parts(visit.level, visit.number);
         let mut out = [0; BOXES];
         if visit.casters.count_ones() > MANY {
-            let mut children = boxes.met_by(&casters.reach);
+            let mut children = boxes.met_by(&casters.reach) & open;
             while let Some(child) = take_lowest(&mut children) {
                 out[child] = visit.casters & casters.meeting(&boxes.get(child));
             }
@@ -169,7 +169,13 @@ impl Hide<'_> {
         while left != 0 {
             let caster = left.trailing_zeros();
             left &= left - 1;
-            let mut children = casters.meets(self.frame, caster as usize, boxes);
+            let by_outline = casters.meets(self.frame, caster as usize, boxes);
+            let covered = by_outline.covered & open;
+            if covered != 0 {
+                open &= !covered;
+                face.open.close_parts(visit.level, visit.number, covered);
+            }
+            let mut children = by_outline.met & open;
             while let Some(child) = take_lowest(&mut children) {
                 out[child] |= 1 << caster;
             }
@@ -185,37 +191,19 @@ impl Hide<'_> {
         while left != 0 {
             let caster = left.trailing_zeros() as usize;
             left &= left - 1;
-            let mut blocks = casters.meets(self.frame, caster, boxes);
+            let by_outline = casters.meets(self.frame, caster, boxes);
+            let open = face.open.parts(0, visit.number);
+            let covered = by_outline.covered & open;
+            if covered != 0 {
+                face.open.close_parts(0, visit.number, covered);
+            }
+            let reach = casters.reach_of(caster);
+            let id = casters.id(caster);
+            let mut blocks = by_outline.met & open & !covered;
             while let Some(block) = take_lowest(&mut blocks) {
                 let block = visit.number * BOXES + block;
-                let open = face.open(block);
-                if open == 0 {
-                    continue;
-                }
-                let hits = open & face.hits(block, &self.rays, casters.corners(caster));
-                if hits != 0 {
-                    self.close(face, block, hits, casters.id(caster));
-                }
+                face.hide(block, &self.rays, &reach, id, || casters.corners(caster));
             }
         }
     }
-
-    /// Hides the light from rays of a block, but for those that start on the caster.
-    #[inline(always)]
-    fn close(&self, face: &FaceRays, block: usize, mut hits: u32, caster: u32) {
-        let mut blocked = 0;
-        while let Some(ray) = take_lowest(&mut hits) {
-            let own = self.receivers.triangle[face.pixel(block, ray)];
-            blocked |= u32::from(own != caster) << ray;
-        }
-        face.close(block, blocked);
-    }
-}
-
-/// Takes the lowest bit off, and returns its place.
-#[inline(always)]
-fn take_lowest(bits: &mut u32) -> Option<usize> {
-    let place = bits.trailing_zeros();
-    *bits &= bits.wrapping_sub(1);
-    (place < u32::BITS).then_some(place as usize)
 }

@@ -259,6 +259,12 @@ impl LightFrame {
         }
     }
 
+    /// Returns the same of a sun.
+    #[inline(always)]
+    pub(super) fn before_under_sun(&self, depth: f32) -> f32 {
+        depth - DEPTH_OVER_WIDTH * (LEAST_MARGIN + self.rounding)
+    }
+
     /// Returns a depth that is surely greater, by the margin.
     pub(super) fn behind(&self, depth: f32) -> f32 {
         if self.is_lamp {
@@ -288,6 +294,16 @@ impl LightFrame {
         } else {
             least - self.depth_margin()
         }
+    }
+
+    /// Returns what [`farthest_of_plane`](Self::farthest_of_plane) does, of four planes.
+    #[inline(always)]
+    pub(super) fn four_farthest_of_plane(&self, least: Vec4, greatest: Vec4) -> Vec4 {
+        if !self.is_lamp {
+            return greatest + self.depth_margin();
+        }
+        let farthest = least.recip() * (1.0 + self.depth_margin()) + self.rounding;
+        Vec4::select(least.cmpgt(Vec4::ZERO), farthest, Vec4::INFINITY)
     }
 
     /// Returns the greatest depth of a plane, and the margin, from the least and the greatest value of its function.

@@ -29,11 +29,11 @@ const SEEN_TILES: f32 = 0.5;
 /// Lights whose lists a geometry keeps: those that were asked for last.
 const KEPT_LIGHTS: usize = 4;
 
-/// Pictures of the same casters under the same sun that are answered before their lists are made.
+/// Pictures of the same casters under the same light that are answered before their lists are made.
 const PICTURES_WITHOUT: u32 = 8;
-/// Fewer casters, and any around a lamp, are listed and looked up about as soon as they ask receivers, or sooner: `docs/measured.md` has the
-/// frames that were timed.
-const CASTERS_WITHOUT: usize = 100_000;
+/// Fewer casters are listed and looked up about as soon as they ask receivers, or sooner: `docs/measured.md` has the frames that were
+/// timed.
+const CASTERS_WITHOUT: usize = 60_000;
 
 /// Tiles of a row.
 const TILES_A_ROW: usize = 2;
@@ -145,8 +145,7 @@ impl KeptLists {
     /// Counts one more picture of so many casters that have not moved. Returns whether it is to be answered without lists: they take as
     /// long to make as some pictures without them, and only then are the quicker way.
     pub(super) fn is_answered_without(&self, casters: usize) -> bool {
-        let is_quicker = !self.frame.is_lamp && casters >= CASTERS_WITHOUT;
-        is_quicker
+        casters >= CASTERS_WITHOUT
             && self.made.get().is_none()
             && self.answered_without.fetch_add(1, Ordering::Relaxed) < PICTURES_WITHOUT
     }

@@ -157,11 +157,26 @@ impl FourSegments {
     /// Returns a bit for each segment that meets the triangle, edges and ends included.
     #[inline(always)]
     pub fn hits(&self, corners: [Vec3; 3]) -> u32 {
+        // Loops instead of closures over arrays, which compilers don't always put in place, so that they'd lack vector instructions.
         let axes = [self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3];
-        // Along the longest axis and the two that follow it.
-        let turned = corners.map(|c| axes.map(|k| Vec4::splat(c[k]) - self.origin[k]));
-        let x = turned.map(|[along, first, _]| self.scale * first + self.shear[0] * along);
-        let y = turned.map(|[along, _, second]| self.scale * second + self.shear[1] * along);
+        let origin = [
+            self.origin[axes[0]],
+            self.origin[axes[1]],
+            self.origin[axes[2]],
+        ];
+        let mut along_axis = [Vec4::ZERO; 3];
+        let mut x = [Vec4::ZERO; 3];
+        let mut y = [Vec4::ZERO; 3];
+        for i in 0..3 {
+            let corner = corners[i];
+            // Along the longest axis and the two that follow it.
+            let along = Vec4::splat(corner[axes[0]]) - origin[0];
+            let first = Vec4::splat(corner[axes[1]]) - origin[1];
+            let second = Vec4::splat(corner[axes[2]]) - origin[2];
+            along_axis[i] = along;
+            x[i] = self.scale * first + self.shear[0] * along;
+            y[i] = self.scale * second + self.shear[1] * along;
+        }
         let areas = [
             x[1] * y[2] - y[1] * x[2],
             x[2] * y[0] - y[2] * x[0],
@@ -174,7 +189,7 @@ impl FourSegments {
         if inside == 0 {
             return 0;
         }
-        inside & self.meets_plane_and_box(corners, turned.map(|t| t[0]), x, y, areas)
+        inside & self.meets_plane_and_box(corners, along_axis, x, y, areas)
     }
 
     /// The rest of the test, for few.
@@ -187,7 +202,11 @@ impl FourSegments {
         y: [Vec4; 3],
         areas: [Vec4; 3],
     ) -> u32 {
-        let z = along_axis.map(|v| v * self.along);
+        let z = [
+            along_axis[0] * self.along,
+            along_axis[1] * self.along,
+            along_axis[2] * self.along,
+        ];
         let whole = areas[0] + areas[1] + areas[2];
         let along = areas[0] * z[0] + areas[1] * z[1] + areas[2] * z[2];
         let zero = Vec4::ZERO;
@@ -203,7 +222,13 @@ impl FourSegments {
             least.cmple(zero) & greatest.cmpge(zero)
         };
         let holds_origin = (holds(x) & holds(y)).bitmask();
-        between & holds_origin & self.enters(padded_box(corners.map(Vec3A::from)))
+        between
+            & holds_origin
+            & self.enters(padded_box([
+                Vec3A::from(corners[0]),
+                Vec3A::from(corners[1]),
+                Vec3A::from(corners[2]),
+            ]))
     }
 
     /// Returns a bit for each segment that enters a box, least and greatest corner given.

@@ -29,6 +29,8 @@ pub(super) struct Reach {
 pub(super) struct FaceBox {
     pub(super) low: Vec2,
     pub(super) high: Vec2,
+    /// Least depth.
+    nearest: f32,
     /// Greatest depth.
     pub(super) farthest: f32,
 }
@@ -38,6 +40,7 @@ pub(super) struct FaceBox {
 pub(super) struct Boxes {
     low: [Eight; 2],
     high: [Eight; 2],
+    nearest: Eight,
     farthest: Eight,
 }
 
@@ -63,14 +66,6 @@ impl Reach {
         high: Vec2::INFINITY,
         nearest: 0.0,
     };
-
-    /// Grows by another one.
-    #[inline(always)]
-    pub(super) fn add(&mut self, other: &Self) {
-        self.low = self.low.min(other.low);
-        self.high = self.high.max(other.high);
-        self.nearest = self.nearest.min(other.nearest);
-    }
 
     /// Returns where casters in a box in world space may hide the light on a face; none if nowhere.
     #[inline(always)]
@@ -143,12 +138,16 @@ impl FaceBox {
     pub(super) const EMPTY: Self = Self {
         low: Vec2::INFINITY,
         high: Vec2::NEG_INFINITY,
+        nearest: f32::INFINITY,
         farthest: f32::NEG_INFINITY,
     };
 
-    /// Grows around a point. What is not a number is left out.
+    /// Grows around a point. What is not a number is left out, but then nothing covers the box.
     #[inline(always)]
     pub(super) fn add(&mut self, at: Vec2, depth: f32) {
+        let is_number = at.x + at.y + depth < f32::INFINITY;
+        let bounded = if is_number { depth } else { f32::NEG_INFINITY };
+        self.nearest = lesser(bounded, self.nearest);
         self.low = Vec2::new(lesser(at.x, self.low.x), lesser(at.y, self.low.y));
         self.high = Vec2::new(greater(at.x, self.high.x), greater(at.y, self.high.y));
         self.farthest = greater(depth, self.farthest);
@@ -159,6 +158,7 @@ impl FaceBox {
     pub(super) fn add_box(&mut self, other: &Self) {
         self.low = self.low.min(other.low);
         self.high = self.high.max(other.high);
+        self.nearest = lesser(other.nearest, self.nearest);
         self.farthest = greater(other.farthest, self.farthest);
     }
 }
@@ -167,6 +167,7 @@ impl Boxes {
     const EMPTY: Self = Self {
         low: [[f32::INFINITY; BOXES]; 2],
         high: [[f32::NEG_INFINITY; BOXES]; 2],
+        nearest: [f32::INFINITY; BOXES],
         farthest: [f32::NEG_INFINITY; BOXES],
     };
 
@@ -181,6 +182,7 @@ impl Boxes {
                 out.low[axis][i] = one.low[axis];
                 out.high[axis][i] = one.high[axis];
             }
+            out.nearest[i] = one.nearest;
             out.farthest[i] = one.farthest;
         }
         (out, all)
@@ -192,6 +194,7 @@ impl Boxes {
         FaceBox {
             low: Vec2::new(self.low[0][i], self.low[1][i]),
             high: Vec2::new(self.high[0][i], self.high[1][i]),
+            nearest: self.nearest[i],
             farthest: self.farthest[i],
         }
     }
@@ -199,8 +202,10 @@ impl Boxes {
     /// Returns a bit for each box in which a caster may hide the light.
     #[inline(always)]
     pub(super) fn met_by(&self, caster: &Reach) -> u32 {
-        let [left, top] = caster.low.to_array().map(Vec4::splat);
-        let [right, bottom] = caster.high.to_array().map(Vec4::splat);
+        let left = Vec4::splat(caster.low.x);
+        let top = Vec4::splat(caster.low.y);
+        let right = Vec4::splat(caster.high.x);
+        let bottom = Vec4::splat(caster.high.y);
         let nearest = Vec4::splat(caster.nearest);
         let mut bits = 0;
         for first in (0..BOXES).step_by(LANES) {
@@ -214,15 +219,15 @@ impl Boxes {
         bits
     }
 
-    /// Returns a bit for each box of which a caster's edges leave anything, and which reaches behind its plane.
+    /// Returns what a caster's outline says of each box.
     #[inline(always)]
-    pub(super) fn within(&self, frame: &LightFrame, outline: &FaceOutline) -> u32 {
+    pub(super) fn met_by_outline(&self, frame: &LightFrame, outline: &FaceOutline) -> ByOutline {
         let [across, down, summand] = outline.factors;
-        let mut bits = 0;
+        let mut out = ByOutline::default();
         for first in (0..BOXES).step_by(LANES) {
             let at = |v: &Eight| four(v, first);
-            let low = self.low.each_ref().map(at);
-            let high = self.high.each_ref().map(at);
+            let low = [at(&self.low[0]), at(&self.low[1])];
+            let high = [at(&self.high[0]), at(&self.high[1])];
             // The greatest that a linear function is in the box, or the least where its factors are turned round.
             let extreme = |edge: usize, sign: f32| {
                 let [x, y] = [across[edge], down[edge]];
@@ -230,18 +235,35 @@ impl Boxes {
                 let v = if y * sign > 0.0 { high[1] } else { low[1] };
                 Vec4::splat(summand[edge]) + u * x + v * y
             };
-            let minus_one = Vec4::NEG_ONE;
-            let mut inside = extreme(0, 1.0).cmpge(minus_one)
-                & extreme(1, 1.0).cmpge(minus_one)
-                & extreme(2, 1.0).cmpge(minus_one);
+            let greatest = |edge: usize| extreme(edge, 1.0);
+            let least = |edge: usize| extreme(edge, -1.0);
+            let mut met = greatest(0).cmpge(Vec4::NEG_ONE)
+                & greatest(1).cmpge(Vec4::NEG_ONE)
+                & greatest(2).cmpge(Vec4::NEG_ONE);
             if outline.knows_depth {
-                let nearest = frame.four_nearest_of_plane(extreme(3, -1.0), extreme(3, 1.0));
-                inside &= at(&self.farthest).cmpge(nearest);
+                let [near, far] = [least(3), greatest(3)];
+                let nearest = frame.four_nearest_of_plane(near, far);
+                met &= at(&self.farthest).cmpge(nearest);
+                let inside = least(0).cmpgt(Vec4::ONE)
+                    & least(1).cmpgt(Vec4::ONE)
+                    & least(2).cmpgt(Vec4::ONE);
+                let farthest = frame.four_farthest_of_plane(near, far);
+                let covered = inside & at(&self.nearest).cmpgt(farthest);
+                out.covered |= covered.bitmask() << first;
             }
-            bits |= inside.bitmask() << first;
+            out.met |= met.bitmask() << first;
         }
-        bits
+        out
     }
+}
+
+/// What a caster's outline says of eight boxes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ByOutline {
+    /// A bit for each box of which the edges leave anything, and which reaches behind the plane.
+    pub(super) met: u32,
+    /// A bit for each box all of whose rays the caster surely blocks.
+    pub(super) covered: u32,
 }
 
 #[inline(always)]

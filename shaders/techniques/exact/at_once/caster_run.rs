@@ -6,12 +6,13 @@ use super::{
         outline::{distance_to_origin, outline},
         touches::FaceBounds,
     },
-    boxes::{Boxes, FaceBox, FaceOutline, Reach},
+    boxes::{Boxes, ByOutline, FaceBox, FaceOutline, Reach},
 };
 use std::ops::Range;
 use umbrage_core::{
     Geometry, TRIANGLES_A_RUN,
     glam::{Vec2, Vec3, Vec4},
+    math::{greater, lesser},
 };
 
 /// Casters of a run.
@@ -46,6 +47,26 @@ pub(super) struct CasterRun {
     outline: OfEach<FaceOutline>,
 }
 
+/// Returns the least of the numbers of all casters; of vectors side by side, so that it is found by vector instructions.
+#[inline(always)]
+fn least(numbers: &OfEach<f32>) -> f32 {
+    let mut out = Vec4::INFINITY;
+    for first in (0..RUN).step_by(LANES) {
+        out = out.min(Vec4::from_slice(&numbers[first..first + LANES]));
+    }
+    out.min_element()
+}
+
+/// Returns the greatest likewise.
+#[inline(always)]
+fn greatest(numbers: &OfEach<f32>) -> f32 {
+    let mut out = Vec4::NEG_INFINITY;
+    for first in (0..RUN).step_by(LANES) {
+        out = out.max(Vec4::from_slice(&numbers[first..first + LANES]));
+    }
+    out.max_element()
+}
+
 impl CasterRun {
     pub(super) fn new() -> Self {
         Self {
@@ -77,11 +98,14 @@ impl CasterRun {
         self.shown = u64::MAX >> (RUN - run.len());
         self.is_anywhere = 0;
         self.has_outline = 0;
-        for (i, id) in run.clone().enumerate() {
-            for (of_corner, corner) in self.corner.iter_mut().zip(geometry.corners(id)) {
-                for (axis, of_axis) in of_corner.iter_mut().enumerate() {
-                    of_axis[i] = corner[axis];
-                }
+        let triangles = geometry.run(run);
+        let positions = geometry.positions();
+        for (i, corners) in triangles.iter().enumerate() {
+            for (of_corner, &vertex) in self.corner.iter_mut().zip(corners) {
+                let position = positions[vertex as usize];
+                of_corner[0][i] = position.x;
+                of_corner[1][i] = position.y;
+                of_corner[2][i] = position.z;
             }
         }
         if frame.is_lamp {
@@ -89,30 +113,48 @@ impl CasterRun {
         } else {
             self.place_under_sun(frame);
         }
-        self.reach = Reach::NOWHERE;
-        for i in 0..run.len() {
-            if self.shown >> i & 1 == 1 {
-                self.reach.add(&self.reach_of(i));
+        // Those that don't show meet nothing, whatever room they had before.
+        for i in 0..RUN {
+            if self.shown >> i & 1 == 0 {
+                self.hide_from_all(i);
             }
         }
+        self.reach = Reach {
+            low: Vec2::new(least(&self.low[0]), least(&self.low[1])),
+            high: Vec2::new(greatest(&self.high[0]), greatest(&self.high[1])),
+            nearest: least(&self.nearest),
+        };
     }
 
+    /// Places all casters under a sun, as [`FaceBounds::under_sun`] does one of them. Without closures over arrays, which compilers don't put in
+    /// place, so that loops become ones of vector instructions.
     #[inline(always)]
     fn place_under_sun(&mut self, frame: &LightFrame) {
-        // A copy, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
+        // A copy, since what the loop writes can't be what it reads.
         let frame = *frame;
         let margin = frame.margin(0.0);
+        let [a, b, c] = &self.corner;
         for i in 0..RUN {
-            let placed = self.corners(i).map(|p| frame.place_as::<false>(p));
-            let bounds = FaceBounds::under_sun(placed);
-            self.set_reach(i, &frame, &bounds, margin);
+            let a = frame.place_as::<false>(Vec3::new(a[0][i], a[1][i], a[2][i]));
+            let b = frame.place_as::<false>(Vec3::new(b[0][i], b[1][i], b[2][i]));
+            let c = frame.place_as::<false>(Vec3::new(c[0][i], c[1][i], c[2][i]));
+            self.low[0][i] = lesser(a.x, lesser(b.x, c.x)) - margin;
+            self.low[1][i] = lesser(a.y, lesser(b.y, c.y)) - margin;
+            self.high[0][i] = greater(a.x, greater(b.x, c.x)) + margin;
+            self.high[1][i] = greater(a.y, greater(b.y, c.y)) + margin;
+            self.nearest[i] = frame.before_under_sun(lesser(a.z, lesser(b.z, c.z)));
         }
     }
 
     #[inline(always)]
     fn place_around_lamp(&mut self, frame: &LightFrame, count: usize) {
         for i in 0..count {
-            let placed = self.corners(i).map(|p| frame.place_as::<true>(p));
+            let [a, b, c] = self.corners(i);
+            let placed = [
+                frame.place_as::<true>(a),
+                frame.place_as::<true>(b),
+                frame.place_as::<true>(c),
+            ];
             let distance = distance_to_origin(placed);
             let margin = frame.margin(distance);
             if frame.is_at_lamp(distance) {
@@ -136,7 +178,17 @@ impl CasterRun {
     }
 
     #[inline(always)]
-    fn reach_of(&self, i: usize) -> Reach {
+    fn hide_from_all(&mut self, i: usize) {
+        let nowhere = Reach::NOWHERE;
+        self.low[0][i] = nowhere.low.x;
+        self.low[1][i] = nowhere.low.y;
+        self.high[0][i] = nowhere.high.x;
+        self.high[1][i] = nowhere.high.y;
+        self.nearest[i] = nowhere.nearest;
+    }
+
+    #[inline(always)]
+    pub(super) fn reach_of(&self, i: usize) -> Reach {
         Reach {
             low: Vec2::new(self.low[0][i], self.low[1][i]),
             high: Vec2::new(self.high[0][i], self.high[1][i]),
@@ -159,23 +211,31 @@ impl CasterRun {
     /// Returns the corners of caster `i` in world space.
     #[inline(always)]
     pub(super) fn corners(&self, i: usize) -> [Vec3; 3] {
-        let corner = |axes: &[OfEach<f32>; 3]| Vec3::new(axes[0][i], axes[1][i], axes[2][i]);
-        self.corner.each_ref().map(corner)
+        let [a, b, c] = &self.corner;
+        [
+            Vec3::new(a[0][i], a[1][i], a[2][i]),
+            Vec3::new(b[0][i], b[1][i], b[2][i]),
+            Vec3::new(c[0][i], c[1][i], c[2][i]),
+        ]
     }
 
-    /// Returns a bit for each of eight boxes in which caster `i` may hide the light.
+    /// Returns the boxes of eight in which caster `i` may hide the light, and those in which it surely hides it.
     #[inline(always)]
-    pub(super) fn meets(&mut self, frame: &LightFrame, i: usize, boxes: &Boxes) -> u32 {
+    pub(super) fn meets(&mut self, frame: &LightFrame, i: usize, boxes: &Boxes) -> ByOutline {
         let met = boxes.met_by(&self.reach_of(i));
         if self.has_outline >> i & 1 == 0 {
             // What edges cost pays where they leave much out, or will.
             if met.count_ones() <= FEW || self.is_anywhere >> i & 1 == 1 {
-                return met;
+                return ByOutline { met, covered: 0 };
             }
             self.outline[i] = self.find_outline(frame, i);
             self.has_outline |= 1 << i;
         }
-        met & boxes.within(frame, &self.outline[i])
+        let by_outline = boxes.met_by_outline(frame, &self.outline[i]);
+        ByOutline {
+            met: met & by_outline.met,
+            covered: met & by_outline.covered,
+        }
     }
 
     #[inline(never)]
@@ -190,8 +250,10 @@ impl CasterRun {
     /// Returns a bit for each caster that may hide the light in a box; bits of those that don't show mean nothing.
     #[inline(always)]
     pub(super) fn meeting(&self, bounds: &FaceBox) -> u64 {
-        let [right, bottom] = bounds.high.to_array().map(Vec4::splat);
-        let [left, top] = bounds.low.to_array().map(Vec4::splat);
+        let left = Vec4::splat(bounds.low.x);
+        let top = Vec4::splat(bounds.low.y);
+        let right = Vec4::splat(bounds.high.x);
+        let bottom = Vec4::splat(bounds.high.y);
         let farthest = Vec4::splat(bounds.farthest);
         let mut bits = 0;
         for first in (0..RUN).step_by(LANES) {

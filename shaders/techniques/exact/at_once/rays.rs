@@ -9,10 +9,16 @@ use super::{
         ExactUniforms,
         light_frame::{FramePoint, LightFrame},
     },
-    boxes::{BOXES, Boxes, FaceBox},
+    boxes::{BOXES, Boxes, FaceBox, Reach},
+    open::{Open, take_lowest},
+    order::{Entry, KEY_BITS, Sorted, sort},
 };
+use crate::lanes::batch::{BATCH, PaddedReceivers, ReceiverBatch};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicU32, Ordering},
+};
 use umbrage_core::{
     Receivers, Simd, SimdTask,
     bvh::{FourSegments, SEGMENT_LANES, longest_axis},
@@ -23,36 +29,46 @@ use umbrage_core::{
 
 /// Rays of a block.
 const BLOCK: usize = 8;
-/// Receivers that are placed at a time.
-const BATCH: usize = 64;
-/// Receivers that a thread places before it takes others.
-const BAND: usize = 64 * BATCH;
 /// Blocks, or groups of them, that a thread makes at least.
 const A_TASK: usize = 64;
+/// Rays that a thread answers at least, in groups of blocks.
+const GROUPS_ANSWERED: usize = 256;
 
-/// Bits of a pixel's number in a key: as many as the largest picture needs.
-const PIXEL_BITS: u32 = 29;
-/// Bits of a coordinate in a key.
-const COORDINATE_BITS: u32 = 16;
+/// Bits of a coordinate in a sun's key.
+const SUN_BITS: u32 = KEY_BITS / 2;
+/// The same in a lamp's, which begins with the face.
+const LAMP_BITS: u32 = (KEY_BITS - FACE_BITS) / 2;
+const FACE_BITS: u32 = 3;
 
 /// The rays on a face.
 #[derive(Debug)]
 pub(super) struct FaceRays {
     pub(super) face: u32,
+    /// Apart from what else is known of blocks, since most casters that are near a block miss all of its rays.
+    places: Vec<BlockPlaces>,
     blocks: Vec<Block>,
-    /// For each block a bit for each ray that is not known to be blocked.
-    open: Vec<AtomicU8>,
+    pub(super) open: Open,
     /// Boxes around eight blocks at a time, then around eight of these, and so on up to one.
     pub(super) levels: Vec<Vec<Boxes>>,
 }
 
+/// Where the light sees the origins of eight rays.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+struct BlockPlaces {
+    across: [f32; BLOCK],
+    down: [f32; BLOCK],
+    depth: [f32; BLOCK],
+}
+
 /// Eight rays. A last block that is not full has its last one several times.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Block {
     /// World space.
     origin: [[f32; BLOCK]; 3],
+    /// The triangle on which the ray starts.
+    own: [u32; BLOCK],
     pixel: [u32; BLOCK],
-    count: usize,
 }
 
 /// Which way rays go.
@@ -79,107 +95,126 @@ impl Rays {
     }
 }
 
-/// Makes the rays of all receivers that face the light, face by face.
+/// Visibility of each pixel, as bits of floats, which several threads write.
+pub(super) struct Mask(Vec<AtomicU32>);
+
+impl Mask {
+    /// Returns the numbers.
+    pub(super) fn into_numbers(self) -> Vec<f32> {
+        let number = |bits: AtomicU32| f32::from_bits(bits.into_inner());
+        self.0.into_iter().map(number).collect()
+    }
+
+    #[inline(always)]
+    fn set_lit(&self, pixel: u32) {
+        self.0[pixel as usize].store(1.0_f32.to_bits(), Ordering::Relaxed);
+    }
+}
+
+/// The rays of a picture, face by face, and the mask as if all of them were blocked.
+pub(super) struct AllRays {
+    pub(super) faces: Vec<FaceRays>,
+    pub(super) mask: Mask,
+}
+
+/// Makes the rays of all receivers that face the light, and beside which there are casters.
 pub(super) fn make_rays(
     simd: Simd,
     uniforms: &ExactUniforms,
     frame: &LightFrame,
     receivers: &Receivers,
-) -> Vec<FaceRays> {
-    let mut placed = place_all(simd, uniforms, frame, receivers);
-    placed.keys.par_sort_unstable();
-    let end_of = |face: u32| {
-        let end = u64::from(face + 1) << (2 * COORDINATE_BITS + PIXEL_BITS);
-        placed.keys.partition_point(|&key| key < end)
+) -> AllRays {
+    let mask = Mask((0..receivers.len()).map(|_| AtomicU32::new(0)).collect());
+    let threads = rayon::current_num_threads();
+    let band = receivers
+        .len()
+        .div_ceil(threads)
+        .next_multiple_of(BATCH)
+        .max(BATCH);
+    let firsts: Vec<usize> = (0..receivers.len()).step_by(band).collect();
+    let place_band = |first: usize| {
+        let band = first..receivers.len().min(first + band);
+        if frame.is_lamp {
+            let mask = &mask;
+            simd.run_task(Place::<true> {
+                uniforms,
+                frame,
+                receivers,
+                band,
+                mask,
+            })
+        } else {
+            let mask = &mask;
+            simd.run_task(Place::<false> {
+                uniforms,
+                frame,
+                receivers,
+                band,
+                mask,
+            })
+        }
     };
-    let mut out = Vec::new();
+    let parts: Vec<Vec<Entry>> = firsts.into_par_iter().map(place_band).collect();
+    let sorted = sort(&parts);
+    let source = Source {
+        simd,
+        uniforms,
+        frame,
+        receivers,
+        sorted: &sorted,
+    };
+    let mut faces = Vec::new();
     let mut first = 0;
     for face in 0..frame.faces() {
-        let end = end_of(face);
+        let end = if frame.is_lamp {
+            sorted.below((face + 1) << (2 * LAMP_BITS))
+        } else {
+            sorted.len()
+        };
         if first < end {
-            out.push(FaceRays::new(simd, frame, face, &placed, first..end));
+            faces.push(FaceRays::new(&source, face, first..end));
         }
         first = end;
     }
-    out
+    AllRays { faces, mask }
 }
 
-/// Where the rays of receivers begin, and their order.
-struct Placed {
-    /// World space, by axis and pixel.
-    origin: [Vec<f32>; 3],
-    /// Face, place along the curve, and pixel, of all rays that face the light.
-    keys: Vec<u64>,
-}
-
-fn place_all(
-    simd: Simd,
-    uniforms: &ExactUniforms,
-    frame: &LightFrame,
-    receivers: &Receivers,
-) -> Placed {
-    let mut origin = [(); 3].map(|()| vec![0.0; receivers.len()]);
-    let [x, y, z] = origin.each_mut().map(|axis| axis.par_chunks_mut(BAND));
-    let bands = x.zip(y).zip(z).enumerate();
-    let keys: Vec<Vec<u64>> = bands
-        .map(|(band, ((x, y), z))| {
-            let origin = [x, y, z];
-            let first = band * BAND;
-            if frame.is_lamp {
-                simd.run_task(Place::<true> {
-                    uniforms,
-                    frame,
-                    receivers,
-                    first,
-                    origin,
-                })
-            } else {
-                simd.run_task(Place::<false> {
-                    uniforms,
-                    frame,
-                    receivers,
-                    first,
-                    origin,
-                })
-            }
-        })
-        .collect();
-    Placed {
-        origin,
-        keys: keys.concat(),
-    }
-}
-
-/// Places a band of receivers: writes where their rays begin, and returns keys.
+/// Places a band of receivers, whole batches but for the last: returns entries of those whose rays are asked, and notes which see the light
+/// without being asked.
 struct Place<'a, const LAMP: bool> {
     uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
     receivers: &'a Receivers,
-    first: usize,
-    origin: [&'a mut [f32]; 3],
+    band: Range<usize>,
+    mask: &'a Mask,
 }
 
 impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
-    type Output = Vec<u64>;
+    type Output = Vec<Entry>;
 
     #[inline(always)]
-    fn run(mut self) -> Vec<u64> {
-        let count = self.origin[0].len();
-        let mut keys = Vec::with_capacity(count);
-        for at in (0..count).step_by(BATCH) {
-            let end = count.min(at + BATCH);
-            let receives = &self.receivers.receives[self.first + at..self.first + end];
-            if receives.contains(&true) {
-                self.place_batch(at..end, &mut keys);
-            }
+    fn run(self) -> Vec<Entry> {
+        let mut entries = Vec::with_capacity(self.band.len());
+        for first in self.band.clone().step_by(BATCH) {
+            let end = self.band.end.min(first + BATCH);
+            self.place_batch(first..end, &mut entries);
         }
-        keys
+        entries
     }
 }
 
 impl<const LAMP: bool> Place<'_, LAMP> {
     #[inline(always)]
-    fn place_batch(&mut self, part: std::ops::Range<usize>, keys: &mut Vec<u64>) {
+    fn place_batch(&self, batch: Range<usize>, entries: &mut Vec<Entry>) {
+        let receives = &self.receivers.receives[batch.clone()];
+        if !receives.contains(&true) {
+            batch.for_each(|pixel| self.mask.set_lit(pixel as u32));
+            return;
+        }
+        let count = batch.len();
+        let span = self.receivers.span(batch.start, count);
+        let mut padded = PaddedReceivers::new();
+        let receivers = ReceiverBatch::from(&span, 0, &mut padded);
         let u = self.uniforms;
         // Copies, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
         let frame = *self.frame;
@@ -187,42 +222,32 @@ impl<const LAMP: bool> Place<'_, LAMP> {
         let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
         let lamp = u.light.center.truncate();
         let to_half = frame.half.recip() * 0.5;
-        let count = part.len();
-        let first = self.first + part.start;
-        let read = |numbers: &[f32]| {
-            let mut out = [0.0; BATCH];
-            out[..count].copy_from_slice(&numbers[first..first + count]);
-            out
-        };
-        let r = self.receivers;
-        let position = [&r.x, &r.y, &r.z].map(|axis| read(axis));
-        let normal = [&r.nx, &r.ny, &r.nz].map(|axis| read(axis));
-        let mut origin = [[0.0; BATCH]; 3];
         let mut key = [0; BATCH];
         let mut faces_light = [false; BATCH];
+        let mut is_beside = [false; BATCH];
         for i in 0..BATCH {
-            let vector = |axes: &[[f32; BATCH]; 3]| Vec3::new(axes[0][i], axes[1][i], axes[2][i]);
-            let n = vector(&normal);
-            let o = ray_origin(vector(&position), n, eye, u.grid.w);
+            let n = receivers.normal(i);
+            let o = ray_origin(receivers.position(i), n, eye, u.grid.w);
             // As `segment` has it of a point.
             let d = if LAMP { (lamp - o) * SHORT } else { sun };
             let point = frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o), longest_axis(d));
             let at = point.on_face * to_half + 0.5;
-            let place = curve_bits(at.x) | curve_bits(at.y) << 1;
-            let place = u64::from(point.face) << (2 * COORDINATE_BITS) | u64::from(place);
-            key[i] = place << PIXEL_BITS | (first + i) as u64;
+            key[i] = if LAMP {
+                let on_face = curve_bits(at.x, LAMP_BITS) | curve_bits(at.y, LAMP_BITS) << 1;
+                point.face << (2 * LAMP_BITS) | on_face
+            } else {
+                curve_bits(at.x, SUN_BITS) | curve_bits(at.y, SUN_BITS) << 1
+            };
             faces_light[i] = dot3(n, d) > 0.0;
-            origin[0][i] = o.x;
-            origin[1][i] = o.y;
-            origin[2][i] = o.z;
+            let size = point.on_face.abs();
+            is_beside[i] = !LAMP && (size.x > frame.half.x || size.y > frame.half.y);
         }
-        for (to, from) in self.origin.iter_mut().zip(&origin) {
-            to[part.clone()].copy_from_slice(&from[..count]);
-        }
-        let receives = &r.receives[first..first + count];
         for i in 0..count {
-            if receives[i] && faces_light[i] {
-                keys.push(key[i]);
+            let pixel = (batch.start + i) as u32;
+            if !receives[i] || faces_light[i] && is_beside[i] {
+                self.mask.set_lit(pixel);
+            } else if faces_light[i] {
+                entries.push(Entry::new(key[i], pixel));
             }
         }
     }
@@ -231,10 +256,10 @@ impl<const LAMP: bool> Place<'_, LAMP> {
 /// Numbers from here to twice this are whole.
 const WHOLE: f32 = 8_388_608.0;
 
-/// Returns the bits of a number of 0 to 1 (others are taken for the nearest of these), with a zero above each.
+/// Returns the first bits of a number of 0 to 1 (others are taken for the nearest of these), with a zero above each.
 #[inline(always)]
-fn curve_bits(number: f32) -> u32 {
-    let most = ((1_u32 << COORDINATE_BITS) - 1) as f32;
+fn curve_bits(number: f32, count: u32) -> u32 {
+    let most = ((1_u32 << count) - 1) as f32;
     let bounded = lesser(greater(number * most, 0.0), most);
     // 2^23 more has the whole number in its lowest bits: a conversion that knows no bounds.
     let bits = (bounded + WHOLE).to_bits() & 0xffff;
@@ -244,87 +269,157 @@ fn curve_bits(number: f32) -> u32 {
     (bits | bits << 1) & 0x5555_5555
 }
 
-impl Block {
-    fn new(placed: &Placed, keys: &[u64]) -> Self {
-        let mut out = Self {
-            origin: [[0.0; BLOCK]; 3],
-            pixel: [0; BLOCK],
-            count: keys.len(),
-        };
-        for i in 0..BLOCK {
-            let key = keys[i.min(keys.len() - 1)];
-            let pixel = key & ((1 << PIXEL_BITS) - 1);
-            out.pixel[i] = pixel as u32;
-            for (axis, all) in out.origin.iter_mut().zip(&placed.origin) {
-                axis[i] = all[pixel as usize];
-            }
-        }
-        out
-    }
-
-    fn all_open(&self) -> AtomicU8 {
-        AtomicU8::new(u8::MAX >> (BLOCK - self.count))
-    }
-}
-
-/// Makes boxes around eight blocks or fewer, and one around all of them.
-struct BoxBlocks<'a> {
+/// What rays are made of.
+struct Source<'a> {
+    simd: Simd,
+    uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
-    face: u32,
-    blocks: &'a [Block],
+    receivers: &'a Receivers,
+    sorted: &'a Sorted,
 }
 
-impl SimdTask for BoxBlocks<'_> {
-    type Output = (Boxes, FaceBox);
+/// Makes up to eight blocks of a face, and their boxes.
+struct MakeBlocks<'a, const LAMP: bool> {
+    source: &'a Source<'a>,
+    face: u32,
+    entries: Range<usize>,
+}
+
+/// Up to eight blocks, their boxes, and the box around these.
+struct MadeBlocks {
+    places: [BlockPlaces; BOXES],
+    blocks: [Block; BOXES],
+    boxes: Boxes,
+    around: FaceBox,
+}
+
+impl<const LAMP: bool> SimdTask for MakeBlocks<'_, LAMP> {
+    type Output = MadeBlocks;
 
     #[inline(always)]
-    fn run(self) -> (Boxes, FaceBox) {
+    fn run(self) -> MadeBlocks {
+        let mut places = [BlockPlaces::default(); BOXES];
+        let mut blocks = [Block::default(); BOXES];
         let mut bounds = [FaceBox::EMPTY; BOXES];
-        for (bounds, block) in bounds.iter_mut().zip(self.blocks) {
-            let [x, y, z] = &block.origin;
-            for i in 0..BLOCK {
-                let point = self.place(Vec3::new(x[i], y[i], z[i]));
-                bounds.add(point.on_face, point.depth);
+        for (i, first) in self.entries.clone().step_by(BLOCK).enumerate() {
+            self.make_block(first, &mut places[i], &mut blocks[i]);
+            let place = &places[i];
+            for ray in 0..BLOCK {
+                let on_face = Vec2::new(place.across[ray], place.down[ray]);
+                bounds[i].add(on_face, place.depth[ray]);
             }
         }
-        Boxes::around(&bounds)
+        let (boxes, around) = Boxes::around(&bounds);
+        MadeBlocks {
+            places,
+            blocks,
+            boxes,
+            around,
+        }
     }
 }
 
-impl BoxBlocks<'_> {
+impl<const LAMP: bool> MakeBlocks<'_, LAMP> {
     #[inline(always)]
-    fn place(&self, o: Vec3) -> FramePoint {
-        let frame = self.frame;
-        if frame.is_lamp {
-            frame.look_up_as::<true>(frame.place_as::<true>(o), self.face / 2)
-        } else {
-            frame.look_up_as::<false>(frame.place_as::<false>(o), 0)
+    fn make_block(&self, first: usize, places: &mut BlockPlaces, block: &mut Block) {
+        let r = self.source.receivers;
+        let mut position = [[0.0; BLOCK]; 3];
+        let mut normal = [[0.0; BLOCK]; 3];
+        for i in 0..BLOCK {
+            let entry = (first + i).min(self.entries.end - 1);
+            let pixel = self.source.sorted.get(entry).pixel();
+            block.pixel[i] = pixel;
+            let pixel = pixel as usize;
+            block.own[i] = r.triangle[pixel];
+            position[0][i] = r.x[pixel];
+            position[1][i] = r.y[pixel];
+            position[2][i] = r.z[pixel];
+            normal[0][i] = r.nx[pixel];
+            normal[1][i] = r.ny[pixel];
+            normal[2][i] = r.nz[pixel];
         }
+        // A copy, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
+        let frame = *self.source.frame;
+        let u = self.source.uniforms;
+        let eye = u.eye.truncate();
+        let mut origin = [[0.0; BLOCK]; 3];
+        let mut made = BlockPlaces::default();
+        for i in 0..BLOCK {
+            let p = Vec3::new(position[0][i], position[1][i], position[2][i]);
+            let n = Vec3::new(normal[0][i], normal[1][i], normal[2][i]);
+            let o = ray_origin(p, n, eye, u.grid.w);
+            let point: FramePoint =
+                frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o), self.face / 2);
+            origin[0][i] = o.x;
+            origin[1][i] = o.y;
+            origin[2][i] = o.z;
+            made.across[i] = point.on_face.x;
+            made.down[i] = point.on_face.y;
+            made.depth[i] = point.depth;
+        }
+        block.origin = origin;
+        *places = made;
     }
+}
+
+impl BlockPlaces {
+    /// Returns a bit for each ray that may meet a caster with this reach.
+    #[inline(always)]
+    fn near(&self, reach: &Reach) -> u32 {
+        let mut bits = 0;
+        for first in (0..BLOCK).step_by(SEGMENT_LANES) {
+            let x = four(&self.across, first);
+            let y = four(&self.down, first);
+            let across = x.cmpge(Vec4::splat(reach.low.x)) & x.cmple(Vec4::splat(reach.high.x));
+            let down = y.cmpge(Vec4::splat(reach.low.y)) & y.cmple(Vec4::splat(reach.high.y));
+            let deep = four(&self.depth, first).cmpge(Vec4::splat(reach.nearest));
+            bits |= (across & down & deep).bitmask() << first;
+        }
+        bits
+    }
+}
+
+#[inline(always)]
+fn four(numbers: &[f32; BLOCK], first: usize) -> Vec4 {
+    Vec4::from_slice(&numbers[first..first + SEGMENT_LANES])
 }
 
 impl FaceRays {
-    /// Makes the rays of some keys, all on one face.
-    fn new(
-        simd: Simd,
-        frame: &LightFrame,
-        face: u32,
-        placed: &Placed,
-        keys: std::ops::Range<usize>,
-    ) -> Self {
-        let blocks: Vec<Block> = placed.keys[keys]
-            .par_chunks(BLOCK)
-            .with_min_len(A_TASK)
-            .map(|keys| Block::new(placed, keys))
-            .collect();
-        let eight = blocks.par_chunks(BOXES).with_min_len(A_TASK);
-        let (boxes, mut around): (Vec<Boxes>, Vec<FaceBox>) = eight
-            .map(|blocks| {
-                simd.run_task(BoxBlocks {
-                    frame,
+    /// Makes the rays of some entries, all on one face.
+    fn new(source: &Source<'_>, face: u32, entries: Range<usize>) -> Self {
+        const A_GROUP: usize = BLOCK * BOXES;
+        let count = entries.len();
+        let groups = count.div_ceil(A_GROUP);
+        let make = |group: usize| {
+            let first = entries.start + group * A_GROUP;
+            let entries = first..entries.end.min(first + A_GROUP);
+            if source.frame.is_lamp {
+                source.simd.run_task(MakeBlocks::<true> {
+                    source,
                     face,
-                    blocks,
+                    entries,
                 })
+            } else {
+                source.simd.run_task(MakeBlocks::<false> {
+                    source,
+                    face,
+                    entries,
+                })
+            }
+        };
+        let mut places = vec![BlockPlaces::default(); groups * BOXES];
+        let mut blocks = vec![Block::default(); groups * BOXES];
+        let rooms = places
+            .par_chunks_mut(BOXES)
+            .zip(blocks.par_chunks_mut(BOXES));
+        let (boxes, mut around): (Vec<Boxes>, Vec<FaceBox>) = rooms
+            .enumerate()
+            .with_min_len(A_TASK)
+            .map(|(group, (places, blocks))| {
+                let made = make(group);
+                places.copy_from_slice(&made.places);
+                blocks.copy_from_slice(&made.blocks);
+                (made.boxes, made.around)
             })
             .unzip();
         let mut levels = vec![boxes];
@@ -334,34 +429,61 @@ impl FaceRays {
             levels.push(boxes);
             around = bounds;
         }
+        let block_count = count.div_ceil(BLOCK);
+        let in_last = count - (block_count - 1) * BLOCK;
         Self {
             face,
-            open: blocks.iter().map(Block::all_open).collect(),
+            places,
             blocks,
+            open: Open::all(block_count, in_last),
             levels,
         }
     }
 
-    /// Returns a bit for each ray of a block that is not known to be blocked.
+    /// Hides the light from those rays of a block that meet a caster, but for those that start on it.
     #[inline(always)]
-    pub(super) fn open(&self, block: usize) -> u32 {
-        // Another thread's news may come late: then a ray that is blocked is asked again.
-        self.open[block].load(Ordering::Relaxed).into()
+    pub(super) fn hide(
+        &self,
+        block: usize,
+        rays: &Rays,
+        reach: &Reach,
+        caster: u32,
+        corners: impl Fn() -> [Vec3; 3],
+    ) {
+        let near = self.open.rays(block) & self.places[block].near(reach);
+        if near == 0 {
+            return;
+        }
+        let wanted = near & !self.of_triangle(block, caster);
+        if wanted == 0 {
+            return;
+        }
+        let blocked = wanted & self.hits(block, rays, wanted, &corners());
+        if blocked != 0 {
+            self.open.close_rays(block, blocked);
+        }
     }
 
-    /// Notes that rays of a block are blocked.
+    /// Returns a bit for each ray of a block that starts on a triangle.
     #[inline(always)]
-    pub(super) fn close(&self, block: usize, rays: u32) {
-        self.open[block].fetch_and(!(rays as u8), Ordering::Relaxed);
+    fn of_triangle(&self, block: usize, triangle: u32) -> u32 {
+        let mut bits = 0;
+        for (ray, &own) in self.blocks[block].own.iter().enumerate() {
+            bits |= u32::from(own == triangle) << ray;
+        }
+        bits
     }
 
-    /// Returns a bit for each ray of a block that meets a triangle.
+    /// Returns a bit for each ray of a block that meets a triangle; those of rays beside which no `wanted` bit is mean nothing.
     #[inline(always)]
-    pub(super) fn hits(&self, block: usize, rays: &Rays, corners: [Vec3; 3]) -> u32 {
+    fn hits(&self, block: usize, rays: &Rays, wanted: u32, corners: &[Vec3; 3]) -> u32 {
         let mut bits = 0;
         for first in (0..BLOCK).step_by(SEGMENT_LANES) {
-            let four = |axis: &[f32; BLOCK]| Vec4::from_slice(&axis[first..first + SEGMENT_LANES]);
-            let origin = self.blocks[block].origin.each_ref().map(four);
+            if wanted >> first & 0xf == 0 {
+                continue;
+            }
+            let [x, y, z] = &self.blocks[block].origin;
+            let origin = [four(x, first), four(y, first), four(z, first)];
             let segments = match rays {
                 Rays::Parallel(rays) => rays.from_origins(origin),
                 Rays::Towards(lamp) => {
@@ -369,29 +491,20 @@ impl FaceRays {
                     let to_lamp = |k: usize| (Vec4::splat(lamp[k]) - origin[k]) * SHORT;
                     // Rays of a face have its axis for their longest one.
                     let axis = self.face / 2;
-                    FourSegments::new(origin, [0, 1, 2].map(to_lamp), axis)
+                    FourSegments::new(origin, [to_lamp(0), to_lamp(1), to_lamp(2)], axis)
                 }
             };
-            bits |= segments.hits(corners) << first;
+            bits |= segments.hits(*corners) << first;
         }
         bits
     }
 
-    /// Returns the pixel of a block's ray.
-    #[inline(always)]
-    pub(super) fn pixel(&self, block: usize, ray: usize) -> usize {
-        self.blocks[block].pixel[ray] as usize
-    }
-
-    /// Calls `tell` with the pixel of each ray that is not known to be blocked.
-    pub(super) fn each_open(&self, mut tell: impl FnMut(usize)) {
-        for (number, block) in self.blocks.iter().enumerate() {
-            let open = self.open(number);
-            for (ray, &pixel) in block.pixel.iter().enumerate() {
-                if open >> ray & 1 == 1 {
-                    tell(pixel as usize);
-                }
+    /// Notes in the mask which rays are not known to be blocked.
+    pub(super) fn answer(&self, mask: &Mask) {
+        self.open.for_each(GROUPS_ANSWERED, |block, mut rays| {
+            while let Some(ray) = take_lowest(&mut rays) {
+                mask.set_lit(self.blocks[block].pixel[ray]);
             }
-        }
+        });
     }
 }
