@@ -2,6 +2,7 @@
 
 use dhat::HeapStats;
 use glam::{Mat4, UVec2};
+use std::hint::black_box;
 use umbrage_tests::{
     adapter::TestDevice,
     foreign,
@@ -62,7 +63,8 @@ fn steady_frames_allocate_nothing() {
     }
     let still = blocks(|| prepare(&mut stage));
     assert_eq!(still, 0, "a still frame");
-    let counted = blocks(|| drop(Box::new(1_u8)));
+    // Without `black_box` the compiler may leave the block out.
+    let counted = blocks(|| drop(black_box(Box::new(1_u8))));
     assert_eq!(counted, 1, "the counter counts");
     // wgpu allocates for each write, and now and then for many; a frame with a moved caster writes twice: its placement, and the
     // matrix of the layer in which it shows.
