@@ -31,7 +31,7 @@ fn from_below(depth: u32, work: &mut dyn FnMut()) {
     if depth == 0 {
         work();
     } else {
-        from_below(depth - 1, std::hint::black_box(work));
+        from_below(depth - 1, black_box(work));
     }
 }
 
