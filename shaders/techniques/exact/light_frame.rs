@@ -255,11 +255,11 @@ impl LightFrame {
         if self.is_lamp {
             depth * (1.0 - self.depth_margin()) - self.rounding
         } else {
-            depth - self.depth_margin()
+            self.before_under_sun(depth)
         }
     }
 
-    /// Returns the same of a sun.
+    /// Returns the same of a sun, without asking what the light is.
     #[inline(always)]
     pub(super) fn before_under_sun(&self, depth: f32) -> f32 {
         depth - DEPTH_OVER_WIDTH * (LEAST_MARGIN + self.rounding)

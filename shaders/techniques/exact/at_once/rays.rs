@@ -134,8 +134,8 @@ pub(super) fn make_rays(
     let firsts: Vec<usize> = (0..receivers.len()).step_by(band).collect();
     let place_band = |first: usize| {
         let band = first..receivers.len().min(first + band);
+        let mask = &mask;
         if frame.is_lamp {
-            let mask = &mask;
             simd.run_task(Place::<true> {
                 uniforms,
                 frame,
@@ -144,7 +144,6 @@ pub(super) fn make_rays(
                 mask,
             })
         } else {
-            let mask = &mask;
             simd.run_task(Place::<false> {
                 uniforms,
                 frame,
@@ -222,6 +221,8 @@ impl<const LAMP: bool> Place<'_, LAMP> {
         let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
         let lamp = u.light.center.truncate();
         let to_half = frame.half.recip() * 0.5;
+        // Beyond it no ray of a sun is found to meet a caster.
+        let rim = frame.half + frame.margin(0.0);
         let mut key = [0; BATCH];
         let mut faces_light = [false; BATCH];
         let mut is_beside = [false; BATCH];
@@ -240,7 +241,7 @@ impl<const LAMP: bool> Place<'_, LAMP> {
             };
             faces_light[i] = dot3(n, d) > 0.0;
             let size = point.on_face.abs();
-            is_beside[i] = !LAMP && (size.x > frame.half.x || size.y > frame.half.y);
+            is_beside[i] = !LAMP && (size.x > rim.x || size.y > rim.y);
         }
         for i in 0..count {
             let pixel = (batch.start + i) as u32;
