@@ -11,7 +11,7 @@ use std::ops::Range;
 use umbrage_core::{
     NO_TRIANGLE, Simd, SimdTask, Span,
     bvh::{SEGMENT_LANES, SegmentArrays, longest_axis},
-    glam::{Vec2, Vec3, Vec4},
+    glam::{Vec2, Vec3, Vec3A, Vec4},
     light_sample::{SHORT, ray_origin, segment},
     math::{dot3, greater, lesser},
 };
@@ -220,10 +220,13 @@ impl SimdTask for Answer<'_> {
         let mut runs = [Run::default(); BATCH];
         let run_count = find_runs(&places, count, &mut runs);
         let runs = &mut runs[..run_count];
-        // Memory is slow, and what is asked of it at once comes at once: so all heads are read before the first list, and all lists
-        // before the first outline.
+        // Memory is slow, and what is asked of it at once comes at once: so all heads are read before the first list, the first items of
+        // all lists before the rest of any, and the corners of many casters before the first test.
         for run in runs.iter_mut() {
             walk.read_head(run);
+        }
+        for run in runs.iter_mut() {
+            walk.read_first_item(run);
         }
         walk.ask(runs, &places);
         for run in runs.iter() {
@@ -250,6 +253,8 @@ struct Run {
     cell: u32,
     first_item: u32,
     end_item: u32,
+    /// The first item's word.
+    first_word: u32,
     depth_base: f32,
     steps_a_depth: f32,
 }
@@ -285,7 +290,7 @@ struct Candidate {
 }
 
 /// Most candidates that wait at a time.
-const WAITING: usize = 256;
+const WAITING: usize = 64;
 
 /// The cells of a batch of receivers, and where in them the receivers lie, as a part of their sides.
 struct CellPlaces {
@@ -315,6 +320,16 @@ fn range_of(numbers: &[f32]) -> [f32; 2] {
         out = [lesser(out[0], number), greater(out[1], number)];
     }
     out
+}
+
+/// Returns the least and the greatest step of places in a cell, which are parts of its side.
+#[inline(always)]
+fn step_range(places: &[f32]) -> [u32; 2] {
+    let [least, greatest] = range_of(places);
+    [
+        (least * KEY_STEPS) as i32 as u32,
+        (greatest * KEY_STEPS) as i32 as u32,
+    ]
 }
 
 /// Walks lists.
@@ -353,6 +368,15 @@ impl Walk<'_> {
         run.steps_a_depth = f32::from_bits(steps_a_depth);
     }
 
+    /// Reads the word of a run's first item.
+    #[inline(always)]
+    fn read_first_item(&self, run: &mut Run) {
+        if run.open != 0 && run.first_item != run.end_item {
+            let [_, word] = pair_at(&self.lists.items, run.first_item as usize);
+            run.first_word = word;
+        }
+    }
+
     /// Asks the lists of runs.
     #[inline(always)]
     fn ask(&self, runs: &mut [Run], places: &CellPlaces) {
@@ -372,15 +396,16 @@ impl Walk<'_> {
             }
             let depth_step = (deepest - run.depth_base) * run.steps_a_depth;
             let depth_step = lesser(depth_step, KEY_STEPS - 1.0) as i32 as u32;
-            let step = |numbers: &Numbers| {
-                range_of(&numbers[lanes.clone()]).map(|v| (v * KEY_STEPS) as i32 as u32)
-            };
-            let [across, down] = [step(&places.across), step(&places.down)];
+            let across = step_range(&places.across[lanes.clone()]);
+            let down = step_range(&places.down[lanes.clone()]);
             let bounds = CellBox {
                 low: [across[0], down[0]],
                 high: [across[1], down[1]],
             };
             let asking = asking_word(bounds, depth_step);
+            if ends_list(run.first_word, asking) {
+                continue;
+            }
             let own = self.own_of_all(&lanes);
             for item in run.first_item..run.end_item {
                 let [caster, word] = pair_at(&self.lists.items, item as usize);
@@ -412,18 +437,32 @@ impl Walk<'_> {
     /// Hides the light from those receivers of runs whose rays meet a candidate, their own triangle apart.
     #[inline(always)]
     fn ask_candidates(&self, candidates: &[Candidate], runs: &mut [Run]) {
-        for &Candidate { run, caster } in candidates {
-            let run = &mut runs[run as usize];
+        // Corners lie all over memory. Reads that wait for nothing else come at once, so all are read before the first test.
+        let mut corners = [[Vec3A::ZERO; 3]; WAITING];
+        for (corners, candidate) in corners.iter_mut().zip(candidates) {
+            let rows = &self.lists.corners[3 * candidate.caster as usize..][..3];
+            *corners = [corner(&rows[0]), corner(&rows[1]), corner(&rows[2])];
+        }
+        let mut asking = None;
+        let mut segments = self.rays.segments.four(0);
+        for (corners, candidate) in corners.iter().zip(candidates) {
+            let caster = candidate.caster;
+            let run = &mut runs[candidate.run as usize];
             if run.open == 0 {
                 continue;
             }
             let first = usize::from(run.first);
-            let rows = &self.lists.corners[3 * caster as usize..][..3];
-            let corners = [0, 1, 2].map(|i: usize| {
-                let [x, y, z, _] = rows[i].map(f32::from_bits);
-                Vec3::new(x, y, z)
-            });
-            let mut hits = run.open & self.rays.segments.four(first).hits(corners);
+            // Candidates of one run follow each other.
+            if asking != Some(candidate.run) {
+                asking = Some(candidate.run);
+                segments = self.rays.segments.four(first);
+            }
+            let corners = [
+                Vec3::from(corners[0]),
+                Vec3::from(corners[1]),
+                Vec3::from(corners[2]),
+            ];
+            let mut hits = run.open & segments.hits(corners);
             while hits != 0 {
                 let lane = hits.trailing_zeros();
                 hits &= hits - 1;
@@ -433,6 +472,17 @@ impl Walk<'_> {
             }
         }
     }
+}
+
+/// Returns the corner that a row of [`Lists::corners`] holds.
+#[inline(always)]
+fn corner(row: &[u32; 4]) -> Vec3A {
+    Vec3A::from_vec4(Vec4::new(
+        f32::from_bits(row[0]),
+        f32::from_bits(row[1]),
+        f32::from_bits(row[2]),
+        f32::from_bits(row[3]),
+    ))
 }
 
 /// Returns entry `i` of a table with two a row.

@@ -105,22 +105,57 @@ impl<const N: usize> SegmentArrays<N> {
     /// Panics if there are fewer.
     #[inline(always)]
     pub fn four(&self, first: usize) -> FourSegments {
-        let four = |numbers: &[f32; N]| Vec4::from_slice(&numbers[first..first + SEGMENT_LANES]);
+        let axis = self.axis[first] as usize;
+        let axes = following_axes(axis);
+        // Loops instead of closures over arrays: see `FourSegments::hits`.
+        let mut origin = [Vec4::ZERO; 3];
+        let mut turned_origin = [Vec4::ZERO; 3];
+        let mut inverse = [Vec4::ZERO; 3];
+        for k in 0..3 {
+            origin[k] = four_from(&self.origin[k], first);
+            turned_origin[k] = four_from(&self.origin[axes[k]], first);
+            inverse[k] = four_from(&self.inverse[k], first);
+        }
         FourSegments {
-            origin: self.origin.each_ref().map(four),
-            inverse: self.inverse.each_ref().map(four),
-            scale: four(&self.scale),
-            shear: self.shear.each_ref().map(four),
-            along: four(&self.along),
-            axis: self.axis[first] as usize,
+            origin,
+            turned_origin,
+            inverse,
+            scale: four_from(&self.scale, first),
+            shear: [
+                four_from(&self.shear[0], first),
+                four_from(&self.shear[1], first),
+            ],
+            along: four_from(&self.along, first),
+            axis,
         }
     }
+}
+
+/// Returns four numbers from `first` on.
+#[inline(always)]
+fn four_from(numbers: &[f32], first: usize) -> Vec4 {
+    Vec4::from_slice(&numbers[first..first + SEGMENT_LANES])
+}
+
+/// Returns an axis and the two that follow it, in turn.
+#[inline(always)]
+fn following_axes(axis: usize) -> [usize; 3] {
+    [axis, (axis + 1) % 3, (axis + 2) % 3]
+}
+
+/// Returns the components of four vectors along `axis` and the two axes that follow it, in turn.
+#[inline(always)]
+fn turned_lanes(v: [Vec4; 3], axis: usize) -> [Vec4; 3] {
+    let axes = following_axes(axis);
+    [v[axes[0]], v[axes[1]], v[axes[2]]]
 }
 
 /// Four segments that share their longest axis.
 #[derive(Clone, Copy, Debug)]
 pub struct FourSegments {
     origin: [Vec4; 3],
+    /// The components of `origin` along the longest axis and the two that follow it.
+    turned_origin: [Vec4; 3],
     inverse: [Vec4; 3],
     scale: Vec4,
     shear: [Vec4; 2],
@@ -139,6 +174,7 @@ impl FourSegments {
         let scale = each(along, |v| inverse_power(v.abs()));
         Self {
             origin,
+            turned_origin: turned_lanes(origin, axis),
             inverse: vector.map(|v| each(v, safe_inverse)),
             scale,
             shear: [first, second].map(|v| -(v / along) * scale),
@@ -151,24 +187,24 @@ impl FourSegments {
     #[inline(always)]
     #[must_use]
     pub fn from_origins(&self, origin: [Vec4; 3]) -> Self {
-        Self { origin, ..*self }
+        Self {
+            origin,
+            turned_origin: turned_lanes(origin, self.axis),
+            ..*self
+        }
     }
 
     /// Returns a bit for each segment that meets the triangle, edges and ends included.
     #[inline(always)]
     pub fn hits(&self, corners: [Vec3; 3]) -> u32 {
         // Loops instead of closures over arrays, which compilers don't always put in place, so that they'd lack vector instructions.
-        let axes = [self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3];
-        let origin = [
-            self.origin[axes[0]],
-            self.origin[axes[1]],
-            self.origin[axes[2]],
-        ];
+        let axes = following_axes(self.axis);
+        let origin = self.turned_origin;
         let mut along_axis = [Vec4::ZERO; 3];
         let mut x = [Vec4::ZERO; 3];
         let mut y = [Vec4::ZERO; 3];
         for i in 0..3 {
-            let corner = corners[i];
+            let corner = corners[i].to_array();
             // Along the longest axis and the two that follow it.
             let along = Vec4::splat(corner[axes[0]]) - origin[0];
             let first = Vec4::splat(corner[axes[1]]) - origin[1];
