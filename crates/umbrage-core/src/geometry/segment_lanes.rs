@@ -4,7 +4,7 @@
 //! for another. What a product with zero adds changes no bit that a comparison sees, and a sum of two numbers has one order; so two
 //! products and a sum are the same as the three products there.
 
-use crate::geometry::ray_box::{EXIT_SLACK, inverse_power, padded_box, safe_inverse, slab_inverse};
+use crate::geometry::ray_box::{EXIT_SLACK, inverse_power, padded_box};
 use glam::{Vec3, Vec3A, Vec4};
 
 /// How many segments are tested at once.
@@ -14,7 +14,7 @@ pub const SEGMENT_LANES: usize = 4;
 #[derive(Clone, Copy, Debug)]
 pub struct SegmentArrays<const N: usize> {
     origin: [[f32; N]; 3],
-    inverse: [[f32; N]; 3],
+    vector: [[f32; N]; 3],
     scale: [f32; N],
     /// Factors of the longest axis in the shear's first two rows.
     shear: [[f32; N]; 2],
@@ -27,7 +27,7 @@ impl<const N: usize> Default for SegmentArrays<N> {
     fn default() -> Self {
         Self {
             origin: [[0.0; N]; 3],
-            inverse: [[0.0; N]; 3],
+            vector: [[0.0; N]; 3],
             scale: [0.0; N],
             shear: [[0.0; N]; 2],
             along: [0.0; N],
@@ -81,10 +81,9 @@ impl<const N: usize> SegmentArrays<N> {
         let axis = longest_axis(d);
         let [along, first, second] = turned(d, axis);
         let scale = inverse_power(along.abs());
-        let inverse = slab_inverse(d);
         for k in 0..3 {
             self.origin[k][i] = o[k];
-            self.inverse[k][i] = inverse[k];
+            self.vector[k][i] = d[k];
         }
         self.scale[i] = scale;
         self.shear[0][i] = -(first / along) * scale;
@@ -110,16 +109,16 @@ impl<const N: usize> SegmentArrays<N> {
         // Loops instead of closures over arrays: see `FourSegments::hits`.
         let mut origin = [Vec4::ZERO; 3];
         let mut turned_origin = [Vec4::ZERO; 3];
-        let mut inverse = [Vec4::ZERO; 3];
+        let mut vector = [Vec4::ZERO; 3];
         for k in 0..3 {
             origin[k] = four_from(&self.origin[k], first);
             turned_origin[k] = four_from(&self.origin[axes[k]], first);
-            inverse[k] = four_from(&self.inverse[k], first);
+            vector[k] = four_from(&self.vector[k], first);
         }
         FourSegments {
             origin,
             turned_origin,
-            inverse,
+            vector,
             scale: four_from(&self.scale, first),
             shear: [
                 four_from(&self.shear[0], first),
@@ -150,13 +149,33 @@ fn turned_lanes(v: [Vec4; 3], axis: usize) -> [Vec4; 3] {
     [v[axes[0]], v[axes[1]], v[axes[2]]]
 }
 
+/// Returns [`inverse_power`] of each number.
+#[inline(always)]
+fn inverse_powers(numbers: Vec4) -> Vec4 {
+    let numbers = numbers.to_array();
+    let mut out = [0.0; SEGMENT_LANES];
+    for lane in 0..SEGMENT_LANES {
+        out[lane] = inverse_power(numbers[lane]);
+    }
+    Vec4::from_array(out)
+}
+
+/// Returns `ray_box::safe_inverse` of each number.
+#[inline(always)]
+fn safe_inverses(numbers: Vec4) -> Vec4 {
+    let is_tiny = numbers.abs().cmplt(Vec4::splat(1e-30));
+    let is_positive = numbers.cmpge(Vec4::ZERO);
+    let huge = Vec4::select(is_positive, Vec4::splat(1e30), Vec4::splat(-1e30));
+    Vec4::select(is_tiny, huge, numbers.recip())
+}
+
 /// Four segments that share their longest axis.
 #[derive(Clone, Copy, Debug)]
 pub struct FourSegments {
     origin: [Vec4; 3],
     /// The components of `origin` along the longest axis and the two that follow it.
     turned_origin: [Vec4; 3],
-    inverse: [Vec4; 3],
+    vector: [Vec4; 3],
     scale: Vec4,
     shear: [Vec4; 2],
     along: Vec4,
@@ -169,15 +188,14 @@ impl FourSegments {
     #[must_use]
     pub fn new(origin: [Vec4; 3], vector: [Vec4; 3], axis: u32) -> Self {
         let axis = axis as usize;
-        let [along, first, second] = [axis, (axis + 1) % 3, (axis + 2) % 3].map(|k| vector[k]);
-        let each = |v: Vec4, f: fn(f32) -> f32| Vec4::from_array(v.to_array().map(f));
-        let scale = each(along, |v| inverse_power(v.abs()));
+        let [along, first, second] = turned_lanes(vector, axis);
+        let scale = inverse_powers(along.abs());
         Self {
             origin,
             turned_origin: turned_lanes(origin, axis),
-            inverse: vector.map(|v| each(v, safe_inverse)),
+            vector,
             scale,
-            shear: [first, second].map(|v| -(v / along) * scale),
+            shear: [-(first / along) * scale, -(second / along) * scale],
             along: along.recip(),
             axis,
         }
@@ -274,8 +292,10 @@ impl FourSegments {
         let mut entry = Vec4::ZERO;
         let mut exit = Vec4::ONE;
         for axis in 0..3 {
-            let a = (Vec4::splat(low[axis]) - self.origin[axis]) * self.inverse[axis];
-            let b = (Vec4::splat(high[axis]) - self.origin[axis]) * self.inverse[axis];
+            // Few come so far that to divide here costs less than to keep the inverse of every segment.
+            let inverse = safe_inverses(self.vector[axis]);
+            let a = (Vec4::splat(low[axis]) - self.origin[axis]) * inverse;
+            let b = (Vec4::splat(high[axis]) - self.origin[axis]) * inverse;
             entry = entry.max(a.min(b));
             exit = exit.min(a.max(b));
         }
@@ -286,7 +306,40 @@ impl FourSegments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{geometry::ray_triangle::segment_hits, scene::light_sample::hash};
+    use crate::{
+        geometry::{ray_box::safe_inverse, ray_triangle::segment_hits},
+        scene::light_sample::hash,
+    };
+
+    /// Four at once are what each is by itself, tiny numbers and signed zeros, too.
+    #[test]
+    fn lanes_are_inverted_as_single_numbers_are() {
+        let numbers = [
+            0.0,
+            -0.0,
+            1e-31,
+            -1e-31,
+            1e-30,
+            -2.5,
+            3.0,
+            1e30,
+            -1e-38,
+            f32::INFINITY,
+            f32::MAX,
+            0.1,
+        ];
+        for four in numbers.chunks_exact(SEGMENT_LANES) {
+            let inverses = safe_inverses(Vec4::from_slice(four));
+            let powers = inverse_powers(Vec4::from_slice(four).abs());
+            for (lane, &number) in four.iter().enumerate() {
+                assert_eq!(inverses[lane].to_bits(), safe_inverse(number).to_bits());
+                assert_eq!(
+                    powers[lane].to_bits(),
+                    inverse_power(number.abs()).to_bits()
+                );
+            }
+        }
+    }
 
     struct Random(u32);
 

@@ -73,8 +73,8 @@ struct Block {
 
 /// Which way rays go.
 pub(super) enum Rays {
-    /// Those of a directional light, from anywhere.
-    Parallel(FourSegments),
+    /// Those of a directional light, from anywhere. In a box of its own, since it is much larger than a position.
+    Parallel(Box<FourSegments>),
     /// Those of a light at this position.
     Towards(Vec3),
 }
@@ -87,11 +87,8 @@ impl Rays {
         let to_light = segment(&uniforms.light, Vec3::ZERO, Vec2::ZERO, uniforms.far);
         let vector = to_light.to_array().map(Vec4::splat);
         let from_nowhere = [Vec4::ZERO; 3];
-        Self::Parallel(FourSegments::new(
-            from_nowhere,
-            vector,
-            longest_axis(to_light),
-        ))
+        let rays = FourSegments::new(from_nowhere, vector, longest_axis(to_light));
+        Self::Parallel(Box::new(rays))
     }
 }
 
@@ -279,55 +276,54 @@ struct Source<'a> {
     sorted: &'a Sorted,
 }
 
-/// Makes up to eight blocks of a face, and their boxes.
+/// Makes up to eight blocks of a face. Returns boxes around them, and the box around these.
 struct MakeBlocks<'a, const LAMP: bool> {
     source: &'a Source<'a>,
     face: u32,
     entries: Range<usize>,
-}
-
-/// Up to eight blocks, their boxes, and the box around these.
-struct MadeBlocks {
-    places: [BlockPlaces; BOXES],
-    blocks: [Block; BOXES],
-    boxes: Boxes,
-    around: FaceBox,
+    places: &'a mut [BlockPlaces],
+    blocks: &'a mut [Block],
 }
 
 impl<const LAMP: bool> SimdTask for MakeBlocks<'_, LAMP> {
-    type Output = MadeBlocks;
+    type Output = (Boxes, FaceBox);
 
     #[inline(always)]
-    fn run(self) -> MadeBlocks {
-        let mut places = [BlockPlaces::default(); BOXES];
-        let mut blocks = [Block::default(); BOXES];
+    fn run(self) -> (Boxes, FaceBox) {
+        let make = BlockMaker::<LAMP> {
+            source: self.source,
+            face: self.face,
+            end: self.entries.end,
+        };
         let mut bounds = [FaceBox::EMPTY; BOXES];
-        for (i, first) in self.entries.clone().step_by(BLOCK).enumerate() {
-            self.make_block(first, &mut places[i], &mut blocks[i]);
-            let place = &places[i];
+        for (i, first) in self.entries.step_by(BLOCK).enumerate() {
+            let place = &mut self.places[i];
+            make.block(first, place, &mut self.blocks[i]);
             for ray in 0..BLOCK {
                 let on_face = Vec2::new(place.across[ray], place.down[ray]);
                 bounds[i].add(on_face, place.depth[ray]);
             }
         }
-        let (boxes, around) = Boxes::around(&bounds);
-        MadeBlocks {
-            places,
-            blocks,
-            boxes,
-            around,
-        }
+        Boxes::around(&bounds)
     }
 }
 
-impl<const LAMP: bool> MakeBlocks<'_, LAMP> {
+/// Makes blocks of a face from sorted entries, up to an end.
+struct BlockMaker<'a, const LAMP: bool> {
+    source: &'a Source<'a>,
+    face: u32,
+    end: usize,
+}
+
+impl<const LAMP: bool> BlockMaker<'_, LAMP> {
+    /// Makes a block of the entries from `first` on.
     #[inline(always)]
-    fn make_block(&self, first: usize, places: &mut BlockPlaces, block: &mut Block) {
+    fn block(&self, first: usize, places: &mut BlockPlaces, block: &mut Block) {
         let r = self.source.receivers;
         let mut position = [[0.0; BLOCK]; 3];
         let mut normal = [[0.0; BLOCK]; 3];
         for i in 0..BLOCK {
-            let entry = (first + i).min(self.entries.end - 1);
+            let entry = (first + i).min(self.end - 1);
             let pixel = self.source.sorted.get(entry).pixel();
             block.pixel[i] = pixel;
             let pixel = pixel as usize;
@@ -391,7 +387,7 @@ impl FaceRays {
         const A_GROUP: usize = BLOCK * BOXES;
         let count = entries.len();
         let groups = count.div_ceil(A_GROUP);
-        let make = |group: usize| {
+        let make = |group: usize, places: &mut [BlockPlaces], blocks: &mut [Block]| {
             let first = entries.start + group * A_GROUP;
             let entries = first..entries.end.min(first + A_GROUP);
             if source.frame.is_lamp {
@@ -399,12 +395,16 @@ impl FaceRays {
                     source,
                     face,
                     entries,
+                    places,
+                    blocks,
                 })
             } else {
                 source.simd.run_task(MakeBlocks::<false> {
                     source,
                     face,
                     entries,
+                    places,
+                    blocks,
                 })
             }
         };
@@ -416,12 +416,7 @@ impl FaceRays {
         let (boxes, mut around): (Vec<Boxes>, Vec<FaceBox>) = rooms
             .enumerate()
             .with_min_len(A_TASK)
-            .map(|(group, (places, blocks))| {
-                let made = make(group);
-                places.copy_from_slice(&made.places);
-                blocks.copy_from_slice(&made.blocks);
-                (made.boxes, made.around)
-            })
+            .map(|(group, (places, blocks))| make(group, places, blocks))
             .unzip();
         let mut levels = vec![boxes];
         while around.len() > 1 {
