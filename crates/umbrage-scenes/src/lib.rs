@@ -100,6 +100,8 @@ mod error;
 mod file;
 mod files;
 mod framing;
+#[cfg(feature = "gltf")]
+mod gltf;
 mod load;
 mod lone_model;
 mod looks;
@@ -117,4 +119,4 @@ pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
 pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile};
-pub use load::{by_argument, load, parse, read};
+pub use load::{by_argument, is_model, load, parse, read};

@@ -1,0 +1,76 @@
+//! How much a file may ask for, by how many bytes it has.
+//!
+//! A few bytes of JSON can name the same bytes again and again, so that sizes multiply. Honest files share, too: vertices among primitives,
+//! meshes among nodes, and pictures are compressed. So what is allowed grows with the bytes that there are.
+
+use super::GltfError;
+
+/// What any file may ask for: elements of accessors, and triangles that are placed.
+const ELEMENTS: u64 = 1 << 20;
+/// Texels that any file may ask for: one picture of the greatest size.
+const TEXELS: u64 = 1 << 26;
+/// Elements a byte: one byte is an index at best, which may bring a few numbers of a vertex that it alone uses.
+const ELEMENTS_A_BYTE: u64 = 16;
+/// Placed triangles a byte: a node takes some 30 bytes at least, and forests have thousands that show one tree.
+const PLACED_A_BYTE: u64 = 64;
+/// Texels a byte: pictures of one colour are compressed further, but no whole set of them.
+const TEXELS_A_BYTE: u64 = 64;
+
+/// What a file may still ask for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    bytes: u64,
+    elements: u64,
+    placed: u64,
+    texels: u64,
+}
+
+impl Budget {
+    /// For a file of so many bytes.
+    pub(super) fn new(bytes: usize) -> Self {
+        Self {
+            bytes: bytes as u64,
+            elements: 0,
+            placed: 0,
+            texels: 0,
+        }
+    }
+
+    /// Counts the bytes of another file.
+    pub(super) fn add_bytes(&mut self, bytes: usize) {
+        self.bytes += bytes as u64;
+    }
+
+    /// Counts elements that are about to be read.
+    pub(super) fn read(&mut self, elements: u64) -> Result<(), GltfError> {
+        self.elements = self.elements.saturating_add(elements);
+        let most = ELEMENTS + ELEMENTS_A_BYTE * self.bytes;
+        let what = "its vertices and indices";
+        within(what, self.elements, most, "numbers", self.bytes)
+    }
+
+    /// Counts triangles of an instance.
+    pub(super) fn place(&mut self, triangles: usize) -> Result<(), GltfError> {
+        self.placed = self.placed.saturating_add(triangles as u64);
+        let most = ELEMENTS + PLACED_A_BYTE * self.bytes;
+        within("its mesh", self.placed, most, "triangles", self.bytes)
+    }
+
+    /// Counts texels of a picture that is about to be decoded.
+    pub(super) fn decode(&mut self, texels: u64) -> Result<(), GltfError> {
+        self.texels = self.texels.saturating_add(texels);
+        let most = TEXELS + TEXELS_A_BYTE * self.bytes;
+        within("its pictures", self.texels, most, "texels", self.bytes)
+    }
+}
+
+fn within(what: &str, asked: u64, most: u64, unit: &str, bytes: u64) -> Result<(), GltfError> {
+    if asked <= most {
+        return Ok(());
+    }
+    Err(GltfError::new(
+        what,
+        format!("brings the model to {asked} {unit}, in files of {bytes} bytes"),
+        format!("use at most {most}, or split the model"),
+    ))
+}
