@@ -1,0 +1,202 @@
+//! Meshes against the same built in code.
+
+use super::{
+    model::{F32, I8, I16, Model, SQUARE, U8, U16, U32, words},
+    scene_of,
+};
+use serde_json::{Value, json};
+use umbrage_core::glam::{Affine3A, Vec3};
+use umbrage_core::{Geometry, Instance, Mesh, Scene};
+
+const CORNERS: [u16; 6] = [0, 1, 2, 2, 1, 3];
+
+/// The fingerprint of a mesh that is placed as it is.
+fn fingerprint(positions: &[f32], triangles: &[[u32; 3]]) -> u64 {
+    let positions = positions.chunks_exact(3).map(Vec3::from_slice).collect();
+    let scene = Scene {
+        meshes: vec![Mesh::new("mesh", positions, triangles.to_vec()).expect("valid")],
+        instances: vec![Instance::new(0, Affine3A::IDENTITY)],
+        ..Scene::default()
+    };
+    Geometry::bake(&scene).expect("valid").fingerprint()
+}
+
+fn fingerprint_of(model: &Model) -> u64 {
+    let scene = scene_of(model).expect("valid");
+    Geometry::bake(&scene).expect("valid").fingerprint()
+}
+
+/// A model of one mesh at one node.
+fn model_of(make: impl Fn(&mut Model) -> Value) -> Model {
+    let mut model = Model::new();
+    let primitive = make(&mut model);
+    model.mesh(primitive);
+    model.node(json!({ "mesh": 0 }));
+    model
+}
+
+#[test]
+fn indices_of_every_width_and_none_give_the_same_triangles() {
+    let expected = fingerprint(&SQUARE, &[[0, 1, 2], [2, 1, 3]]);
+    let bytes = CORNERS.map(|i| i as u8).to_vec();
+    let long: Vec<u8> = CORNERS.iter().flat_map(|&i| u32::from(i).to_le_bytes()).collect();
+    for (component, bytes) in [(U8, bytes), (U16, words(&CORNERS)), (U32, long)] {
+        let model = model_of(|model| {
+            let positions = model.floats("VEC3", 3, &SQUARE);
+            let indices = model.numbers(component, "SCALAR", 6, &bytes);
+            json!({ "attributes": { "POSITION": positions }, "indices": indices })
+        });
+        assert_eq!(fingerprint_of(&model), expected, "component {component}");
+    }
+    let corner = |i: u16| SQUARE[3 * usize::from(i)..][..3].to_vec();
+    let apart: Vec<f32> = CORNERS.into_iter().flat_map(corner).collect();
+    let model = model_of(|model| {
+        let positions = model.floats("VEC3", 3, &apart);
+        json!({ "attributes": { "POSITION": positions } })
+    });
+    assert_eq!(fingerprint_of(&model), fingerprint(&apart, &[[0, 1, 2], [3, 4, 5]]));
+}
+
+#[test]
+fn strips_and_fans_face_one_way() {
+    // A row of five vertices, the strip with a jump in its middle.
+    let row: Vec<f32> = (0..5).flat_map(|i| [i as f32, (i % 2) as f32, 0.0]).collect();
+    let shown = |mode: u32, indices: &[u16]| {
+        model_of(|model| {
+            let positions = model.floats("VEC3", 3, &row);
+            let indices = model.numbers(U16, "SCALAR", indices.len(), &words(indices));
+            json!({ "attributes": { "POSITION": positions }, "indices": indices, "mode": mode })
+        })
+    };
+    let strip = shown(5, &[0, 1, 2, 3, 3, 2, 4]);
+    let triangles = [[0, 1, 2], [1, 3, 2], [3, 4, 2]];
+    assert_eq!(fingerprint_of(&strip), fingerprint(&row, &triangles));
+    let fan = shown(6, &[0, 1, 2, 3, 4]);
+    let triangles = [[1, 2, 0], [2, 3, 0], [3, 4, 0]];
+    assert_eq!(fingerprint_of(&fan), fingerprint(&row, &triangles));
+    for mode in 0..4 {
+        let message = scene_of(&shown(mode, &[0, 1, 2])).expect_err("no triangles");
+        assert!(message.contains("has no triangles"), "{message}");
+    }
+}
+
+#[test]
+fn sparse_elements_replace_those_of_the_base_or_zeros() {
+    let expected = fingerprint(&SQUARE, &[[0, 1, 2], [2, 1, 3]]);
+    let replaced: Vec<u8> = SQUARE[3..].iter().flat_map(|n| n.to_le_bytes()).collect();
+    for (component, at) in [(U8, vec![1, 2, 3]), (U16, words(&[1, 2, 3]))] {
+        let model = model_of(|model| {
+            let wrong: Vec<f32> = [&SQUARE[..3], &[9.0; 9]].concat();
+            let positions = model.floats("VEC3", 3, &wrong);
+            let at = model.view(&at);
+            let values = model.view(&replaced);
+            model.json["accessors"][positions]["sparse"] = json!({
+                "count": 3,
+                "indices": { "bufferView": at, "componentType": component },
+                "values": { "bufferView": values },
+            });
+            let indices = model.numbers(U16, "SCALAR", 6, &words(&CORNERS));
+            json!({ "attributes": { "POSITION": positions }, "indices": indices })
+        });
+        assert_eq!(fingerprint_of(&model), expected);
+    }
+    let model = model_of(|model| {
+        let at = model.view(&words(&[1, 2]));
+        let values = model.view(&replaced[..24]);
+        let sparse = json!({
+            "count": 2,
+            "indices": { "bufferView": at, "componentType": U16 },
+            "values": { "bufferView": values },
+        });
+        let accessor = json!({ "componentType": F32, "type": "VEC3", "count": 3, "sparse": sparse });
+        let positions = model.add("accessors", accessor);
+        json!({ "attributes": { "POSITION": positions } })
+    });
+    let from_zero = [&[0.0; 3], &SQUARE[3..9]].concat();
+    assert_eq!(fingerprint_of(&model), fingerprint(&from_zero, &[[0, 1, 2]]));
+}
+
+#[test]
+fn quantised_positions_stand_for_the_specification_s_numbers() {
+    // Each with its normalised and its plain meaning, worked out by hand.
+    let cases: [(u32, Vec<u8>, [f32; 3]); 4] = [
+        (I8, vec![0x80, 127, 64], [-1.0, 1.0, 64.0 / 127.0]),
+        (U8, vec![0, 255, 51], [0.0, 1.0, 0.2]),
+        (I16, words(&[0x8000, 32767, 0xffff]), [-1.0, 1.0, -1.0 / 32767.0]),
+        (U16, words(&[0, 65535, 13107]), [0.0, 1.0, 0.2]),
+    ];
+    let plain = [[-128.0, 127.0, 64.0], [0.0, 255.0, 51.0], [-32768.0, 32767.0, -1.0], [0.0, 65535.0, 13107.0]];
+    for ((component, bytes, normalized), plain) in cases.into_iter().zip(plain) {
+        for (is_normalized, numbers) in [(true, normalized), (false, plain)] {
+            let [a, b, c] = numbers;
+            let element = bytes.len() / 3;
+            let turned = [&bytes[element..], &bytes[..element]].concat();
+            let twice = [&turned[element..], &turned[..element]].concat();
+            // Elements begin at multiples of four bytes, as the extension asks.
+            let stride = (3 * element).next_multiple_of(4);
+            let padded: Vec<u8> = [&bytes, &turned, &twice]
+                .into_iter()
+                .flat_map(|vector| {
+                    let mut vector = vector.clone();
+                    vector.resize(stride, 0);
+                    vector
+                })
+                .collect();
+            let model = model_of(|model| {
+                let positions = model.numbers(component, "VEC3", 3, &padded);
+                model.json["accessors"][positions]["normalized"] = json!(is_normalized);
+                model.json["bufferViews"][0]["byteStride"] = json!(stride);
+                model.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+                json!({ "attributes": { "POSITION": positions } })
+            });
+            let expected = [a, b, c, b, c, a, c, a, b];
+            let found = fingerprint_of(&model);
+            assert_eq!(found, fingerprint(&expected, &[[0, 1, 2]]), "{component} {is_normalized}");
+        }
+    }
+}
+
+#[test]
+fn vertices_may_be_interleaved_and_shared() {
+    // Positions and normals in turn; the accessor of the former begins behind some other bytes.
+    let expected = fingerprint(&SQUARE, &[[0, 1, 2], [2, 1, 3]]);
+    let mut bytes = vec![7; 8];
+    for corner in SQUARE.chunks_exact(3) {
+        bytes.extend(corner.iter().flat_map(|n| n.to_le_bytes()));
+        bytes.extend([0.0_f32, 0.0, 1.0].iter().flat_map(|n| n.to_le_bytes()));
+    }
+    let model = model_of(|model| {
+        let positions = model.numbers(F32, "VEC3", 4, &bytes);
+        model.json["bufferViews"][0]["byteStride"] = json!(24);
+        model.json["accessors"][positions]["byteOffset"] = json!(8);
+        let indices = model.numbers(U16, "SCALAR", 6, &words(&CORNERS));
+        json!({ "attributes": { "POSITION": positions }, "indices": indices })
+    });
+    assert_eq!(fingerprint_of(&model), expected);
+    // A long list, of which one triangle uses three vertices; a short one of which it uses three of four.
+    for count in [4, 40] {
+        let list: Vec<f32> = (0..3 * count).map(|i| ((i * i) % 17) as f32).collect();
+        let model = model_of(|model| {
+            let positions = model.floats("VEC3", 3, &list);
+            let indices = model.numbers(U16, "SCALAR", 3, &words(&[3, 0, 2]));
+            json!({ "attributes": { "POSITION": positions }, "indices": indices })
+        });
+        let used = [&list[0..3], &list[6..9], &list[9..12]].concat();
+        assert_eq!(fingerprint_of(&model), fingerprint(&used, &[[2, 0, 1]]), "{count}");
+    }
+}
+
+#[test]
+fn normals_and_tangents_are_the_file_s_own_if_they_are_usable() {
+    let made = |normal: [f32; 3]| {
+        let model = model_of(|model| {
+            let positions = model.floats("VEC3", 3, &SQUARE);
+            let normals = model.floats("VEC3", 3, &normal.repeat(4));
+            let indices = model.numbers(U16, "SCALAR", 6, &words(&CORNERS));
+            json!({ "attributes": { "POSITION": positions, "NORMAL": normals }, "indices": indices })
+        });
+        scene_of(&model).expect("valid").meshes[0].normals.clone()
+    };
+    assert_eq!(made([0.0, 0.6, 0.8]), [Vec3::new(0.0, 0.6, 0.8); 4]);
+    assert_eq!(made([0.0; 3]), [], "averaged by who bakes the mesh");
+}
