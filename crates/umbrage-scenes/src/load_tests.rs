@@ -14,14 +14,18 @@ fn unknown_names_bring_near_ones() {
     let message = by_argument("teapot").unwrap_err().to_string();
     assert_eq!(
         message,
-        format!("there is no scene `teapot`; did you mean `teapot-lamp`, or the path of a {ENDINGS} file?")
+        format!(
+            "there is no scene `teapot`; did you mean `teapot-lamp`, or the path of a {ENDINGS} file?"
+        )
     );
     let message = by_argument("cube").unwrap_err().to_string();
     assert!(message.contains("`cubes`"), "{message}");
     let message = by_argument("").unwrap_err().to_string();
     assert_eq!(
         message,
-        format!("there is no scene ``; name a built-in scene, or give the path of a {ENDINGS} file")
+        format!(
+            "there is no scene ``; name a built-in scene, or give the path of a {ENDINGS} file"
+        )
     );
 }
 

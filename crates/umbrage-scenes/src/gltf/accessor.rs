@@ -1,13 +1,14 @@
 //! Numbers of accessors, read from bytes that are known to be there.
 
 use super::{
-    GltfError,
+    broken,
     budget::Budget,
     buffers::{Buffers, ViewBytes},
     sparse::Sparse,
     told,
 };
 use gltf::accessor::{Accessor, DataType, Dimensions};
+use umbrage_core::Invalid;
 
 /// An accessor all of whose bytes are there.
 #[derive(Debug)]
@@ -44,7 +45,7 @@ impl<'a> Numbers<'a> {
         accessor: &Accessor<'_>,
         buffers: &mut Buffers<'a>,
         budget: &mut Budget,
-    ) -> Result<Self, GltfError> {
+    ) -> Result<Self, Invalid> {
         let name = told("accessor", accessor.index(), accessor.name());
         opened(accessor, name.clone(), buffers, budget).map_err(|e| e.within(name))
     }
@@ -54,12 +55,12 @@ impl<'a> Numbers<'a> {
     }
 
     /// Returns the error of an accessor that can't be what it is used for.
-    pub(super) fn fault(&self, why: impl Into<String>) -> GltfError {
-        GltfError::broken(self.told.as_str(), why)
+    pub(super) fn fault(&self, why: impl Into<String>) -> Invalid {
+        broken(self.told.as_str(), why)
     }
 
     /// Returns indices of vertices.
-    pub(super) fn indices(&self, budget: &mut Budget) -> Result<Vec<u32>, GltfError> {
+    pub(super) fn indices(&self, budget: &mut Budget) -> Result<Vec<u32>, Invalid> {
         let is_index = self.format.dimensions == Dimensions::Scalar
             && matches!(
                 self.format.data,
@@ -82,7 +83,7 @@ impl<'a> Numbers<'a> {
         &self,
         these: Option<&[u32]>,
         budget: &mut Budget,
-    ) -> Result<Vec<[f32; N]>, GltfError> {
+    ) -> Result<Vec<[f32; N]>, Invalid> {
         let is_vector = matches!(
             self.format.dimensions,
             Dimensions::Vec2 | Dimensions::Vec3 | Dimensions::Vec4
@@ -104,7 +105,9 @@ impl<'a> Numbers<'a> {
         let vectors = match self.format.data {
             DataType::F32 => self.vectors_by(these, |bytes| f32::from_bits(u32_of(bytes))),
             DataType::U8 => self.vectors_by(these, |bytes| unsigned(u32::from(bytes[0]), 255.0)),
-            DataType::I8 => self.vectors_by(these, |bytes| signed(i32::from(bytes[0] as i8), 127.0)),
+            DataType::I8 => {
+                self.vectors_by(these, |bytes| signed(i32::from(bytes[0] as i8), 127.0))
+            }
             DataType::U16 => {
                 self.vectors_by(these, |bytes| unsigned(u32::from(u16_of(bytes)), 65535.0))
             }
@@ -163,7 +166,7 @@ fn opened<'a>(
     told: String,
     buffers: &mut Buffers<'a>,
     budget: &mut Budget,
-) -> Result<Numbers<'a>, GltfError> {
+) -> Result<Numbers<'a>, Invalid> {
     let format = Format {
         data: accessor.data_type(),
         dimensions: accessor.dimensions(),
@@ -171,10 +174,16 @@ fn opened<'a>(
     };
     if accessor.count() > u32::MAX as usize {
         let why = format!("tells {} elements", accessor.count());
-        return Err(GltfError::new("its count", why, "split the mesh"));
+        return Err(Invalid::new("its count", why, "split the mesh"));
     }
     let sparse = match accessor.sparse() {
-        Some(sparse) => Some(Sparse::open(&sparse, format, accessor.count(), buffers, budget)?),
+        Some(sparse) => Some(Sparse::open(
+            &sparse,
+            format,
+            accessor.count(),
+            buffers,
+            budget,
+        )?),
         None => None,
     };
     let mut out = Numbers {
@@ -189,8 +198,12 @@ fn opened<'a>(
     if let Some(view) = accessor.view() {
         out.stride = view.stride().unwrap_or(format.size());
         if out.stride < format.size() {
-            let why = format!("is {}, less than an element's {} bytes", out.stride, format.size());
-            return Err(GltfError::broken("the stride of its view", why));
+            let why = format!(
+                "is {}, less than an element's {} bytes",
+                out.stride,
+                format.size()
+            );
+            return Err(broken("the stride of its view", why));
         }
         let bytes = buffers.view(&view, budget)?;
         check_end(&bytes, out.start, out.stride, format.size(), out.count)?;
@@ -206,7 +219,7 @@ pub(super) fn check_end(
     stride: usize,
     size: usize,
     count: usize,
-) -> Result<(), GltfError> {
+) -> Result<(), Invalid> {
     let Some(before_last) = count.checked_sub(1) else {
         return Ok(());
     };
@@ -216,10 +229,8 @@ pub(super) fn check_end(
     if end <= there as u128 {
         return Ok(());
     }
-    let why = format!(
-        "has {there} bytes, and element {before_last} would end at byte {end}"
-    );
-    Err(GltfError::broken(view.told.as_str(), why))
+    let why = format!("has {there} bytes, and element {before_last} would end at byte {end}");
+    Err(broken(view.told.as_str(), why))
 }
 
 pub(super) fn u16_of(bytes: &[u8]) -> u16 {

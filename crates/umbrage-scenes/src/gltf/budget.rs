@@ -3,7 +3,7 @@
 //! A few bytes of JSON can name the same bytes again and again, so that sizes multiply. Honest files share, too: vertices among primitives,
 //! meshes among nodes, and pictures are compressed. So what is allowed grows with the bytes that there are.
 
-use super::GltfError;
+use umbrage_core::Invalid;
 
 /// What any file may ask for: elements of accessors, and triangles that are placed.
 const ELEMENTS: u64 = 1 << 20;
@@ -42,35 +42,35 @@ impl Budget {
     }
 
     /// Counts elements that are about to be read.
-    pub(super) fn read(&mut self, elements: u64) -> Result<(), GltfError> {
+    pub(super) fn read(&mut self, elements: u64) -> Result<(), Invalid> {
         self.elements = self.elements.saturating_add(elements);
         let most = ELEMENTS + ELEMENTS_A_BYTE * self.bytes;
         let what = "its vertices and indices";
-        within(what, self.elements, most, "numbers", self.bytes)
+        within(what, self.elements, most, "elements", self.bytes)
     }
 
     /// Counts triangles of an instance.
-    pub(super) fn place(&mut self, triangles: usize) -> Result<(), GltfError> {
+    pub(super) fn place(&mut self, triangles: usize) -> Result<(), Invalid> {
         self.placed = self.placed.saturating_add(triangles as u64);
         let most = ELEMENTS + PLACED_A_BYTE * self.bytes;
         within("its mesh", self.placed, most, "triangles", self.bytes)
     }
 
     /// Counts texels of a picture that is about to be decoded.
-    pub(super) fn decode(&mut self, texels: u64) -> Result<(), GltfError> {
+    pub(super) fn decode(&mut self, texels: u64) -> Result<(), Invalid> {
         self.texels = self.texels.saturating_add(texels);
         let most = TEXELS + TEXELS_A_BYTE * self.bytes;
         within("its pictures", self.texels, most, "texels", self.bytes)
     }
 }
 
-fn within(what: &str, asked: u64, most: u64, unit: &str, bytes: u64) -> Result<(), GltfError> {
+fn within(what: &str, asked: u64, most: u64, unit: &str, bytes: u64) -> Result<(), Invalid> {
     if asked <= most {
         return Ok(());
     }
-    Err(GltfError::new(
+    Err(Invalid::new(
         what,
-        format!("brings the model to {asked} {unit}, in files of {bytes} bytes"),
+        format!("would make {asked} {unit} of {bytes} bytes"),
         format!("use at most {most}, or split the model"),
     ))
 }

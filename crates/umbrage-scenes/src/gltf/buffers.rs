@@ -1,6 +1,6 @@
 //! Bytes: of the `.glb` file itself, of data URIs, of files beside it. They are fetched when something is read from them, once each.
 
-use super::{GltfError, budget::Budget, told};
+use super::{broken, budget::Budget, told};
 use crate::{Files, SceneError};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use gltf::{
@@ -10,10 +10,11 @@ use gltf::{
 use std::{
     borrow::Cow,
     collections::HashMap,
-    io::Read as _,
+    io::{self, Read as _},
     path::{Path, PathBuf},
     rc::Rc,
 };
+use umbrage_core::Invalid;
 
 /// The buffers of a document.
 pub(super) struct Buffers<'a> {
@@ -78,7 +79,7 @@ impl<'a> Buffers<'a> {
         &mut self,
         view: &View<'_>,
         budget: &mut Budget,
-    ) -> Result<ViewBytes<'a>, GltfError> {
+    ) -> Result<ViewBytes<'a>, Invalid> {
         let name = told("buffer view", view.index(), view.name());
         let buffer = view.buffer();
         let bytes = self
@@ -91,7 +92,7 @@ impl<'a> Buffers<'a> {
         if end > there {
             let buffer = told("buffer", buffer.index(), buffer.name());
             let why = format!("ends at byte {end} of {buffer}, which has {there}");
-            return Err(GltfError::broken(name, why));
+            return Err(broken(name, why));
         }
         Ok(ViewBytes {
             bytes,
@@ -105,7 +106,7 @@ impl<'a> Buffers<'a> {
         &mut self,
         buffer: &gltf::Buffer<'_>,
         budget: &mut Budget,
-    ) -> Result<Bytes<'a>, GltfError> {
+    ) -> Result<Bytes<'a>, Invalid> {
         if let Some(bytes) = &self.fetched[buffer.index()] {
             return Ok(bytes.clone());
         }
@@ -116,25 +117,24 @@ impl<'a> Buffers<'a> {
         let there = bytes.slice().len();
         if there < buffer.length() {
             let why = format!("tells {} bytes, and there are {there}", buffer.length());
-            return Err(GltfError::broken("its length", why));
+            return Err(broken("its length", why));
         }
         self.fetched[buffer.index()] = Some(bytes.clone());
         Ok(bytes)
     }
 
-    fn binary(&self, buffer: &gltf::Buffer<'_>) -> Result<Bytes<'a>, GltfError> {
+    fn binary(&self, buffer: &gltf::Buffer<'_>) -> Result<Bytes<'a>, Invalid> {
         let first = (buffer.index() == 0).then_some(self.binary).flatten();
         first.map(Bytes::InFile).ok_or_else(|| {
-            GltfError::broken("its bytes", "are nowhere: it has no URI, and is no chunk of a .glb file")
+            broken(
+                "its bytes",
+                "are nowhere: it has no URI, and is no chunk of a .glb file",
+            )
         })
     }
 
     /// Returns the bytes that a URI names, or holds.
-    pub(super) fn fetch(
-        &mut self,
-        uri: &str,
-        budget: &mut Budget,
-    ) -> Result<Bytes<'a>, GltfError> {
+    pub(super) fn fetch(&mut self, uri: &str, budget: &mut Budget) -> Result<Bytes<'a>, Invalid> {
         if let Some(data) = uri.strip_prefix("data:") {
             return decode(data).map(|bytes| Bytes::Apart(bytes.into()));
         }
@@ -147,10 +147,7 @@ impl<'a> Buffers<'a> {
         files
             .open(&path)
             .and_then(|mut source| source.read_to_end(&mut bytes))
-            .map_err(|e| GltfError::Named {
-                what: "its URI".to_owned(),
-                source: Box::new(SceneError::unreadable(&path, &e, files)),
-            })?;
+            .map_err(|e| missing(&path, &e, files))?;
         budget.add_bytes(bytes.len());
         let bytes: Rc<[u8]> = bytes.into();
         self.read.insert(path, bytes.clone());
@@ -158,11 +155,11 @@ impl<'a> Buffers<'a> {
     }
 
     /// Returns the path of a file that a URI names. As in other models, it may lie in any folder.
-    pub(super) fn path(&self, uri: &str) -> Result<PathBuf, GltfError> {
+    pub(super) fn path(&self, uri: &str) -> Result<PathBuf, Invalid> {
         // A letter and a colon may be a drive: that is refused, too, since it is another one elsewhere.
         let scheme = uri.split_once(':').map(|(scheme, _)| scheme);
         if let Some(scheme) = scheme.filter(|scheme| !scheme.contains(['/', '.', '%'])) {
-            return Err(GltfError::new(
+            return Err(Invalid::new(
                 "its URI",
                 format!("begins with `{scheme}:`"),
                 "name a file beside the model by its relative path, or put the bytes into the file",
@@ -174,18 +171,27 @@ impl<'a> Buffers<'a> {
     }
 }
 
+/// The error of a file that was looked for among `files`.
+fn missing(path: &Path, error: &io::Error, files: &dyn Files) -> Invalid {
+    let what = path.display().to_string();
+    match SceneError::unreadable(path, error, files) {
+        SceneError::Unreadable { why, help, .. } => Invalid::new(what, why, help),
+        other => Invalid::new(what, other.to_string(), "check the path"),
+    }
+}
+
 /// Returns the bytes of a data URI, from behind `data:`: RFC 2397.
-fn decode(data: &str) -> Result<Vec<u8>, GltfError> {
+fn decode(data: &str) -> Result<Vec<u8>, Invalid> {
     let (kind, text) = data
         .split_once(',')
-        .ok_or_else(|| GltfError::broken("its data URI", "has no comma before the data"))?;
+        .ok_or_else(|| broken("its data URI", "has no comma before the data"))?;
     let text = percent_decoded(text);
     if !kind.ends_with(";base64") {
         return Ok(text.into_owned());
     }
     STANDARD
         .decode(&text)
-        .map_err(|e| GltfError::broken("its data URI", format!("is not base64: {e}")))
+        .map_err(|e| broken("its data URI", format!("is not base64: {e}")))
 }
 
 /// Returns the bytes that a URI's text stands for: `%20` is a blank. What is no such code stays as it is.

@@ -1,6 +1,6 @@
 //! Cameras.
 
-use super::{GltfError, nodes::PlacedNode, told};
+use super::{nodes::PlacedNode, told};
 use crate::lone_model::SIZE;
 use gltf::{
     Camera as FileCamera,
@@ -8,18 +8,15 @@ use gltf::{
 };
 use umbrage_core::glam::{Affine3A, DVec3, Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::light_space::{Extents, look_along, orthographic, perspective};
-use umbrage_core::{Camera, MAX_SIDE, invalid};
+use umbrage_core::{Camera, Invalid, MAX_SIDE, invalid};
 
 /// Returns the camera that a node holds. The picture is as high as that of a model without a camera, and as wide as the camera's sides ask
 /// for.
-pub(super) fn camera(
-    camera: &FileCamera<'_>,
-    node: &PlacedNode<'_>,
-) -> Result<Camera, GltfError> {
+pub(super) fn camera(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {
     made(camera, node).map_err(|e| e.within(told("camera", camera.index(), camera.name())))
 }
 
-fn made(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, GltfError> {
+fn made(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {
     let pose = Pose {
         eye: node.position()?,
         forward: node.direction(DVec3::NEG_Z)?,
@@ -40,7 +37,7 @@ struct Pose {
 }
 
 impl Pose {
-    fn perspective(&self, file: &Perspective<'_>) -> Result<Camera, GltfError> {
+    fn perspective(&self, file: &Perspective<'_>) -> Result<Camera, Invalid> {
         let size = match file.aspect_ratio() {
             Some(aspect) => size_of(aspect)?,
             None => SIZE,
@@ -59,7 +56,7 @@ impl Pose {
         self.camera(clip_from_view, size)
     }
 
-    fn orthographic(&self, file: &Orthographic<'_>) -> Result<Camera, GltfError> {
+    fn orthographic(&self, file: &Orthographic<'_>) -> Result<Camera, Invalid> {
         invalid::positive("xmag", file.xmag())?;
         invalid::positive("ymag", file.ymag())?;
         let extents = Extents {
@@ -74,7 +71,7 @@ impl Pose {
         self.camera(orthographic(extents)?, size)
     }
 
-    fn camera(&self, clip_from_view: Mat4, size: UVec2) -> Result<Camera, GltfError> {
+    fn camera(&self, clip_from_view: Mat4, size: UVec2) -> Result<Camera, Invalid> {
         let view_from_world = look_along(self.eye, self.forward, self.up)?;
         let world_from_view = view_from_world.as_dmat4().inverse().as_mat4();
         let camera = Camera {
@@ -88,7 +85,7 @@ impl Pose {
 }
 
 /// Returns the picture whose sides have this ratio, width over height.
-fn size_of(aspect: f32) -> Result<UVec2, GltfError> {
+fn size_of(aspect: f32) -> Result<UVec2, Invalid> {
     invalid::positive("aspect ratio", aspect)?;
     let width = (SIZE.y as f32 * aspect).round();
     Ok(UVec2::new(width.clamp(1.0, MAX_SIDE as f32) as u32, SIZE.y))

@@ -1,6 +1,7 @@
 //! The parts of a file: JSON alone, or the chunks of a `.glb` file.
 
-use super::GltfError;
+use super::broken;
+use umbrage_core::Invalid;
 
 /// Length of the header, and of the header of each chunk.
 const HEADER: usize = 12;
@@ -15,7 +16,7 @@ pub(super) struct Container<'a> {
 }
 
 /// Parts a file by what it holds, whatever it is called.
-pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, GltfError> {
+pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
     if !bytes.starts_with(b"glTF") {
         // Some editors put a mark of byte order in front.
         let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -26,7 +27,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, GltfError> {
         .ok_or_else(|| cut("the header", HEADER as u64, bytes.len()))?;
     let version = word(&header[4..8]);
     if version != 2 {
-        return Err(GltfError::new(
+        return Err(Invalid::new(
             "header",
             format!("tells version {version} of the format"),
             "export the model as glTF 2.0",
@@ -40,7 +41,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, GltfError> {
     let mut rest = bytes[..length as usize].get(HEADER..).unwrap_or(&[]);
     let (kind, json) = chunk(&mut rest)?.unwrap_or((*b"    ", &[]));
     if kind != *b"JSON" {
-        return Err(GltfError::broken("first chunk", "is not JSON"));
+        return Err(broken("first chunk", "is not JSON"));
     }
     let mut binary = None;
     // Chunks of other kinds are to be passed over.
@@ -53,7 +54,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, GltfError> {
 }
 
 /// Takes the next chunk off: its kind and its bytes.
-fn chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<([u8; 4], &'a [u8])>, GltfError> {
+fn chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<([u8; 4], &'a [u8])>, Invalid> {
     if rest.is_empty() {
         return Ok(None);
     }
@@ -71,8 +72,8 @@ fn chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<([u8; 4], &'a [u8])>, GltfErr
 }
 
 /// The error of a file that ends too early.
-fn cut(what: &str, needed: u64, there: usize) -> GltfError {
-    GltfError::new(
+fn cut(what: &str, needed: u64, there: usize) -> Invalid {
+    Invalid::new(
         "file",
         format!("is cut off: {what} tells {needed} bytes, and there are {there}"),
         "copy or download it again",

@@ -1,6 +1,6 @@
 //! The JSON of a file, checked so far that every index in it points to something.
 
-use super::{GltfError, told};
+use super::{broken, told};
 use gltf::{
     Document, Scene,
     json::{
@@ -10,6 +10,7 @@ use gltf::{
         validation::{Checked, Error, Validate as _},
     },
 };
+use umbrage_core::Invalid;
 
 /// Extensions that a file may require: those that are read.
 const READ: [&str; 3] = [
@@ -21,7 +22,7 @@ const READ: [&str; 3] = [
 const LOOKS: &str = "KHR_materials_";
 
 /// Reads and checks a document.
-pub(super) fn parse(json: &[u8]) -> Result<Document, GltfError> {
+pub(super) fn parse(json: &[u8]) -> Result<Document, Invalid> {
     let mut root: Root = match serde_json::from_slice(json) {
         Ok(root) => root,
         Err(error) => return Err(unparsed(json, &error)),
@@ -34,25 +35,25 @@ pub(super) fn parse(json: &[u8]) -> Result<Document, GltfError> {
 }
 
 /// The error of text that is no document of version 2. One of version 1 is told as such: its lists are written in another way.
-fn unparsed(json: &[u8], error: &serde_json::Error) -> GltfError {
+fn unparsed(json: &[u8], error: &serde_json::Error) -> Invalid {
     let version = serde_json::from_slice::<serde_json::Value>(json)
         .ok()
         .and_then(|value| Some(value.get("asset")?.get("version")?.as_str()?.to_owned()));
     match version {
         Some(version) if !version.starts_with("2.") => other_version(&version),
-        _ => GltfError::broken("its JSON", format!("can't be read: {error}")),
+        _ => broken("its JSON", format!("can't be read: {error}")),
     }
 }
 
-fn other_version(version: &str) -> GltfError {
-    GltfError::new(
+fn other_version(version: &str) -> Invalid {
+    Invalid::new(
         "asset",
         format!("is of version {version} of the format"),
         "export the model as glTF 2.0",
     )
 }
 
-fn check_version(root: &Root) -> Result<(), GltfError> {
+fn check_version(root: &Root) -> Result<(), Invalid> {
     let version = &root.asset.version;
     if !version.starts_with("2.") {
         return Err(other_version(version));
@@ -63,11 +64,11 @@ fn check_version(root: &Root) -> Result<(), GltfError> {
     }
 }
 
-fn check_extensions(root: &Root) -> Result<(), GltfError> {
+fn check_extensions(root: &Root) -> Result<(), Invalid> {
     let is_known = |name: &str| READ.contains(&name) || name.starts_with(LOOKS);
     match root.extensions_required.iter().find(|name| !is_known(name)) {
         None => Ok(()),
-        Some(name) => Err(GltfError::new(
+        Some(name) => Err(Invalid::new(
             format!("extension `{name}`"),
             "is required by the file, and is not known here",
             format!("export the model without it; known are {}", READ.join(", ")),
@@ -110,7 +111,7 @@ fn strip(root: &mut Root) {
 }
 
 /// Errors if an index points beyond its list, or a word is none of those that may stand in its place.
-fn check_indices(root: &Root) -> Result<(), GltfError> {
+fn check_indices(root: &Root) -> Result<(), Invalid> {
     // The crate's own check takes these two for granted.
     for (i, mesh) in root.meshes.iter().enumerate() {
         for (j, primitive) in mesh.primitives.iter().enumerate() {
@@ -133,7 +134,7 @@ fn check_indices(root: &Root) -> Result<(), GltfError> {
         if !is_there {
             let what = format!("cameras[{i}].type");
             let why = "names a projection that the camera doesn't have";
-            return Err(broken(root, &what, why));
+            return Err(broken_at(root, &what, why));
         }
     }
     let mut first = None;
@@ -157,18 +158,18 @@ fn is_fault(path: &str, error: Error) -> bool {
     !is_unread && error != Error::Unsupported
 }
 
-fn fault(root: &Root, path: &str, error: Error) -> GltfError {
+fn fault(root: &Root, path: &str, error: Error) -> Invalid {
     let why = match error {
         Error::IndexOutOfBounds => "points to what is not in the file",
         Error::Missing => "is missing",
         Error::Oversize => "is too large",
         Error::Invalid | Error::Unsupported => "is not among the values that the format knows",
     };
-    broken(root, path, why)
+    broken_at(root, path, why)
 }
 
-fn broken(root: &Root, path: &str, why: &str) -> GltfError {
-    GltfError::broken(format!("`{path}`{}", name_on(root, path)), why)
+fn broken_at(root: &Root, path: &str, why: &str) -> Invalid {
+    broken(format!("`{path}`{}", name_on(root, path)), why)
 }
 
 /// Returns the name of the thing that a path such as `nodes[3].mesh` begins with, if it has one.
@@ -196,16 +197,15 @@ fn name_on(root: &Root, path: &str) -> String {
 pub(super) fn scene<'a>(
     document: &'a Document,
     wanted: Option<&str>,
-) -> Result<Scene<'a>, GltfError> {
+) -> Result<Scene<'a>, Invalid> {
     let Some(wanted) = wanted else {
         let first = || document.scenes().next();
-        return document.default_scene().or_else(first).ok_or_else(|| {
-            GltfError::new("file", "has no scene", "export the model with a scene")
-        });
+        return document
+            .default_scene()
+            .or_else(first)
+            .ok_or_else(|| Invalid::new("file", "has no scene", "export the model with a scene"));
     };
-    let by_name = document
-        .scenes()
-        .find(|scene| scene.name() == Some(wanted));
+    let by_name = document.scenes().find(|scene| scene.name() == Some(wanted));
     let by_number = || document.scenes().nth(wanted.parse().ok()?);
     by_name.or_else(by_number).ok_or_else(|| {
         let there: Vec<String> = document
@@ -213,7 +213,7 @@ pub(super) fn scene<'a>(
             .take(20)
             .map(|scene| told("scene", scene.index(), scene.name()))
             .collect();
-        GltfError::new(
+        Invalid::new(
             "file",
             format!("has no scene `{wanted}`"),
             format!(

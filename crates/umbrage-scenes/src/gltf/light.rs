@@ -1,12 +1,12 @@
 //! Lights: the extension `KHR_lights_punctual`, and their sizes.
 
-use super::{GltfError, nodes::PlacedNode, told};
+use super::{nodes::PlacedNode, told};
 use gltf::{
     json::Extras,
     khr_lights_punctual::{Kind, Light as FileLight},
 };
 use umbrage_core::glam::DVec3;
-use umbrage_core::{Light, invalid};
+use umbrage_core::{Invalid, Light, invalid};
 
 /// Names under which the radius of a light is looked for, metres: Blender's own, and the usual one.
 const RADIUS: [&str; 2] = ["shadow_soft_size", "radius"];
@@ -19,11 +19,11 @@ const WIDEST: f32 = 89.9;
 pub(super) fn light(
     light: &FileLight<'_>,
     node: &PlacedNode<'_>,
-) -> Result<Option<Light>, GltfError> {
+) -> Result<Option<Light>, Invalid> {
     made(light, node).map_err(|e| e.within(told("light", light.index(), light.name())))
 }
 
-fn made(file: &FileLight<'_>, node: &PlacedNode<'_>) -> Result<Option<Light>, GltfError> {
+fn made(file: &FileLight<'_>, node: &PlacedNode<'_>) -> Result<Option<Light>, Invalid> {
     invalid::not_negative("intensity", file.intensity())?;
     for channel in file.color() {
         invalid::not_negative("color", channel)?;
@@ -60,10 +60,10 @@ fn made(file: &FileLight<'_>, node: &PlacedNode<'_>) -> Result<Option<Light>, Gl
 }
 
 /// Returns half of a cone, radians, at most the widest one that can be shadowed.
-fn cone(what: &str, angle: f32) -> Result<f32, GltfError> {
+fn cone(what: &str, angle: f32) -> Result<f32, Invalid> {
     invalid::not_negative(what, angle)?;
     if angle > std::f32::consts::FRAC_PI_2 {
-        return Err(GltfError::new(
+        return Err(Invalid::new(
             what,
             format!("is {angle}"),
             "use 0 to pi/2 radians",
@@ -76,7 +76,7 @@ fn cone(what: &str, angle: f32) -> Result<f32, GltfError> {
 ///
 /// The format has no sizes of lights. Blender writes an object's custom properties into its node's `extras`, and those of its data into
 /// the light's, but not the radius: that needs a custom property.
-fn size(extras: [&Extras; 2], names: &[&str]) -> Result<f32, GltfError> {
+fn size(extras: [&Extras; 2], names: &[&str]) -> Result<f32, Invalid> {
     for extras in extras.into_iter().flatten() {
         // Extras may be anything; what is not a list of names is somebody else's.
         let Ok(value) = serde_json::from_str::<serde_json::Value>(extras.get()) else {

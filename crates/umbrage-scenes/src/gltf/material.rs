@@ -1,7 +1,7 @@
 //! Looks: base colours, normal maps, and what is cut out.
 
 use super::{
-    GltfError,
+    broken,
     budget::Budget,
     buffers::Buffers,
     picture::{self, Pictures},
@@ -16,7 +16,7 @@ use gltf::{
 };
 use std::collections::HashMap;
 use umbrage_core::glam::{Vec2, Vec3};
-use umbrage_core::{AlphaCutout, Material, Scene};
+use umbrage_core::{AlphaCutout, Invalid, Material, Scene};
 
 /// The cut-off of masks that tell none, by the specification; and of blended surfaces: what is more than half there casts.
 const CUTOFF: f32 = 0.5;
@@ -67,7 +67,7 @@ impl<'a> Materials<'a> {
         buffers: &mut Buffers<'_>,
         budget: &mut Budget,
         scene: &mut Scene,
-    ) -> Result<Wearing, GltfError> {
+    ) -> Result<Wearing, Invalid> {
         let material = primitive.material();
         let Some(index) = material.index() else {
             return Ok(Wearing::Visible {
@@ -102,14 +102,14 @@ impl<'a> Materials<'a> {
         buffers: &mut Buffers<'_>,
         budget: &mut Budget,
         scene: &mut Scene,
-    ) -> Result<Wearing, GltfError> {
+    ) -> Result<Wearing, Invalid> {
         let mut load = |map: Option<TextureMap>, meaning| match map {
             Some(map) => {
                 let textures = &mut scene.textures;
-                let texture = self
-                    .pictures
-                    .texture(map.picture, meaning, buffers, budget, textures)?;
-                Ok::<_, GltfError>(texture.map(|texture| (texture, map.coordinates)))
+                let texture =
+                    self.pictures
+                        .texture(map.picture, meaning, buffers, budget, textures)?;
+                Ok::<_, Invalid>(texture.map(|texture| (texture, map.coordinates)))
             }
             None => Ok(None),
         };
@@ -162,7 +162,7 @@ enum Cut {
 }
 
 /// Returns what a material cuts out, given its texture of colours. Alpha is the texture's times the factor's.
-fn cut_out(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<Cut, GltfError> {
+fn cut_out(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<Cut, Invalid> {
     let cutoff = match file.alpha_mode() {
         AlphaMode::Opaque => return Ok(Cut::Nothing),
         AlphaMode::Mask => file.alpha_cutoff().unwrap_or(CUTOFF),
@@ -170,7 +170,7 @@ fn cut_out(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<Cut, GltfE
     };
     let named = file.pbr_metallic_roughness().base_color_texture();
     if texture.is_none() && named.is_some() && file.alpha_mode() == AlphaMode::Mask {
-        return Err(GltfError::new(
+        return Err(Invalid::new(
             "alpha mask",
             "needs the texture of its colours, which is missing, unknown or without coordinates",
             "give the picture as PNG or JPEG together with the model, and export texture coordinates",
@@ -269,7 +269,7 @@ fn transform_of(info: &Info<'_>) -> Option<TextureTransform> {
     Some(transform)
 }
 
-fn normal_map(material: &FileMaterial<'_>) -> Result<Option<TextureMap>, GltfError> {
+fn normal_map(material: &FileMaterial<'_>) -> Result<Option<TextureMap>, Invalid> {
     let Some(map) = material.normal_texture() else {
         return Ok(None);
     };
@@ -284,12 +284,12 @@ fn normal_map(material: &FileMaterial<'_>) -> Result<Option<TextureMap>, GltfErr
 }
 
 /// Returns the transform of a normal map, which the crate leaves as text.
-fn normal_transform(map: &NormalTexture<'_>) -> Result<Option<TextureTransform>, GltfError> {
+fn normal_transform(map: &NormalTexture<'_>) -> Result<Option<TextureTransform>, Invalid> {
     let Some(value) = map.extension_value("KHR_texture_transform") else {
         return Ok(None);
     };
     let transform = serde_json::from_value(value.clone());
-    transform.map(Some).map_err(|e| {
-        GltfError::broken("transform of the normal map", format!("can't be read: {e}"))
-    })
+    transform
+        .map(Some)
+        .map_err(|e| broken("transform of the normal map", format!("can't be read: {e}")))
 }

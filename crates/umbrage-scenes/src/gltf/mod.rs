@@ -9,7 +9,6 @@ mod buffers;
 mod camera;
 mod container;
 mod document;
-mod error;
 mod light;
 mod material;
 mod nodes;
@@ -22,7 +21,6 @@ mod tests;
 use crate::{Files, SceneError, error::Place, lone_model, obj::name_of};
 use budget::Budget;
 use buffers::Buffers;
-use error::GltfError;
 use material::Materials;
 use nodes::PlacedNode;
 use primitive::Meshes;
@@ -31,7 +29,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use umbrage_core::glam::Affine3A;
-use umbrage_core::{Geometry, Instance, Scene};
+use umbrage_core::{Geometry, Instance, Invalid, Scene};
 
 /// What an argument names: a file, and one of its scenes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -75,11 +73,12 @@ pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scen
         .open(path)
         .and_then(|mut source| source.read_to_end(&mut bytes))
         .map_err(|e| SceneError::unreadable(path, &e, files))?;
-    let mut scene = read(&bytes, wanted, files).map_err(|e| e.in_file(&file))?;
-    let geometry = Geometry::bake(&scene).map_err(|source| SceneError::Invalid {
+    let invalid = |source| SceneError::Invalid {
         file: file.clone(),
         source,
-    })?;
+    };
+    let mut scene = read(&bytes, wanted, files).map_err(invalid)?;
+    let geometry = Geometry::bake(&scene).map_err(invalid)?;
     let place = Place {
         file,
         line: None,
@@ -90,7 +89,7 @@ pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scen
 }
 
 /// Reads what the file itself says.
-fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, GltfError> {
+fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, Invalid> {
     let container = container::split(bytes)?;
     let document = document::parse(container.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
@@ -115,13 +114,14 @@ fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, 
             let Some(world_from_local) = node.placement()? else {
                 return Ok(());
             };
-            let parts = meshes.parts(&mesh, &mut buffers, &mut materials, &mut budget, &mut scene)?;
+            let parts =
+                meshes.parts(&mesh, &mut buffers, &mut materials, &mut budget, &mut scene)?;
             place(parts, world_from_local, &mut budget, &mut scene)
         };
-        add().map_err(|e: GltfError| e.within(told))?;
+        add().map_err(|e| e.within(told))?;
     }
     if scene.instances.is_empty() {
-        return Err(GltfError::new(
+        return Err(Invalid::new(
             "scene",
             "has no triangles",
             "export it with a mesh, or name another scene of the file: model.glb#1",
@@ -130,7 +130,7 @@ fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, 
     Ok(scene)
 }
 
-fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<(), GltfError> {
+fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<(), Invalid> {
     if let Some(camera) = node.node.camera() {
         scene.cameras.push(camera::camera(&camera, node)?);
     }
@@ -146,7 +146,7 @@ fn place(
     world_from_local: Affine3A,
     budget: &mut Budget,
     scene: &mut Scene,
-) -> Result<(), GltfError> {
+) -> Result<(), Invalid> {
     for part in parts {
         budget.place(scene.meshes[part.mesh].triangles.len())?;
         scene.instances.push(Instance {
@@ -156,6 +156,12 @@ fn place(
         });
     }
     Ok(())
+}
+
+/// The error of a file that only damage or a faulty program could have made so.
+fn broken(what: impl Into<String>, why: impl Into<String>) -> Invalid {
+    let help = "export the model again; https://github.khronos.org/glTF-Validator tells all faults of a file";
+    Invalid::new(what, why, help)
 }
 
 /// Tells a thing of a document in errors: ``node 3 `lamp` ``.

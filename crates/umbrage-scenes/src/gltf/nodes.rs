@@ -1,9 +1,9 @@
 //! The tree of nodes: where things stand.
 
-use super::{GltfError, told};
+use super::{broken, told};
 use gltf::{Document, Node, Scene, scene::Transform};
-use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Vec3};
-use umbrage_core::invalid::finite;
+use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Mat3A, Vec3};
+use umbrage_core::{Invalid, invalid::finite};
 
 /// A node of the chosen scene, and where it stands.
 #[derive(Clone, Debug)]
@@ -20,22 +20,22 @@ impl PlacedNode<'_> {
     }
 
     /// Returns where the node's mesh stands; none if the node hides it by a size of zero along all axes.
-    pub(super) fn placement(&self) -> Result<Option<Affine3A>, GltfError> {
+    pub(super) fn placement(&self) -> Result<Option<Affine3A>, Invalid> {
         let rounded = |v: DVec3| v.as_vec3().into();
         let place = Affine3A {
-            matrix3: umbrage_core::glam::Mat3A::from_cols(
+            matrix3: Mat3A::from_cols(
                 rounded(self.world_from_node.matrix3.x_axis),
                 rounded(self.world_from_node.matrix3.y_axis),
                 rounded(self.world_from_node.matrix3.z_axis),
             ),
             translation: rounded(self.world_from_node.translation),
         };
-        if place.matrix3 == umbrage_core::glam::Mat3A::ZERO {
+        if place.matrix3 == Mat3A::ZERO {
             return Ok(None);
         }
         finite("its place in the world", &place.to_cols_array())?;
         if place.matrix3.as_dmat3().determinant() == 0.0 {
-            return Err(GltfError::new(
+            return Err(Invalid::new(
                 "its place in the world",
                 "flattens the mesh",
                 "use sizes other than zero along each axis, or zero along all to hide it",
@@ -45,20 +45,20 @@ impl PlacedNode<'_> {
     }
 
     /// Returns where the node's origin is.
-    pub(super) fn position(&self) -> Result<Vec3, GltfError> {
+    pub(super) fn position(&self) -> Result<Vec3, Invalid> {
         let position = self.world_from_node.translation.as_vec3();
         finite("its place in the world", &position.to_array())?;
         Ok(position)
     }
 
     /// Returns the direction in the world of one of the node's own, as a unit vector: sizes don't count.
-    pub(super) fn direction(&self, local: DVec3) -> Result<Vec3, GltfError> {
+    pub(super) fn direction(&self, local: DVec3) -> Result<Vec3, Invalid> {
         let direction = self.world_from_node.transform_vector3(local);
         direction
             .try_normalize()
             .map(|unit| unit.as_vec3())
             .ok_or_else(|| {
-                GltfError::new(
+                Invalid::new(
                     "its place in the world",
                     "has no direction: a size is zero, or out of range",
                     "use sizes other than zero for nodes with cameras and lights",
@@ -71,13 +71,17 @@ impl PlacedNode<'_> {
 pub(super) fn placed<'a>(
     document: &'a Document,
     scene: Scene<'a>,
-) -> Result<Vec<PlacedNode<'a>>, GltfError> {
+) -> Result<Vec<PlacedNode<'a>>, Invalid> {
     let count = document.nodes().len();
     let mut parents: Vec<Reached> = vec![Reached::Not; count];
     let mut out = Vec::new();
     // The next node is the last one.
     let mut open: Vec<(Node<'a>, DAffine3, Reached)> = Vec::new();
-    open.extend(scene.nodes().map(|node| (node, DAffine3::IDENTITY, Reached::FromScene)));
+    open.extend(
+        scene
+            .nodes()
+            .map(|node| (node, DAffine3::IDENTITY, Reached::FromScene)),
+    );
     open.reverse();
     while let Some((node, world_from_parent, from)) = open.pop() {
         let index = node.index();
@@ -85,8 +89,8 @@ pub(super) fn placed<'a>(
             return Err(reached_again(document, &parents, &node, from));
         }
         parents[index] = from;
-        let parent_from_node = transform(&node)
-            .map_err(|e| e.within(told("node", index, node.name())))?;
+        let parent_from_node =
+            transform(&node).map_err(|e| e.within(told("node", index, node.name())))?;
         let world_from_node = world_from_parent * parent_from_node;
         let first = open.len();
         for child in node.children() {
@@ -115,7 +119,7 @@ fn reached_again(
     parents: &[Reached],
     node: &Node<'_>,
     from: Reached,
-) -> GltfError {
+) -> Invalid {
     let tell = |reached| match reached {
         Reached::From(parent) => {
             let name = document.nodes().nth(parent).and_then(|node| node.name());
@@ -138,17 +142,21 @@ fn reached_again(
         }
     };
     let what = told("node", node.index(), node.name());
-    GltfError::new(what, why, "give each node one parent; copies need nodes of their own")
+    Invalid::new(
+        what,
+        why,
+        "give each node one parent; copies need nodes of their own",
+    )
 }
 
 /// Returns where a node stands in its parent.
-fn transform(node: &Node<'_>) -> Result<DAffine3, GltfError> {
+fn transform(node: &Node<'_>) -> Result<DAffine3, Invalid> {
     match node.transform() {
         Transform::Matrix { matrix } => {
             let columns = matrix.map(|column| DVec4::from_array(column.map(f64::from)));
             let matrix = DMat4::from_cols(columns[0], columns[1], columns[2], columns[3]);
             if !matrix.is_finite() || matrix.row(3) != DVec4::W {
-                return Err(GltfError::broken(
+                return Err(broken(
                     "matrix",
                     format!("ends in the row {}, not in [0, 0, 0, 1]", matrix.row(3)),
                 ));
@@ -165,7 +173,7 @@ fn transform(node: &Node<'_>) -> Result<DAffine3, GltfError> {
             finite("scale", &scale)?;
             let rotation = DQuat::from_array(rotation.map(f64::from));
             if rotation.length_squared() == 0.0 {
-                return Err(GltfError::broken("rotation", "is zero, which is no quaternion"));
+                return Err(broken("rotation", "is zero, which is no quaternion"));
             }
             Ok(DAffine3::from_scale_rotation_translation(
                 DVec3::from_array(scale.map(f64::from)),

@@ -1,11 +1,11 @@
 //! Pictures: PNG and JPEG, of bytes in the file or beside it.
 
-use super::{GltfError, budget::Budget, buffers::Buffers, told};
+use super::{broken, budget::Budget, buffers::Buffers, told};
 use crate::detail::{Meaning, PICTURE_SIDE, decode_picture, texture_of};
 use gltf::{Document, Texture as FileTexture, json::image::Image};
 use image::{ImageFormat, ImageReader};
 use std::{collections::HashMap, io::Cursor, path::Path};
-use umbrage_core::Texture;
+use umbrage_core::{Invalid, Texture};
 
 /// The pictures of a file, each read once for each meaning.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl<'a> Pictures<'a> {
         buffers: &mut Buffers<'_>,
         budget: &mut Budget,
         textures: &mut Vec<Texture>,
-    ) -> Result<Option<usize>, GltfError> {
+    ) -> Result<Option<usize>, Invalid> {
         if let Some(known) = self.known.get(&(index, meaning)) {
             return Ok(*known);
         }
@@ -59,7 +59,7 @@ impl<'a> Pictures<'a> {
         meaning: Meaning,
         buffers: &mut Buffers<'_>,
         budget: &mut Budget,
-    ) -> Result<Option<Texture>, GltfError> {
+    ) -> Result<Option<Texture>, Invalid> {
         let own = image
             .buffer_view
             .and_then(|view| self.document.views().nth(view.value()));
@@ -68,7 +68,10 @@ impl<'a> Pictures<'a> {
             return decode(view.slice(), image, name, meaning, budget);
         }
         let Some(uri) = &image.uri else {
-            return Err(GltfError::broken("its bytes", "are nowhere: it has neither a URI nor a buffer view"));
+            return Err(broken(
+                "its bytes",
+                "are nowhere: it has neither a URI nor a buffer view",
+            ));
         };
         if !uri.starts_with("data:") {
             let path = buffers.path(uri)?;
@@ -87,12 +90,12 @@ fn decode(
     name: &str,
     meaning: Meaning,
     budget: &mut Budget,
-) -> Result<Option<Texture>, GltfError> {
+) -> Result<Option<Texture>, Invalid> {
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
         _ if is_of_another_kind(image) => return Ok(None),
         _ => {
-            return Err(GltfError::new(
+            return Err(Invalid::new(
                 "its bytes",
                 "are neither a PNG nor a JPEG picture",
                 "save it as one of the two",
@@ -100,7 +103,7 @@ fn decode(
         }
     };
     let unreadable = |e| {
-        GltfError::new(
+        Invalid::new(
             "its bytes",
             format!("can't be decoded: {e}"),
             format!("save it again, at most {PICTURE_SIDE} texels a side"),

@@ -1,21 +1,18 @@
 //! Meshes: each primitive becomes a mesh, since it has one material.
 
 use super::{
-    GltfError,
     accessor::Numbers,
+    broken,
     budget::Budget,
     buffers::Buffers,
     material::{Materials, Wearing},
     told,
 };
 use crate::detail::with_tangents;
-use gltf::{
-    Mesh as FileMesh, Primitive, Semantic,
-    mesh::Mode,
-};
+use gltf::{Mesh as FileMesh, Primitive, Semantic, mesh::Mode};
 use std::collections::HashMap;
 use umbrage_core::glam::{Vec3, Vec4};
-use umbrage_core::{Mesh, Scene};
+use umbrage_core::{Invalid, Mesh, Scene};
 
 /// Vertices are read whole if there are at most so many for each index. Files that give many primitives one long list of vertices would take
 /// as long for each as for all, so there only those are read that are used.
@@ -44,12 +41,12 @@ impl Meshes {
         materials: &mut Materials<'_>,
         budget: &mut Budget,
         scene: &mut Scene,
-    ) -> Result<&[MeshPart], GltfError> {
+    ) -> Result<&[MeshPart], Invalid> {
         let index = mesh.index();
         if !self.known.contains_key(&index) {
             let mut parts = Vec::new();
             for primitive in mesh.primitives() {
-                let within = |e: GltfError| {
+                let within = |e: Invalid| {
                     let mesh = told("mesh", index, mesh.name());
                     e.within(format!("{mesh}, primitive {}", primitive.index()))
                 };
@@ -71,7 +68,7 @@ fn part(
     materials: &mut Materials<'_>,
     budget: &mut Budget,
     scene: &mut Scene,
-) -> Result<Option<MeshPart>, GltfError> {
+) -> Result<Option<MeshPart>, Invalid> {
     let Some((corners, positions)) = shape(primitive, buffers, budget)? else {
         return Ok(None);
     };
@@ -84,6 +81,7 @@ fn part(
     else {
         return Ok(None);
     };
+    let needs_tangents = material.is_some_and(|i| scene.materials[i].normal_map.is_some());
     let mut read = Attributes {
         corners: &corners,
         buffers,
@@ -98,14 +96,16 @@ fn part(
         let uvs: Vec<[f32; 2]> = read.vectors(primitive, &Semantic::TexCoords(coordinates.set))?;
         mesh.uvs = uvs.into_iter().map(|uv| coordinates.at(uv)).collect();
         if mesh.uvs.iter().any(|uv| !uv.is_finite()) {
-            return Err(GltfError::broken("texture transform", "leaves the range of 32-bit floats"));
+            return Err(broken(
+                "texture transform",
+                "leaves the range of 32-bit floats",
+            ));
         }
-        if !coordinates.is_transformed {
+        if needs_tangents && !coordinates.is_transformed {
             mesh.tangents = read.tangents(primitive)?;
         }
     }
     mesh.triangles = corners.triangles;
-    let needs_tangents = material.is_some_and(|i: usize| scene.materials[i].normal_map.is_some());
     if needs_tangents && (mesh.tangents.is_empty() || mesh.normals.is_empty()) {
         mesh.tangents.clear();
         mesh = with_tangents(&mesh)?;
@@ -142,7 +142,7 @@ fn shape(
     primitive: &Primitive<'_>,
     buffers: &mut Buffers<'_>,
     budget: &mut Budget,
-) -> Result<Option<(Corners, Vec<Vec3>)>, GltfError> {
+) -> Result<Option<(Corners, Vec<Vec3>)>, Invalid> {
     let Some(accessor) = primitive.get(&Semantic::Positions) else {
         return Ok(None);
     };
@@ -205,13 +205,13 @@ fn used(triangles: &[[u32; 3]], count: usize) -> Option<Vec<u32>> {
 }
 
 /// Returns the triangles of a list of vertices; none for points and lines.
-fn triangles(mode: Mode, list: &[u32]) -> Result<Vec<[u32; 3]>, GltfError> {
+fn triangles(mode: Mode, list: &[u32]) -> Result<Vec<[u32; 3]>, Invalid> {
     match mode {
         Mode::Triangles => {
             let (triangles, rest) = list.as_chunks::<3>();
             if !rest.is_empty() {
                 let why = format!("are made of {} corners, no multiple of 3", list.len());
-                return Err(GltfError::broken("its triangles", why));
+                return Err(broken("its triangles", why));
             }
             Ok(triangles.to_vec())
         }
@@ -254,7 +254,7 @@ impl Attributes<'_, '_> {
         &mut self,
         primitive: &Primitive<'_>,
         semantic: &Semantic,
-    ) -> Result<Vec<[f32; N]>, GltfError> {
+    ) -> Result<Vec<[f32; N]>, Invalid> {
         let Some(accessor) = primitive.get(semantic) else {
             return Ok(Vec::new());
         };
@@ -271,7 +271,7 @@ impl Attributes<'_, '_> {
     }
 
     /// Returns the normals; empty if they are missing or one of them is zero: then they are averaged.
-    fn normals(&mut self, primitive: &Primitive<'_>) -> Result<Vec<Vec3>, GltfError> {
+    fn normals(&mut self, primitive: &Primitive<'_>) -> Result<Vec<Vec3>, Invalid> {
         let normals = self.vectors(primitive, &Semantic::Normals)?;
         let normals: Vec<Vec3> = normals.into_iter().map(Vec3::from_array).collect();
         match normals.contains(&Vec3::ZERO) {
@@ -281,7 +281,7 @@ impl Attributes<'_, '_> {
     }
 
     /// Returns the tangents; empty if they are missing or one of them is none: then they are made.
-    fn tangents(&mut self, primitive: &Primitive<'_>) -> Result<Vec<Vec4>, GltfError> {
+    fn tangents(&mut self, primitive: &Primitive<'_>) -> Result<Vec<Vec4>, Invalid> {
         let tangents = self.vectors(primitive, &Semantic::Tangents)?;
         let tangents: Vec<Vec4> = tangents.into_iter().map(Vec4::from_array).collect();
         let is_tangent = |t: &Vec4| t.w.abs() == 1.0 && t.truncate() != Vec3::ZERO;

@@ -1,12 +1,13 @@
 //! Sparse accessors: elements that stand in place of others.
 
 use super::{
-    GltfError,
     accessor::{Format, check_end, u16_of, u32_of},
+    broken,
     budget::Budget,
     buffers::{Buffers, ViewBytes},
 };
 use gltf::accessor::sparse::{IndexType, Sparse as FileSparse};
+use umbrage_core::Invalid;
 
 /// The elements, all of whose bytes are there.
 #[derive(Debug)]
@@ -27,17 +28,17 @@ impl<'a> Sparse<'a> {
         elements: usize,
         buffers: &mut Buffers<'a>,
         budget: &mut Budget,
-    ) -> Result<Self, GltfError> {
+    ) -> Result<Self, Invalid> {
         let count = sparse.count();
         if count > elements {
             let why = format!("replaces {count} of {elements} elements");
-            return Err(GltfError::broken("sparse", why));
+            return Err(broken("sparse", why));
         }
         budget.read(count as u64)?;
         let at = indices(sparse, buffers, budget).map_err(|e| e.within("sparse indices"))?;
         if let Some(beyond) = at.iter().find(|&&i| i as usize >= elements) {
             let why = format!("hold {beyond}, of {elements} elements");
-            return Err(GltfError::broken("sparse indices", why));
+            return Err(broken("sparse indices", why));
         }
         let size = format.size();
         let values = sparse.values();
@@ -68,7 +69,7 @@ fn indices(
     sparse: &FileSparse<'_>,
     buffers: &mut Buffers<'_>,
     budget: &mut Budget,
-) -> Result<Vec<u32>, GltfError> {
+) -> Result<Vec<u32>, Invalid> {
     let indices = sparse.indices();
     let kind = indices.index_type();
     let size = kind.size();

@@ -22,7 +22,10 @@ fn square(material: Value) -> Model {
     model.mesh(json!({ "attributes": attributes, "mode": 5, "material": 0 }));
     model.add("materials", material);
     let view = model.view(PICTURE);
-    model.add("images", json!({ "bufferView": view, "mimeType": "image/png" }));
+    model.add(
+        "images",
+        json!({ "bufferView": view, "mimeType": "image/png" }),
+    );
     model.add("textures", json!({ "source": 0 }));
     model.node(json!({ "mesh": 0 }));
     model
@@ -53,7 +56,14 @@ fn colours_and_their_texture_are_read() {
     let texels = &scene.textures[0].texels;
     assert_eq!(*texels, [[1.0; 4], [0.0; 4]]);
     // Both count v from the top.
-    assert_eq!(scene.meshes[0].uvs, UVS.as_chunks::<2>().0.iter().map(|&uv| Vec2::from_array(uv)).collect::<Vec<_>>());
+    assert_eq!(
+        scene.meshes[0].uvs,
+        UVS.as_chunks::<2>()
+            .0
+            .iter()
+            .map(|&uv| Vec2::from_array(uv))
+            .collect::<Vec<_>>()
+    );
 }
 
 #[test]
@@ -63,9 +73,7 @@ fn masks_cut_out_and_blended_surfaces_cast_by_half() {
         Ok::<_, String>((scene.materials[0].alpha, scene.instances[0].casts))
     };
     let holes = |cutoff| Some(AlphaCutout { texture: 0, cutoff });
-    let mask = |texture, factor, cutoff: f32| {
-        json!({ "alphaMode": "MASK", "alphaCutoff": cutoff, "pbrMetallicRoughness": base(texture, [1.0, 1.0, 1.0, factor]) })
-    };
+    let mask = |texture, factor, cutoff: f32| json!({ "alphaMode": "MASK", "alphaCutoff": cutoff, "pbrMetallicRoughness": base(texture, [1.0, 1.0, 1.0, factor]) });
     let texture = || json!({ "index": 0 });
     assert_eq!(cut(mask(texture(), 1.0, 0.25)), Ok((holes(0.25), true)));
     // The factor makes all of the texture less: half of it is cut at twice the cut-off.
@@ -76,13 +84,12 @@ fn masks_cut_out_and_blended_surfaces_cast_by_half() {
         let message = cut(gone).expect_err("nothing is there");
         assert!(message.contains("has no triangles"), "{message}");
     }
-    let usual = json!({ "alphaMode": "MASK", "pbrMetallicRoughness": { "baseColorTexture": texture() } });
+    let usual =
+        json!({ "alphaMode": "MASK", "pbrMetallicRoughness": { "baseColorTexture": texture() } });
     assert_eq!(cut(usual), Ok((holes(0.5), true)));
     let opaque = json!({ "pbrMetallicRoughness": base(texture(), [1.0, 1.0, 1.0, 0.1]) });
     assert_eq!(cut(opaque), Ok((None, true)));
-    let blend = |texture, factor| {
-        json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": base(texture, [1.0, 1.0, 1.0, factor]) })
-    };
+    let blend = |texture, factor| json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": base(texture, [1.0, 1.0, 1.0, factor]) });
     assert_eq!(cut(blend(texture(), 1.0)), Ok((holes(0.5), true)));
     assert_eq!(cut(blend(json!(null), 0.6)), Ok((None, true)));
     assert_eq!(cut(blend(json!(null), 0.3)), Ok((None, false)), "glass");
@@ -110,21 +117,33 @@ fn coordinates_are_scaled_turned_and_moved() {
 #[test]
 fn normal_maps_bring_tangents() {
     let scene = read(json!({ "normalTexture": { "index": 0 } }));
-    assert_eq!((scene.materials[0].normal_map, scene.materials[0].diffuse_texture), (Some(0), None));
+    assert_eq!(
+        (
+            scene.materials[0].normal_map,
+            scene.materials[0].diffuse_texture
+        ),
+        (Some(0), None)
+    );
     assert_eq!(scene.textures[0].texels[0], [1.0; 4]);
     // u runs along x, v against y: the frame of a picture that hangs on a wall.
     assert_eq!(scene.meshes[0].tangents, [Vec4::new(1.0, 0.0, 0.0, 1.0); 4]);
     let mesh: &Mesh = &scene.meshes[0];
     assert!(mesh.normals.iter().all(|n| n.distance(Vec3::Z) < 1e-6));
     // Of a map that lies otherwise than the colours nothing can be shown.
-    let moved = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
+    let moved =
+        json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
     let both = |normals: &Value, colours: &Value| {
         let pbr = json!({ "baseColorTexture": colours });
-        read(json!({ "normalTexture": normals, "pbrMetallicRoughness": pbr })).materials[0].normal_map
+        read(json!({ "normalTexture": normals, "pbrMetallicRoughness": pbr })).materials[0]
+            .normal_map
     };
     let plain = json!({ "index": 0 });
     assert_eq!(both(&moved, &plain), None);
-    assert_eq!(both(&plain, &plain), Some(1), "the picture once more, as numbers");
+    assert_eq!(
+        both(&plain, &plain),
+        Some(1),
+        "the picture once more, as numbers"
+    );
     assert_eq!(both(&moved, &moved), Some(1));
 }
 
@@ -159,25 +178,48 @@ fn beside(uri: &str, picture: Option<&[u8]>, mode: &str) -> Result<Vec<Texture>,
 fn pictures_may_be_jpeg_and_files_and_missing() {
     let color = DynamicImage::from(ImageBuffer::from_pixel(16, 8, Rgb([255_u8, 0, 0])));
     let mut jpeg = Cursor::new(Vec::new());
-    color.write_to(&mut jpeg, ImageFormat::Jpeg).expect("encoded");
+    color
+        .write_to(&mut jpeg, ImageFormat::Jpeg)
+        .expect("encoded");
     let jpeg = jpeg.into_inner();
     for picture in [PICTURE, &jpeg] {
         let textures = beside("../looks/bark%201.png", Some(picture), "OPAQUE").expect("valid");
         assert_eq!(textures.len(), 1, "whatever its name says");
-        assert!((textures[0].texels[0][0] - 1.0).abs() < 0.02, "{:?}", textures[0].texels[0]);
+        assert!(
+            (textures[0].texels[0][0] - 1.0).abs() < 0.02,
+            "{:?}",
+            textures[0].texels[0]
+        );
     }
     // Without its looks a model is read as one of OBJ is; a mask needs them.
     assert_eq!(beside("bark.png", None, "OPAQUE"), Ok(Vec::new()));
     let message = beside("bark.png", None, "MASK").expect_err("no mask");
-    assert!(message.contains("material 0, alpha mask: needs the texture"), "{message}");
-    assert_eq!(beside("../looks/bark%201.png", Some(b"DDS "), "OPAQUE").expect_err("a lie"),
-        "models/tree.glb: node 0, mesh 0, primitive 0, material 0, image 0 `bark`, its bytes: are neither a PNG nor a JPEG picture; save it as one of the two");
+    assert!(
+        message.contains("material 0, alpha mask: needs the texture"),
+        "{message}"
+    );
+    assert_eq!(
+        beside("../looks/bark%201.png", Some(b"DDS "), "OPAQUE").expect_err("a lie"),
+        "node 0, mesh 0, primitive 0, material 0, image 0 `bark`, its bytes: are neither a PNG nor a JPEG picture; save it as one of the two"
+    );
     let half = &PICTURE[..PICTURE.len() / 2];
     let message = beside("../looks/bark%201.png", Some(half), "OPAQUE").expect_err("cut off");
-    assert!(message.contains("image 0 `bark`, its bytes: can't be decoded"), "{message}");
+    assert!(
+        message.contains("image 0 `bark`, its bytes: can't be decoded"),
+        "{message}"
+    );
     let message = beside("https://example.com/bark.png", None, "OPAQUE").expect_err("far away");
-    assert!(message.contains("its URI: begins with `https:`"), "{message}");
-    assert_eq!(beside("data:image/webp;base64,UklGRg==", None, "OPAQUE"), Ok(Vec::new()));
+    assert!(
+        message.contains("its URI: begins with `https:`"),
+        "{message}"
+    );
+    assert_eq!(
+        beside("data:image/webp;base64,UklGRg==", None, "OPAQUE"),
+        Ok(Vec::new())
+    );
     let message = beside("data:image/png;base64,UklGRg==", None, "OPAQUE").expect_err("a lie");
-    assert!(message.contains("are neither a PNG nor a JPEG picture"), "{message}");
+    assert!(
+        message.contains("are neither a PNG nor a JPEG picture"),
+        "{message}"
+    );
 }

@@ -7,17 +7,17 @@ mod model;
 mod scenes;
 
 use super::{SceneOfFile, read};
-use crate::{FilesInMemory, SceneError};
+use crate::FilesInMemory;
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use model::Model;
 use std::path::Path;
-use umbrage_core::Scene;
+use umbrage_core::{Invalid, Scene};
 
 /// Returns what a file with some others beside it says, without what a model alone gets.
-fn said(path: &str, files: &FilesInMemory) -> Result<Scene, SceneError> {
+fn said(path: &str, files: &FilesInMemory) -> Result<Scene, Invalid> {
     let wanted = SceneOfFile::of(Path::new(path)).expect("a glTF file");
     let bytes = files.bytes_of(&wanted.file);
-    read(&bytes, &wanted, files).map_err(|e| e.in_file(&wanted.file.display().to_string()))
+    read(&bytes, &wanted, files)
 }
 
 /// Returns what a model says, in whatever way its buffer is kept: in a chunk, in a data URI, in a file of its own.
@@ -35,9 +35,11 @@ fn scene_of(model: &Model) -> Result<Scene, String> {
         let apart = read("model.gltf", model.text(Some(uri)).into_bytes());
         match (&in_chunk, &apart) {
             (Ok(in_chunk), Ok(apart)) => assert_eq!(in_chunk, apart, "{uri}"),
-            (Err(in_chunk), Err(apart)) => {
-                assert_eq!(in_chunk.replace("model.glb", "model.gltf"), *apart);
+            // How much is allowed depends on the length of all files together.
+            (Err(in_chunk), Err(apart)) if in_chunk.contains("would make") => {
+                assert!(apart.contains("would make"), "{apart}");
             }
+            (Err(in_chunk), Err(apart)) => assert_eq!(in_chunk, apart),
             _ => panic!("in a chunk: {in_chunk:?}, as {uri}: {apart:?}"),
         }
     }

@@ -162,8 +162,13 @@ fn scene_with_all() -> Model {
         json!({ "type": "orthographic", "orthographic": { "xmag": 3, "ymag": 2, "znear": 0, "zfar": 50 } }),
     );
     let light = |i: usize| json!({ "KHR_lights_punctual": { "light": i } });
-    let child = model.add("nodes", json!({ "mesh": 0, "name": "child", "scale": [1, -2, 1] }));
-    model.node(json!({ "children": [child], "rotation": [0, 0.6, 0, 0.8], "translation": [1, 2, 3] }));
+    let child = model.add(
+        "nodes",
+        json!({ "mesh": 0, "name": "child", "scale": [1, -2, 1] }),
+    );
+    model.node(
+        json!({ "children": [child], "rotation": [0, 0.6, 0, 0.8], "translation": [1, 2, 3] }),
+    );
     model.node(json!({ "camera": 0, "translation": [0, 0, 9] }));
     model.node(json!({ "camera": 1, "translation": [0, 0, 9] }));
     for i in 0..3 {
@@ -184,14 +189,18 @@ fn looks() -> Model {
         "attributes": { "POSITION": positions, "NORMAL": normals, "TANGENT": tangents, "TEXCOORD_0": uvs },
         "mode": 5, "material": 0,
     }));
-    let moved = json!({ "KHR_texture_transform": { "offset": [0.5, 0], "rotation": 1, "scale": [2, 3] } });
+    let moved =
+        json!({ "KHR_texture_transform": { "offset": [0.5, 0], "rotation": 1, "scale": [2, 3] } });
     model.add("materials", json!({
         "alphaMode": "MASK", "alphaCutoff": 0.25, "emissiveFactor": [0.1, 0, 0], "normalTexture": { "index": 0, "extensions": moved },
         "pbrMetallicRoughness": { "baseColorFactor": [1, 0.5, 0.25, 0.75], "baseColorTexture": { "index": 0, "extensions": moved } },
     }));
     model.add("textures", json!({ "source": 0 }));
     let view = model.view(PICTURE);
-    model.add("images", json!({ "bufferView": view, "mimeType": "image/png" }));
+    model.add(
+        "images",
+        json!({ "bufferView": view, "mimeType": "image/png" }),
+    );
     model.node(json!({ "mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 5, 6, 7, 1] }));
     model
 }
@@ -199,7 +208,14 @@ fn looks() -> Model {
 /// Bytes of 8 bits as positions, replaced elements, and a fan without indices.
 fn sparse_and_quantised() -> Model {
     let mut model = Model::new();
-    let positions = model.numbers(I8, "VEC3", 5, &[0, 0, 0, 0, 127, 0, 0, 0, 127, 127, 0, 0, 129, 0, 0, 0, 127, 129, 0, 0]);
+    let positions = model.numbers(
+        I8,
+        "VEC3",
+        5,
+        &[
+            0, 0, 0, 0, 127, 0, 0, 0, 127, 127, 0, 0, 129, 0, 0, 0, 127, 129, 0, 0,
+        ],
+    );
     let (stride, normalized) = (json!(4), json!(true));
     model.json["bufferViews"][0]["byteStride"] = stride;
     model.json["accessors"][0]["normalized"] = normalized;
@@ -218,8 +234,7 @@ fn sparse_and_quantised() -> Model {
 
 /// A PNG file of 2 x 1 texels: grey with alpha, 8 bits; white that is there, black that isn't.
 pub(crate) const PICTURE: &[u8] = &[
-    137, 80, 78, 71, 13, 10, 26, 10, 0, 0, 0, 13, 73, 72, 68, 82, 0, 0, 0, 2,
-    0, 0, 0, 1, 8, 4, 0, 0, 0, 94, 43, 183, 1, 0, 0, 0, 13, 73, 68, 65,
-    84, 120, 218, 99, 248, 255, 159, 129, 1, 0, 6, 254, 1, 255, 42, 220, 71, 245, 0, 0,
-    0, 0, 73, 69, 78, 68, 174, 66, 96, 130,
+    137, 80, 78, 71, 13, 10, 26, 10, 0, 0, 0, 13, 73, 72, 68, 82, 0, 0, 0, 2, 0, 0, 0, 1, 8, 4, 0,
+    0, 0, 94, 43, 183, 1, 0, 0, 0, 13, 73, 68, 65, 84, 120, 218, 99, 248, 255, 159, 129, 1, 0, 6,
+    254, 1, 255, 42, 220, 71, 245, 0, 0, 0, 0, 73, 69, 78, 68, 174, 66, 96, 130,
 ];
