@@ -21,20 +21,18 @@ for target in "${targets[@]}"; do
   fuzz() { cargo fuzz "$1" --fuzz-dir tests/fuzz --sanitizer none "$target" "${@:2}"; }
   # What is found on the way stays here: much of it tells no more than a smaller input does.
   found="${CARGO_TARGET_DIR:-target}/fuzz-found/$target"
-  mkdir -p "$found" "tests/fuzz/corpus/$target"
-  if [ "$target" = gltf ]; then
-    # Models are made in code, and none is kept: a fault becomes a test beside the reader.
-    cargo run --quiet --manifest-path tests/fuzz/Cargo.toml --bin first_gltf_inputs -- "$found"
-  fi
+  mkdir -p "$found"
   dictionary="tests/fuzz/dictionaries/$target.dict"
   options=(-max_total_time="$seconds" -timeout=30 -rss_limit_mb=4096 -max_len=16384 -print_final_stats=1)
   if [ -f "$dictionary" ]; then
     options+=(-dict="$dictionary")
   fi
-  fuzz run "$found" "tests/fuzz/corpus/$target" -- "${options[@]}"
   if [ "$target" = gltf ]; then
+    # Models are made in code, and none is kept: a fault becomes a test beside the reader.
+    FIRST_INPUTS=$(realpath "$found") fuzz run "$found" -- "${options[@]}"
     continue
   fi
+  fuzz run "$found" "tests/fuzz/corpus/$target" -- "${options[@]}"
   # Keeps few small inputs that together reach all code that was reached, however often.
   fuzz run "tests/fuzz/corpus/$target" "$found" -- -merge=1 -use_counters=0 -max_len=2048
 done
