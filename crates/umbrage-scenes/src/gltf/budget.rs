@@ -13,6 +13,8 @@ const TEXELS: u64 = 1 << 26;
 const ELEMENTS_A_BYTE: u64 = 16;
 /// Placed triangles a byte: a node takes some 30 bytes at least, and forests have thousands that show one tree.
 const PLACED_A_BYTE: u64 = 64;
+/// Most triangles that copies may add up to: a few gigabytes once they are placed. A file that holds more of them itself may place these.
+const PLACED: u64 = 1 << 26;
 /// Texels a byte: pictures of one colour are compressed further, but no whole set of them.
 const TEXELS_A_BYTE: u64 = 64;
 
@@ -52,7 +54,9 @@ impl Budget {
     /// Counts triangles of an instance.
     pub(super) fn place(&mut self, triangles: usize) -> Result<(), Invalid> {
         self.placed = self.placed.saturating_add(triangles as u64);
-        let most = ELEMENTS + PLACED_A_BYTE * self.bytes;
+        let copies = (ELEMENTS + PLACED_A_BYTE * self.bytes).min(PLACED);
+        // A triangle takes three bytes at least.
+        let most = copies.max(self.bytes / 3);
         within("its mesh", self.placed, most, "triangles", self.bytes)
     }
 
@@ -73,4 +77,33 @@ fn within(what: &str, asked: u64, most: u64, unit: &str, bytes: u64) -> Result<(
         format!("would make {asked} {unit} of {bytes} bytes"),
         format!("use at most {most}, or split the model"),
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_are_bounded_and_triangles_of_the_file_s_own_are_not() {
+        let can_place =
+            |bytes: usize, triangles: usize| Budget::new(bytes).place(triangles).is_ok();
+        // By the file's length, but a million always.
+        assert!(can_place(1_000, 1 << 20));
+        assert!(can_place(1_000, (1 << 20) + 64_000));
+        assert!(!can_place(1_000, (1 << 20) + 64_001));
+        // A hundred megabytes of copies are no more than a few.
+        assert!(can_place(100_000_000, 1 << 26));
+        assert!(!can_place(100_000_000, (1 << 26) + 1));
+        assert!(can_place(900_000_000, 300_000_000));
+        assert!(!can_place(900_000_000, 300_000_001));
+        // All placed together count.
+        let mut budget = Budget::new(0);
+        budget.place(1 << 19).expect("half");
+        budget.place(1 << 19).expect("all");
+        let message = budget.place(1).expect_err("one more").to_string();
+        assert!(
+            message.contains("would make 1048577 triangles of 0 bytes"),
+            "{message}"
+        );
+    }
 }

@@ -24,14 +24,14 @@ pub(super) struct Buffers<'a> {
     pub(super) files: &'a dyn Files,
     fetched: Vec<Option<Bytes<'a>>>,
     /// Files that several buffers may share.
-    read: HashMap<PathBuf, Rc<[u8]>>,
+    read: HashMap<PathBuf, Rc<Vec<u8>>>,
 }
 
 /// Bytes that were fetched.
 #[derive(Clone, Debug)]
 pub(super) enum Bytes<'a> {
     InFile(&'a [u8]),
-    Apart(Rc<[u8]>),
+    Apart(Rc<Vec<u8>>),
 }
 
 impl Bytes<'_> {
@@ -136,7 +136,7 @@ impl<'a> Buffers<'a> {
     /// Returns the bytes that a URI names, or holds.
     pub(super) fn fetch(&mut self, uri: &str, budget: &mut Budget) -> Result<Bytes<'a>, Invalid> {
         if let Some(data) = uri.strip_prefix("data:") {
-            return decode(data).map(|bytes| Bytes::Apart(bytes.into()));
+            return decode(data).map(|bytes| Bytes::Apart(Rc::new(bytes)));
         }
         let path = self.path(uri)?;
         if let Some(bytes) = self.read.get(&path) {
@@ -149,7 +149,7 @@ impl<'a> Buffers<'a> {
             .and_then(|mut source| source.read_to_end(&mut bytes))
             .map_err(|e| missing(&path, &e, files))?;
         budget.add_bytes(bytes.len());
-        let bytes: Rc<[u8]> = bytes.into();
+        let bytes = Rc::new(bytes);
         self.read.insert(path, bytes.clone());
         Ok(Bytes::Apart(bytes))
     }

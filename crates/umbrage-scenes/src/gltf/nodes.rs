@@ -153,9 +153,10 @@ fn reached_again(
 fn transform(node: &Node<'_>) -> Result<DAffine3, Invalid> {
     match node.transform() {
         Transform::Matrix { matrix } => {
+            finite("matrix", matrix.as_flattened())?;
             let columns = matrix.map(|column| DVec4::from_array(column.map(f64::from)));
             let matrix = DMat4::from_cols(columns[0], columns[1], columns[2], columns[3]);
-            if !matrix.is_finite() || matrix.row(3) != DVec4::W {
+            if matrix.row(3) != DVec4::W {
                 return Err(broken(
                     "matrix",
                     format!("ends in the row {}, not in [0, 0, 0, 1]", matrix.row(3)),

@@ -172,6 +172,11 @@ fn documents_that_contradict_themselves_are_refused_by_name() {
             "node 0 `wall`, matrix: ends in the row [1, 0, 0, 1]",
         ),
         (
+            "/nodes/0/matrix",
+            json!([1, 0, 0, 0, 0, 1e39, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+            "node 0 `wall`, matrix: holds inf",
+        ),
+        (
             "/nodes/0/rotation",
             json!([0, 0, 0, 0]),
             "node 0 `wall`, rotation: is zero",
