@@ -93,7 +93,7 @@
 //!
 //! | what | how it is read |
 //! |---|---|
-//! | meshes | triangles, strips and fans, with indices of 8, 16 or 32 bits or none, sparse accessors, `KHR_mesh_quantization`; each primitive becomes a mesh. Points, lines, skins, morph targets and animations are left aside; so is draco's compression, unless the file requires it |
+//! | meshes | triangles, strips and fans, with indices of 8, 16 or 32 bits or none, sparse accessors, `KHR_mesh_quantization`; each primitive becomes a mesh. Without normals, surfaces are flat. Points, lines, skins, morph targets and animations are left aside; so is draco's compression, unless the file requires it |
 //! | nodes | matrices, or translation, rotation and scale, multiplied in 64 bits; mirrored ones keep their outside out. One that is scaled to zero along all axes is hidden; along one, it is an error |
 //! | cameras | with and without perspective, with and without a far plane; sizes of nodes don't count. Pictures are 360 pixels high, and as wide as the aspect ratio tells (640 without one) |
 //! | lights | `KHR_lights_punctual`. Masks know no brightness: intensities, colours and ranges are checked and left aside, but a light that is black or of intensity 0 is off. Cones end at 89.9 degrees at most |

@@ -106,8 +106,10 @@ fn part(
         }
     }
     mesh.triangles = corners.triangles;
-    if needs_tangents && (mesh.tangents.is_empty() || mesh.normals.is_empty()) {
-        mesh.tangents.clear();
+    if mesh.normals.is_empty() {
+        mesh = flat(&mesh);
+    }
+    if needs_tangents && mesh.tangents.is_empty() {
         mesh = with_tangents(&mesh)?;
     }
     scene.meshes.push(mesh);
@@ -116,6 +118,25 @@ fn part(
         material,
         casts,
     }))
+}
+
+/// Returns a mesh without normals and tangents whose triangles share no vertices. Normals that are averaged at its vertices are then those
+/// of the triangles, which the specification asks for where a file has none (section 3.7.2.1).
+fn flat(mesh: &Mesh) -> Mesh {
+    fn of_corners<T: Copy>(corners: &[u32], values: &[T]) -> Vec<T> {
+        match values {
+            [] => Vec::new(),
+            _ => corners.iter().map(|&v| values[v as usize]).collect(),
+        }
+    }
+    let corners = mesh.triangles.as_flattened();
+    let apart: Vec<u32> = (0..corners.len() as u32).collect();
+    Mesh {
+        positions: of_corners(corners, &mesh.positions),
+        uvs: of_corners(corners, &mesh.uvs),
+        triangles: apart.as_chunks::<3>().0.to_vec(),
+        ..Mesh::default()
+    }
 }
 
 /// Returns the name that errors tell a part by.
@@ -270,7 +291,7 @@ impl Attributes<'_, '_> {
         numbers.vectors(self.corners.read.as_deref(), self.budget)
     }
 
-    /// Returns the normals; empty if they are missing or one of them is zero: then they are averaged.
+    /// Returns the normals; empty if they are missing or one of them is zero: then those of the triangles are taken.
     fn normals(&mut self, primitive: &Primitive<'_>) -> Result<Vec<Vec3>, Invalid> {
         let normals = self.vectors(primitive, &Semantic::Normals)?;
         let normals: Vec<Vec3> = normals.into_iter().map(Vec3::from_array).collect();

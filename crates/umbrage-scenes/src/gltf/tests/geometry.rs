@@ -10,11 +10,16 @@ use umbrage_core::{Geometry, Instance, Mesh, Scene};
 
 const CORNERS: [u16; 6] = [0, 1, 2, 2, 1, 3];
 
-/// The fingerprint of a mesh that is placed as it is.
+/// The fingerprint of triangles that are placed as they are, each with vertices of its own.
 fn fingerprint(positions: &[f32], triangles: &[[u32; 3]]) -> u64 {
-    let positions = positions.chunks_exact(3).map(Vec3::from_slice).collect();
+    let positions = positions.as_chunks::<3>().0;
+    let corners = triangles.as_flattened().iter();
+    let apart: Vec<Vec3> = corners
+        .map(|&v| Vec3::from_array(positions[v as usize]))
+        .collect();
+    let triangles = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
     let scene = Scene {
-        meshes: vec![Mesh::new("mesh", positions, triangles.to_vec()).expect("valid")],
+        meshes: vec![Mesh::new("mesh", apart, triangles.collect()).expect("valid")],
         instances: vec![Instance::new(0, Affine3A::IDENTITY)],
         ..Scene::default()
     };
@@ -183,36 +188,46 @@ fn quantised_positions_stand_for_the_specification_s_numbers() {
 
 #[test]
 fn vertices_may_be_interleaved_and_shared() {
-    // Positions and normals in turn; the accessor of the former begins behind some other bytes.
-    let expected = fingerprint(&SQUARE, &[[0, 1, 2], [2, 1, 3]]);
+    // Positions and normals in turn, behind some other bytes.
+    let normal = [0.0_f32, 0.6, 0.8];
     let mut bytes = vec![7; 8];
     for corner in SQUARE.chunks_exact(3) {
         bytes.extend(corner.iter().flat_map(|n| n.to_le_bytes()));
-        bytes.extend([0.0_f32, 0.0, 1.0].iter().flat_map(|n| n.to_le_bytes()));
+        bytes.extend(normal.iter().flat_map(|n| n.to_le_bytes()));
     }
     let model = model_of(|model| {
         let positions = model.numbers(F32, "VEC3", 4, &bytes);
         model.json["bufferViews"][0]["byteStride"] = json!(24);
+        let mut normals = model.json["accessors"][positions].clone();
+        normals["byteOffset"] = json!(8 + 12);
         model.json["accessors"][positions]["byteOffset"] = json!(8);
+        let normals = model.add("accessors", normals);
         let indices = model.numbers(U16, "SCALAR", 6, &words(&CORNERS));
-        json!({ "attributes": { "POSITION": positions }, "indices": indices })
+        json!({ "attributes": { "POSITION": positions, "NORMAL": normals }, "indices": indices })
     });
-    assert_eq!(fingerprint_of(&model), expected);
+    let mesh = &scene_of(&model).expect("valid").meshes[0];
+    assert_eq!(mesh.positions, vectors(&SQUARE));
+    assert_eq!(mesh.normals, [Vec3::from_array(normal); 4]);
+    assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3]]);
     // A long list, of which one triangle uses three vertices; a short one of which it uses three of four.
     for count in [4, 40] {
         let list: Vec<f32> = (0..3 * count).map(|i| ((i * i) % 17) as f32).collect();
         let model = model_of(|model| {
             let positions = model.floats("VEC3", 3, &list);
+            let normals = model.floats("VEC3", 3, &normal.repeat(count));
             let indices = model.numbers(U16, "SCALAR", 3, &words(&[3, 0, 2]));
-            json!({ "attributes": { "POSITION": positions }, "indices": indices })
+            json!({ "attributes": { "POSITION": positions, "NORMAL": normals }, "indices": indices })
         });
+        let mesh = &scene_of(&model).expect("valid").meshes[0];
         let used = [&list[0..3], &list[6..9], &list[9..12]].concat();
-        assert_eq!(
-            fingerprint_of(&model),
-            fingerprint(&used, &[[2, 0, 1]]),
-            "{count}"
-        );
+        assert_eq!(mesh.positions, vectors(&used), "{count}");
+        assert_eq!(mesh.normals, [Vec3::from_array(normal); 3], "{count}");
+        assert_eq!(mesh.triangles, [[2, 0, 1]], "{count}");
     }
+}
+
+fn vectors(numbers: &[f32]) -> Vec<Vec3> {
+    numbers.chunks_exact(3).map(Vec3::from_slice).collect()
 }
 
 #[test]
@@ -227,5 +242,19 @@ fn normals_and_tangents_are_the_file_s_own_if_they_are_usable() {
         scene_of(&model).expect("valid").meshes[0].normals.clone()
     };
     assert_eq!(made([0.0, 0.6, 0.8]), [Vec3::new(0.0, 0.6, 0.8); 4]);
-    assert_eq!(made([0.0; 3]), [], "averaged by who bakes the mesh");
+    assert_eq!(made([0.0; 3]), [], "found by who bakes the mesh");
+}
+
+/// Two walls that share an edge stay two walls.
+#[test]
+fn surfaces_without_normals_are_flat() {
+    let corner = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    let model = model_of(|model| {
+        let positions = model.floats("VEC3", 3, &corner);
+        let indices = model.numbers(U16, "SCALAR", 6, &words(&[0, 1, 2, 0, 3, 1]));
+        json!({ "attributes": { "POSITION": positions }, "indices": indices })
+    });
+    let geometry = Geometry::bake(&scene_of(&model).expect("valid")).expect("valid");
+    let expected = [[Vec3::Z; 3], [Vec3::Y; 3]].concat();
+    assert_eq!(geometry.normals(), expected);
 }

@@ -18,7 +18,8 @@ fn square(material: Value) -> Model {
     let mut model = Model::new();
     let positions = model.floats("VEC3", 3, &SQUARE);
     let uvs = model.floats("VEC2", 2, &UVS);
-    let attributes = json!({ "POSITION": positions, "TEXCOORD_0": uvs });
+    let normals = model.floats("VEC3", 3, &[0.0, 0.0, 1.0].repeat(4));
+    let attributes = json!({ "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uvs });
     model.mesh(json!({ "attributes": attributes, "mode": 5, "material": 0 }));
     model.add("materials", material);
     let view = model.view(PICTURE);
@@ -151,10 +152,8 @@ fn normal_maps_bring_tangents() {
 fn tangents_of_the_file_are_kept() {
     let mut model = square(json!({ "normalTexture": { "index": 0 } }));
     let own = [0.6, 0.8, 0.0, -1.0];
-    let normals = model.floats("VEC3", 3, &[0.0, 0.0, 1.0].repeat(4));
     let tangents = model.floats("VEC4", 4, &own.repeat(4));
     let attributes = &mut model.json["meshes"][0]["primitives"][0]["attributes"];
-    attributes["NORMAL"] = json!(normals);
     attributes["TANGENT"] = json!(tangents);
     let scene = scene_of(&model).expect("valid");
     assert_eq!(scene.meshes[0].tangents, [Vec4::from_array(own); 4]);
