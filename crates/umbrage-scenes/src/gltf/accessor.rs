@@ -54,6 +54,11 @@ impl<'a> Numbers<'a> {
         self.count
     }
 
+    /// Returns whether all elements are zero for want of bytes.
+    pub(super) fn is_without_bytes(&self) -> bool {
+        self.base.is_none() && self.sparse.is_none()
+    }
+
     /// Returns the error of an accessor that can't be what it is used for.
     pub(super) fn fault(&self, why: impl Into<String>) -> Invalid {
         broken(self.told.as_str(), why)

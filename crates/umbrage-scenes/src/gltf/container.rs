@@ -17,6 +17,13 @@ pub(super) struct Container<'a> {
 
 /// Parts a file by what it holds, whatever it is called.
 pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
+    if bytes.is_empty() {
+        return Err(Invalid::new(
+            "file",
+            "is empty",
+            "copy or download it again",
+        ));
+    }
     if !bytes.starts_with(b"glTF") {
         // Some editors put a mark of byte order in front.
         let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);

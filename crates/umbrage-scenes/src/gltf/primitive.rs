@@ -168,6 +168,11 @@ fn shape(
         return Ok(None);
     };
     let positions = Numbers::open(&accessor, buffers, budget)?;
+    if positions.is_without_bytes() {
+        return Err(
+            positions.fault("holds no positions: it has neither a buffer view nor sparse elements")
+        );
+    }
     let count = positions.count();
     let indices = match primitive.indices() {
         Some(accessor) => {

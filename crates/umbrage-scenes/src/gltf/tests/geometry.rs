@@ -133,6 +133,23 @@ fn sparse_elements_replace_those_of_the_base_or_zeros() {
     );
 }
 
+/// Files have them for morph targets that move nothing.
+#[test]
+fn accessors_without_bytes_hold_zeros() {
+    let model = model_of(|model| {
+        let positions = model.floats("VEC3", 3, &SQUARE);
+        let normals = model.add(
+            "accessors",
+            json!({ "componentType": F32, "type": "VEC3", "count": 4 }),
+        );
+        let indices = model.numbers(U16, "SCALAR", 6, &words(&CORNERS));
+        json!({ "attributes": { "POSITION": positions, "NORMAL": normals }, "indices": indices })
+    });
+    // Normals of zero are none.
+    let expected = fingerprint(&SQUARE, &[[0, 1, 2], [2, 1, 3]]);
+    assert_eq!(fingerprint_of(&model), expected);
+}
+
 #[test]
 fn quantised_positions_stand_for_the_specification_s_numbers() {
     // Each with its normalised and its plain meaning, worked out by hand.
