@@ -1,6 +1,9 @@
 //! What is done with each kind of file that a fuzzer makes: it is read, and what was read is used. An error is an answer; a panic, a
 //! hang or a wrong number is a fault. The tests play the kept corpus with the same functions (`tests/suite/fuzz_corpus.rs`).
 
+#[path = "../../crates/umbrage-scenes/src/gltf/tests/model.rs"]
+mod gltf_model;
+
 use std::{cell::RefCell, fs, path::PathBuf};
 use tempfile::TempDir;
 use umbrage::{
@@ -125,6 +128,41 @@ pub(super) fn model(bytes: &[u8]) {
     if let Ok(scene) = scenes::read("model.obj", &files) {
         play(&scene);
     }
+}
+
+/// A glTF model: a whole `.glb` file; or a document and, after [`PART`], the bytes that it names, as files of their own and as one file.
+pub(super) fn gltf(bytes: &[u8]) {
+    if bytes.starts_with(b"glTF") {
+        return gltf_of([("model.glb", bytes.to_vec())], "model.glb");
+    }
+    let (json, data) = parted(bytes);
+    let whole = gltf_model::glb(json, data);
+    gltf_of([("model.glb", whole)], "model.glb#1");
+    let parts = [("model.gltf", json.to_vec()), ("data", data.to_vec())];
+    gltf_of(parts, "model.gltf");
+}
+
+fn gltf_of<const N: usize>(files: [(&str, Vec<u8>); N], path: &str) {
+    let files: FilesInMemory = files.into_iter().collect();
+    // The default scene, where there is no other.
+    let scene =
+        scenes::read(path, &files).or_else(|_| scenes::read(path.trim_end_matches("#1"), &files));
+    if let Ok(scene) = scene {
+        play(&scene);
+    }
+}
+
+/// Returns inputs that between them have all that is read of glTF.
+pub(super) fn first_gltf_inputs() -> Vec<Vec<u8>> {
+    let mut out = Vec::new();
+    for model in gltf_model::first_inputs() {
+        out.push(model.glb());
+        let mut parts = model.text(Some("data")).into_bytes();
+        parts.extend(PART);
+        parts.extend(&model.bytes);
+        out.push(parts);
+    }
+    out
 }
 
 /// A picture as texture, as heights and as normals. The first byte tells which.

@@ -35,6 +35,24 @@ fn models() {
     play("model", readers::model);
 }
 
+/// The corpus is made in code, and each of its inputs is also played in damaged copies: cut off, and with a byte replaced.
+#[test]
+fn gltf_models() {
+    let inputs = readers::first_gltf_inputs();
+    assert!(!inputs.is_empty());
+    for input in inputs {
+        readers::gltf(&input);
+        for end in (0..input.len()).step_by(7) {
+            readers::gltf(&input[..end]);
+        }
+        for place in (0..input.len()).step_by(5) {
+            let mut damaged = input.clone();
+            damaged[place] = damaged[place].wrapping_mul(31).wrapping_add(place as u8);
+            readers::gltf(&damaged);
+        }
+    }
+}
+
 #[test]
 fn pictures() {
     play("picture", readers::picture);

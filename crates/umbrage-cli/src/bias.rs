@@ -4,7 +4,7 @@ use crate::args::BiasArguments;
 use crate::inputs;
 use crate::program::Program;
 use anyhow::{Context as _, Result};
-use std::{path::Path, time::Instant};
+use std::time::Instant;
 use umbrage_core::{Scene, glam::UVec2};
 use umbrage_lab::bias::{BiasOptions, Staged, Summary, markdown, measure, staged, write};
 
@@ -69,7 +69,5 @@ fn names(asked: &[String]) -> Vec<String> {
 
 fn stage(program: &Program, name: &str) -> Result<Staged> {
     let scene: Scene = inputs::scene(program, name)?;
-    let extension = Path::new(name).extension();
-    let is_model = extension.is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-    Ok(staged(scene, is_model)?)
+    Ok(staged(scene, umbrage_scenes::is_model(name))?)
 }

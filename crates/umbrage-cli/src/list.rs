@@ -22,7 +22,7 @@ pub(crate) fn list(program: &Program) -> Result<()> {
         techniques.add_row([entry.name, entry.summary]);
     }
     println!(
-        "{scenes}\n\n{techniques}\n\nOr give the path of a scene file (.toml) or a model (.obj)."
+        "{scenes}\n\n{techniques}\n\nOr give the path of a scene file (.toml) or a model (.obj, .glb, .gltf)."
     );
     Ok(())
 }

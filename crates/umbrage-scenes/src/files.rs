@@ -93,6 +93,13 @@ impl FilesInMemory {
         missing.iter().cloned().collect()
     }
 
+    /// Returns the bytes of a file that is there.
+    #[cfg(all(test, feature = "gltf"))]
+    pub(crate) fn bytes_of(&self, path: &Path) -> Vec<u8> {
+        let found = self.find(path).expect("one file is meant");
+        found.expect("it is there").to_vec()
+    }
+
     /// Returns the bytes of a file; none if there is no such file.
     ///
     /// # Errors

@@ -167,7 +167,7 @@ fn faults_name_the_file() {
     for (name, bytes, word) in [
         ("a.toml", &b"\xff"[..], "UTF-8"),
         ("a.obj", b"f 1 2 3", "a.obj"),
-        ("a.png", b"", "neither"),
+        ("a.png", b"", "is no .toml"),
     ] {
         let message = read_all(name, vec![(name, bytes.to_vec())])
             .unwrap_err()

@@ -13,6 +13,10 @@ const OPEN: f64 = 0.08;
 /// The part of a framed picture that is kept free on each side.
 const BORDER: f64 = 0.04;
 
+/// The angle of view that stands for none, degrees.
+#[cfg(feature = "gltf")]
+const NARROW_DEGREES: f32 = 20.0;
+
 /// A pinhole camera whose near and far planes are still open.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shot {
@@ -25,6 +29,28 @@ pub(crate) struct Shot {
 }
 
 impl Shot {
+    /// Returns the shot that a camera takes; one without perspective counts as one of a narrow angle.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn of(camera: &Camera) -> Self {
+        let camera = camera.standard();
+        let axes = camera.world_from_view.matrix3;
+        // The projection stretches heights by the inverse of this tangent.
+        let stretch = camera.clip_from_view.y_axis.y;
+        let has_perspective = camera.clip_from_view.z_axis.w != 0.0;
+        let fov_y = if has_perspective {
+            2.0 * (1.0 / stretch).atan()
+        } else {
+            NARROW_DEGREES.to_radians()
+        };
+        Self {
+            eye: camera.eye(),
+            target: camera.eye() - Vec3::from(axes.z_axis),
+            up: Vec3::from(axes.y_axis),
+            fov_y,
+            size: camera.size,
+        }
+    }
+
     /// Returns the camera; near and far are fitted to what is seen where they aren't given.
     pub(crate) fn camera(
         &self,

@@ -3,7 +3,7 @@
 //! * **Built in**: [`all`] lists them and [`find`] finds one by name. Those of [`Kind::ClosedForm`] bring points whose
 //!   visibility a formula tells; those of [`Kind::Failure`] provoke a known weakness; [`Kind::Speed`] is for timing;
 //!   [`Kind::Content`] is as what games and films show.
-//! * **A scene file** (`.toml`) or **a model** (`.obj`): [`load`].
+//! * **A scene file** (`.toml`) or **a model** (`.obj`; `.glb` and `.gltf` with the feature `gltf`): [`load`].
 //! * **Either**: [`by_argument`], for command lines.
 //! * **In motion**: [`motion`] has those in which the camera, the light or casters move, and how.
 //! * **Files that are not on disk**: [`read`], with all that a scene file or a model names.
@@ -85,6 +85,28 @@
 //! that isn't there, one that is no PNG, and bump maps in grey (heights whose scale nobody tells) are left aside. A
 //! `.png` file that can't be decoded and a number that can't be read are errors.
 //!
+//! ## glTF
+//!
+//! glTF 2.0 (feature `gltf`): `.gltf` with the files that it names, and `.glb`. The default scene is read, or the one that is named behind
+//! the path: `model.glb#night`, `model.glb#1` (counted from 0). A file with neither a camera nor a light becomes what any model alone
+//! becomes; where one of the two is there, only the other is added.
+//!
+//! | what | how it is read |
+//! |---|---|
+//! | meshes | triangles, strips and fans, with indices of 8, 16 or 32 bits or none, sparse accessors, `KHR_mesh_quantization`; each primitive becomes a mesh. Without normals, surfaces are flat. Points, lines, skins, morph targets and animations are left aside; so is draco's compression, unless the file requires it |
+//! | nodes | matrices, or translation, rotation and scale, multiplied in 64 bits; mirrored ones keep their outside out. One that is scaled to zero along all axes is hidden; along one, it is an error |
+//! | cameras | with and without perspective, with and without a far plane; sizes of nodes don't count. Pictures are 360 pixels high, and as wide as the aspect ratio tells (640 without one) |
+//! | lights | `KHR_lights_punctual`. Masks know no brightness: intensities, colours and ranges are checked and left aside, but a light that is black or of intensity 0 is off. Cones end at 89.9 degrees at most |
+//! | sizes of lights | the format has none: `shadow_soft_size` or `radius` (metres) of points and spots, `angle` (radians) of suns, in the `extras` of the light or its node. Blender writes its custom properties there; its own radius needs one |
+//! | materials | base colour with its texture, normal map, colour of emission; `KHR_texture_transform`. Textures repeat. Metals, roughness and other textures are left aside; so is a normal map that lies otherwise on the mesh than the colours |
+//! | masks | `alphaMode` `MASK` cuts out texels below `alphaCutoff`; `BLEND` those below one half, and what is less than half there altogether throws no shadow. Holes are kept as [`Material::alpha`](umbrage_core::Material::alpha); the backends don't draw them yet, so such surfaces are seen, and cast, whole |
+//! | sides | all surfaces are seen, and cast, on both sides, whatever `doubleSided` says |
+//! | pictures | PNG and JPEG, embedded or beside the file, whatever their names say. One that isn't there, or of another kind, is left aside unless a mask needs it |
+//!
+//! Paths are relative to the file, and may lead out of its folder, as those of OBJ may; addresses with a scheme (`https:`) are refused, but for
+//! `data:`. Extensions that a file requires and that aren't named here are errors, but for `KHR_materials_..`, which no shadow needs. What
+//! a file asks for is bounded by its length: a few kilobytes that name a gigabyte are refused.
+//!
 //! # Detailed surfaces
 //!
 //! [`with_tangents`] prepares a mesh for normal maps, [`fitting_normal_map`] makes the normal map of a height map, and
@@ -100,6 +122,8 @@ mod error;
 mod file;
 mod files;
 mod framing;
+#[cfg(feature = "gltf")]
+mod gltf;
 mod load;
 mod lone_model;
 mod looks;
@@ -117,4 +141,4 @@ pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
 pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile};
-pub use load::{by_argument, load, parse, read};
+pub use load::{by_argument, is_model, load, parse, read};

@@ -1,5 +1,7 @@
 //! One way in for all kinds of scenes.
 
+#[cfg(feature = "gltf")]
+use crate::gltf::{self, SceneOfFile};
 use crate::{
     Files, FilesOnDisk, SceneError, all, file, find,
     nearest::{listed, nearest},
@@ -8,7 +10,14 @@ use crate::{
 use std::path::Path;
 use umbrage_core::Scene;
 
-/// The scene that a command-line argument means: a built-in scene's name, or the path of a `.toml` or `.obj` file.
+/// What scenes are read from, in errors.
+#[cfg(feature = "gltf")]
+const ENDINGS: &str = ".toml, .obj, .glb or .gltf";
+#[cfg(not(feature = "gltf"))]
+const ENDINGS: &str = ".toml or .obj";
+
+/// The scene that a command-line argument means: a built-in scene's name, or the path of a `.toml`, `.obj`, `.glb` or `.gltf` file. The last
+/// two may name one of the file's scenes behind `#`, by its name or number.
 ///
 /// # Errors
 /// Errors if it is neither, with the nearest names; else as [`load`].
@@ -29,7 +38,7 @@ pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
                 ""
             };
             let end = if near.is_empty() { "" } else { "?" };
-            let help = format!("{meant}{list}the path of a .toml or .obj file{end}");
+            let help = format!("{meant}{list}the path of a {ENDINGS} file{end}");
             Err(SceneError::Unknown {
                 argument: argument.to_owned(),
                 help,
@@ -38,7 +47,8 @@ pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
     }
 }
 
-/// Loads a scene file (`.toml`) or a model (`.obj`), which is framed and put in the sun.
+/// Loads a scene file (`.toml`) or a model (`.obj`; with the feature `gltf` also `.glb` and `.gltf`), which is framed and put in the sun
+/// if it has no camera and no light.
 ///
 /// # Errors
 /// Errors if the file can't be read, understood or rendered: with the file, the line and the key, as far as there is one.
@@ -55,7 +65,7 @@ pub fn parse(text: &str, name: &str, folder: impl AsRef<Path>) -> Result<Scene, 
     file::parse(text, Path::new(name), folder.as_ref(), &FilesOnDisk)
 }
 
-/// Reads a scene file (`.toml`) or a model (`.obj`) that is not on disk, or not as files: see [`FilesInMemory`](crate::FilesInMemory).
+/// Reads a scene file or a model that is not on disk, or not as files: see [`FilesInMemory`](crate::FilesInMemory).
 /// All that it names is looked for among `files`, too: models, `.mtl` files and textures.
 ///
 /// # Errors
@@ -64,30 +74,43 @@ pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneErr
     let path = path.as_ref();
     match Kind::of(path) {
         Some(Kind::SceneFile) => file::read(path, files),
-        Some(Kind::Model) => obj::read_scene(path, files),
+        Some(Kind::Obj) => obj::read_scene(path, files),
+        #[cfg(feature = "gltf")]
+        Some(Kind::Gltf(wanted)) => gltf::read_scene(&wanted, files),
         None => Err(neither(path)),
     }
+}
+
+/// Whether a path is a model's by its name: one that is read here.
+pub fn is_model(path: impl AsRef<Path>) -> bool {
+    Kind::of(path.as_ref()).is_some_and(|kind| kind != Kind::SceneFile)
 }
 
 fn neither(path: &Path) -> SceneError {
     SceneError::Unreadable {
         file: path.display().to_string(),
-        why: "is neither a .toml nor a .obj file".to_owned(),
-        help: "give a scene file or a Wavefront model, named so".to_owned(),
+        why: format!("is no {ENDINGS} file"),
+        help: "give a scene file or a model, named so".to_owned(),
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Kind {
     SceneFile,
-    Model,
+    Obj,
+    #[cfg(feature = "gltf")]
+    Gltf(SceneOfFile),
 }
 
 impl Kind {
     fn of(path: &Path) -> Option<Self> {
+        #[cfg(feature = "gltf")]
+        if let Some(wanted) = SceneOfFile::of(path) {
+            return Some(Self::Gltf(wanted));
+        }
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "toml" => Some(Self::SceneFile),
-            "obj" => Some(Self::Model),
+            "obj" => Some(Self::Obj),
             _ => None,
         }
     }

@@ -14,23 +14,27 @@ fn unknown_names_bring_near_ones() {
     let message = by_argument("teapot").unwrap_err().to_string();
     assert_eq!(
         message,
-        "there is no scene `teapot`; did you mean `teapot-lamp`, or the path of a .toml or .obj file?"
+        format!(
+            "there is no scene `teapot`; did you mean `teapot-lamp`, or the path of a {ENDINGS} file?"
+        )
     );
     let message = by_argument("cube").unwrap_err().to_string();
     assert!(message.contains("`cubes`"), "{message}");
     let message = by_argument("").unwrap_err().to_string();
     assert_eq!(
         message,
-        "there is no scene ``; name a built-in scene, or give the path of a .toml or .obj file"
+        format!(
+            "there is no scene ``; name a built-in scene, or give the path of a {ENDINGS} file"
+        )
     );
 }
 
 #[test]
 fn other_files_are_refused() {
-    for name in ["scene.gltf", "scene", "", "a.obj.zip"] {
+    for name in ["scene.gltf2", "scene", "", "a.obj.zip", "a#1.toml.zip"] {
         let message = load(name).unwrap_err().to_string();
         assert!(
-            message.contains("neither a .toml nor a .obj file"),
+            message.contains(&format!("is no {ENDINGS} file")),
             "{message}"
         );
     }

@@ -6,7 +6,7 @@
 //! * by type: `umbrage::cpu::Cpu` or `umbrage::wgpu::Gpu`, both [`Backend`]s, in functions generic over it;
 //! * at compile time: the features `cpu` and `wgpu`, both on by default.
 //!
-//! Two more features are off by default. With `scenes`, `umbrage::scenes` loads scene files and OBJ models and has the built-in
+//! Three more features are off by default. With `scenes`, `umbrage::scenes` loads scene files and OBJ models (with `gltf` glTF, too) and has the built-in
 //! scenes. With `plan`, `umbrage::auto` finds the least technique that a scene needs, by measurement.
 //!
 //! Programs with a device and an encoder of their own use `umbrage::wgpu::ShadowRenderer`.

@@ -65,11 +65,20 @@ fn the_planner_needs_no_gpu_and_no_scene_files() {
     assert_without("plan", &unwanted);
 }
 
+#[test]
+fn scenes_without_gltf_need_neither_its_crates_nor_jpeg() {
+    assert_without("scenes", &["gltf", "gltf-json", "zune-jpeg"]);
+}
+
 /// The list tells what is there, too.
 #[test]
 fn scenes_need_what_they_read() {
-    let packages = packages("scenes");
+    let of_scenes = packages("scenes");
     for name in ["image", "tobj", "rstar", "umbrage-scenes"] {
-        assert!(packages.contains(name), "{name}");
+        assert!(of_scenes.contains(name), "{name}");
+    }
+    let of_gltf = packages("gltf");
+    for name in ["gltf", "zune-jpeg", "umbrage-scenes"] {
+        assert!(of_gltf.contains(name), "{name}");
     }
 }

@@ -1,19 +1,16 @@
 //! Files that are dropped on the window or the page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use umbrage::scenes;
 
 /// Returns which of the files that were dropped together is the scene, and a note if others could be, too: a scene file before a model,
 /// and the first of several. All else is what the scene names.
 pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
-    let of_kind = |ending: &str| -> Vec<usize> {
-        let is_meant = |i: &usize| {
-            let found = paths[*i].extension();
-            found.is_some_and(|found| found.eq_ignore_ascii_case(ending))
-        };
-        (0..paths.len()).filter(is_meant).collect()
+    let those = |is_meant: fn(&Path) -> bool| -> Vec<usize> {
+        (0..paths.len()).filter(|&i| is_meant(&paths[i])).collect()
     };
-    let scenes = match of_kind("toml") {
-        files if files.is_empty() => of_kind("obj"),
+    let scenes = match those(is_scene_file) {
+        files if files.is_empty() => those(|path| scenes::is_model(path)),
         files => files,
     };
     match scenes[..] {
@@ -31,6 +28,11 @@ pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
     }
 }
 
+fn is_scene_file(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -43,6 +45,8 @@ mod tests {
         };
         assert_eq!(among(&["wood.png", "tile.mtl", "Tile.OBJ"]), (2, None));
         assert_eq!(among(&["tile.obj", "wood.png", "scene.toml"]), (2, None));
+        assert_eq!(among(&["tile.bin", "wood.jpg", "tile.gltf"]), (2, None));
+        assert_eq!(among(&["scene.toml", "tile.GLB"]), (0, None));
         assert_eq!(among(&["wood.png"]), (0, None));
         let (first, note) = among(&["wood.png", "a.obj", "b.obj"]);
         assert_eq!(first, 1);

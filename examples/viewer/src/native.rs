@@ -42,7 +42,7 @@ Examples:
 #[derive(Parser)]
 #[command(name = "umbrage-viewer", after_help = EXAMPLES)]
 struct Options {
-    /// A built-in scene, a scene file (.toml), or a model (.obj).
+    /// A built-in scene, a scene file (.toml), or a model (.obj, .glb, .gltf).
     scene: Option<String>,
     /// Technique of the left side.
     #[arg(long, value_name = "NAME", value_parser = technique_names())]
@@ -105,9 +105,7 @@ pub(crate) fn main() -> ExitCode {
 fn run(options: &Options) -> Result<()> {
     if let Some(scene) = options.scene.as_ref().filter(|_| !options.failure) {
         // A scene that isn't there is told before there is a window. One that is may take long, and is read behind it.
-        let is_file = [".toml", ".obj"]
-            .iter()
-            .any(|ending| scene.ends_with(ending));
+        let is_file = scene.ends_with(".toml") || scenes::is_model(scene);
         if scenes::find(scene).is_none() && !(is_file && Path::new(scene).is_file()) {
             scenes::by_argument(scene)?;
         }

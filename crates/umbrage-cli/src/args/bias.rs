@@ -10,7 +10,7 @@ use std::path::PathBuf;
   cargo xtask bias stairs town --sides 2048       two scenes, one map size
   cargo xtask bias bunny.obj --backend cpu        a model on a floor, under two suns, a spot and a bulb")]
 pub(crate) struct BiasArguments {
-    /// Built-in scenes by name, scene files (.toml) or models (.obj); none: all built-in scenes
+    /// Built-in scenes by name, scene files (.toml) or models (.obj, .glb, .gltf); none: all built-in scenes
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Which backends play the default bias; its rivals are played on the CPU

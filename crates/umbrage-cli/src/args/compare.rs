@@ -13,6 +13,7 @@ use umbrage_techniques::SOFT_ERRORS;
   cargo xtask compare --list                                 what there is to compare
   cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
   cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
+  cargo xtask compare 'model.glb#night'                      one of a glTF file's scenes, by its name or number
   cargo xtask compare cubes --preset mine.toml               settings of your own, or of `plan`
   cargo xtask compare nave-soft --max-error 0.02             `soft` with an error of your own
   cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report
@@ -21,7 +22,7 @@ use umbrage_techniques::SOFT_ERRORS;
   cargo xtask compare --stability target/stability           and what each setting fails there
   cargo xtask compare --baseline old/results.json            fail if anything got slower or less accurate")]
 pub(crate) struct CompareArguments {
-    /// Built-in scenes by name, scene files (.toml) or models (.obj); none: the built-in suite
+    /// Built-in scenes by name, scene files (.toml) or models (.obj, .glb, .gltf); none: the built-in suite
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Only these techniques; may be repeated, or separated by commas

@@ -22,7 +22,7 @@ use umbrage_plan::{Hold, MAX_GRAIN};
   cargo xtask plan --regret                           are plans right? against sweeps of the suite
   cargo xtask plan --regret cubes --errors 0.05,0.1   the same: one scene, two bounds")]
 pub(crate) struct PlanArguments {
-    /// Built-in scene by name, scene file (.toml) or model (.obj); with --regret any number, none: the suite
+    /// Built-in scene by name, scene file (.toml) or model (.obj, .glb, .gltf); with --regret any number, none: the suite
     #[arg(value_name = "SCENE", required_unless_present = "regret")]
     pub(crate) scenes: Vec<String>,
     /// Greatest error: root mean square of visibility less truth, 0 to 1

@@ -9,4 +9,6 @@ mod tangents;
 pub(crate) use files::TextureFiles;
 pub use normal_map::fitting_normal_map;
 pub(crate) use pixels::Meaning;
+#[cfg(feature = "gltf")]
+pub(crate) use pixels::{PICTURE_SIDE, decode_picture, texture_of};
 pub use tangents::with_tangents;

@@ -1,13 +1,16 @@
-//! Textures from PNG files.
+//! Textures from pictures.
 
 use crate::{Files, SceneError};
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
-use std::path::Path;
+use image::{DynamicImage, ImageFormat, ImageReader, ImageResult, Limits};
+use std::{
+    io::{BufRead, Seek},
+    path::Path,
+};
 use umbrage_core::glam::UVec2;
 use umbrage_core::{Texture, picture};
 
 /// Most texels along a side: 1 GiB in memory for a square.
-const MAX_SIDE: u32 = 8192;
+pub(crate) const PICTURE_SIDE: u32 = 8192;
 
 /// What a file's numbers mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,32 +29,45 @@ pub(crate) fn load_texture(
     meaning: Meaning,
 ) -> Result<Texture, SceneError> {
     let image = load_image(path, files)?;
-    let size = UVec2::new(image.width(), image.height());
     let name = path
         .file_name()
         .unwrap_or(path.as_os_str())
         .to_string_lossy()
         .into_owned();
-    Ok(Texture {
+    Ok(texture_of(name, &image, meaning))
+}
+
+/// A texture of a picture: see [`load_texture`].
+pub(crate) fn texture_of(name: String, picture: &DynamicImage, meaning: Meaning) -> Texture {
+    Texture {
         name,
-        size,
-        texels: texels(&image, meaning),
-    })
+        size: UVec2::new(picture.width(), picture.height()),
+        texels: texels(picture, meaning),
+    }
 }
 
 pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage, SceneError> {
     let source = files
         .open(path)
         .map_err(|e| SceneError::unreadable(path, &e, files))?;
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
-    let mut reader = ImageReader::with_format(source, ImageFormat::Png);
-    reader.limits(limits);
-    reader.decode().map_err(|e| SceneError::Unreadable {
+    decode_picture(source, ImageFormat::Png).map_err(|e| SceneError::Unreadable {
         file: path.display().to_string(),
         why: format!("can't be read as a PNG image: {e}"),
-        help: format!("save it as PNG, at most {MAX_SIDE} texels a side"),
+        help: format!("save it as PNG, at most {PICTURE_SIDE} texels a side"),
     })
+}
+
+/// Decodes a picture of at most [`PICTURE_SIDE`] texels a side.
+pub(crate) fn decode_picture(
+    source: impl BufRead + Seek,
+    format: ImageFormat,
+) -> ImageResult<DynamicImage> {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(PICTURE_SIDE);
+    limits.max_image_height = Some(PICTURE_SIDE);
+    let mut reader = ImageReader::with_format(source, format);
+    reader.limits(limits);
+    reader.decode()
 }
 
 fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {

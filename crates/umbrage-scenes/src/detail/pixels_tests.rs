@@ -92,7 +92,7 @@ fn what_is_no_png_is_refused() {
         "{}",
         message()
     );
-    DynamicImage::from(ImageBuffer::from_pixel(MAX_SIDE + 1, 1, Luma([7_u8])))
+    DynamicImage::from(ImageBuffer::from_pixel(PICTURE_SIDE + 1, 1, Luma([7_u8])))
         .save(&path)
         .unwrap();
     assert!(

@@ -65,11 +65,55 @@ pub(crate) fn complete(
     let whole = Geometry::bake(scene).map_err(invalid)?;
     let camera = shot.camera(&whole, [None, None]).map_err(invalid)?;
     scene.cameras.push(camera);
-    scene.lights.push(Light::Directional {
+    scene.lights.push(sunlight(direction));
+    Ok(())
+}
+
+/// Adds what a scene of a model's file lacks, whose triangles are `geometry`: all that a model alone gets if it has neither a camera nor
+/// a light; else the one of these that is missing, and no floor, since somebody arranged the scene.
+///
+/// # Errors
+/// Errors if the model is too small or too large.
+#[cfg(feature = "gltf")]
+pub(crate) fn add_missing(
+    scene: &mut Scene,
+    geometry: &Geometry,
+    place: &Place,
+) -> Result<(), SceneError> {
+    check_size(geometry, place)?;
+    match (scene.cameras.first(), scene.lights.is_empty()) {
+        (None, true) => complete(scene, geometry, place)?,
+        (None, false) => {
+            let ground = ground::Ground::of(geometry);
+            let shot = interior::shot(geometry, &ground, SIZE)
+                .or_else(|| of_model(geometry, &ground))
+                .ok_or_else(|| too(geometry, place))?;
+            let camera = shot.camera(geometry, [None, None]);
+            scene
+                .cameras
+                .push(camera.map_err(|source| SceneError::Invalid {
+                    file: place.file.clone(),
+                    source,
+                })?);
+        }
+        (Some(camera), true) => {
+            let shot = Shot::of(camera);
+            let usual = sun::from_left(&shot);
+            scene
+                .lights
+                .push(sunlight(sun::that_shows_most(geometry, &shot, usual)));
+        }
+        (Some(_), false) => {}
+    }
+    Ok(())
+}
+
+/// Returns the sun whose light travels this way.
+fn sunlight(direction: Vec3) -> Light {
+    Light::Directional {
         direction,
         angular_diameter: SUN_DEGREES.to_radians(),
-    });
-    Ok(())
+    }
 }
 
 /// Returns the shot of a model from outside, from as near as shows all of it and of its shadow on a floor of ours.

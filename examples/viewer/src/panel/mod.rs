@@ -99,7 +99,7 @@ fn scene(app: &mut App, ui: &mut egui::Ui) {
     });
     let triangles = app.stage.geometry.triangles().len();
     ui.weak(format!(
-        "{triangles} triangles; drop a .toml or .obj file here, with what it names, for another scene"
+        "{triangles} triangles; drop a .toml, .obj, .glb or .gltf file here, with what it names, for another scene"
     ));
     if let Some(path) = &mut app.path {
         ui.horizontal(|ui| {

@@ -68,7 +68,7 @@ impl Picker {
 
     fn title(&self) -> String {
         match self.choice {
-            Choice::Scene => "Scene, or the path of a .toml or .obj file".to_owned(),
+            Choice::Scene => "Scene, or the path of a .toml, .obj, .glb or .gltf file".to_owned(),
             Choice::Failure => "Place where shadow methods fail".to_owned(),
             Choice::Technique(side) => format!("Technique of the {} side", SIDES[side]),
         }
@@ -113,7 +113,7 @@ impl Picker {
         // What is typed, and what begins with it, comes first; the sort keeps the rest in its order.
         lines.sort_by_key(|line| (line.name != typed, !line.name.starts_with(&typed)));
         let path = self.typed.trim();
-        if self.choice == Choice::Scene && (path.ends_with(".obj") || path.ends_with(".toml")) {
+        if self.choice == Choice::Scene && (path.ends_with(".toml") || scenes::is_model(path)) {
             let taken = Taken::Scene(path.to_owned());
             lines.push(line(path.to_owned(), "this file", taken));
         }

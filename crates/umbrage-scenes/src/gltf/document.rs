@@ -1,0 +1,227 @@
+//! The JSON of a file, checked so far that every index in it points to something.
+
+use super::{broken, told};
+use gltf::{
+    Document, Scene,
+    json::{
+        Path, Root,
+        camera::Type,
+        mesh::Semantic,
+        validation::{Checked, Error, Validate as _},
+    },
+};
+use umbrage_core::Invalid;
+
+/// Extensions that a file may require: those that are read.
+const READ: [&str; 3] = [
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+/// The beginning of the names of extensions that say more of looks than pictures here show: a file may require them, too.
+const LOOKS: &str = "KHR_materials_";
+
+/// Reads and checks a document.
+pub(super) fn parse(json: &[u8]) -> Result<Document, Invalid> {
+    let mut root: Root = match serde_json::from_slice(json) {
+        Ok(root) => root,
+        Err(error) => return Err(unparsed(json, &error)),
+    };
+    check_version(&root)?;
+    check_extensions(&root)?;
+    strip(&mut root);
+    check_indices(&root)?;
+    Ok(Document::from_json_without_validation(root))
+}
+
+/// The error of text that is no document of version 2. One of version 1 is told as such: its lists are written in another way.
+fn unparsed(json: &[u8], error: &serde_json::Error) -> Invalid {
+    let version = serde_json::from_slice::<serde_json::Value>(json)
+        .ok()
+        .and_then(|value| Some(value.get("asset")?.get("version")?.as_str()?.to_owned()));
+    match version {
+        Some(version) if !version.starts_with("2.") => other_version(&version),
+        _ => broken("its JSON", format!("can't be read: {error}")),
+    }
+}
+
+fn other_version(version: &str) -> Invalid {
+    Invalid::new(
+        "asset",
+        format!("is of version {version} of the format"),
+        "export the model as glTF 2.0",
+    )
+}
+
+fn check_version(root: &Root) -> Result<(), Invalid> {
+    let version = &root.asset.version;
+    if !version.starts_with("2.") {
+        return Err(other_version(version));
+    }
+    match &root.asset.min_version {
+        Some(least) if least != "2.0" => Err(other_version(least)),
+        _ => Ok(()),
+    }
+}
+
+fn check_extensions(root: &Root) -> Result<(), Invalid> {
+    let is_known = |name: &str| READ.contains(&name) || name.starts_with(LOOKS);
+    match root.extensions_required.iter().find(|name| !is_known(name)) {
+        None => Ok(()),
+        Some(name) => Err(Invalid::new(
+            format!("extension `{name}`"),
+            "is required by the file, and is not known here",
+            format!("export the model without it; known are {}", READ.join(", ")),
+        )),
+    }
+}
+
+/// Takes out what is not read, so that faults in it are none.
+fn strip(root: &mut Root) {
+    root.animations.clear();
+    root.skins.clear();
+    root.samplers.clear();
+    for node in &mut root.nodes {
+        node.skin = None;
+    }
+    for primitive in root.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        primitive.targets = None;
+        primitive.attributes.retain(|semantic, _| {
+            matches!(
+                semantic,
+                Checked::Valid(
+                    Semantic::Positions
+                        | Semantic::Normals
+                        | Semantic::Tangents
+                        | Semantic::TexCoords(_)
+                )
+            )
+        });
+    }
+    for texture in &mut root.textures {
+        texture.sampler = None;
+    }
+    for view in &mut root.buffer_views {
+        view.target = None;
+    }
+    for material in &mut root.materials {
+        material.occlusion_texture = None;
+        material.pbr_metallic_roughness.metallic_roughness_texture = None;
+    }
+}
+
+/// Errors if an index points beyond its list, or a word is none of those that may stand in its place.
+fn check_indices(root: &Root) -> Result<(), Invalid> {
+    // The crate's own check takes these two for granted.
+    for (i, mesh) in root.meshes.iter().enumerate() {
+        for (j, primitive) in mesh.primitives.iter().enumerate() {
+            let positions = primitive
+                .attributes
+                .get(&Checked::Valid(Semantic::Positions));
+            if positions.is_some_and(|index| index.value() >= root.accessors.len()) {
+                let what = format!("meshes[{i}].primitives[{j}].attributes[\"POSITION\"]");
+                return Err(fault(root, &what, Error::IndexOutOfBounds));
+            }
+        }
+    }
+    for (i, camera) in root.cameras.iter().enumerate() {
+        let is_there = match camera.type_ {
+            Checked::Valid(Type::Perspective) => camera.perspective.is_some(),
+            Checked::Valid(Type::Orthographic) => camera.orthographic.is_some(),
+            // What is none of the two is found below.
+            Checked::Invalid => true,
+        };
+        if !is_there {
+            let what = format!("cameras[{i}].type");
+            let why = "names a projection that the camera doesn't have";
+            return Err(broken_at(root, &what, why));
+        }
+    }
+    let mut first = None;
+    root.validate(root, Path::new, &mut |path, error| {
+        if first.is_none() {
+            let path = path();
+            if is_fault(path.as_str(), error) {
+                first = Some(fault(root, path.as_str(), error));
+            }
+        }
+    });
+    first.map_or(Ok(()), Err)
+}
+
+/// Whether what the crate objects to is a fault for what is read here. Bounds of positions are computed, not read; strides are checked where
+/// they are used; extensions have been checked; an accessor without a view holds zeros, by the specification.
+fn is_fault(path: &str, error: Error) -> bool {
+    let is_unread = [".min", ".max", ".byteStride"]
+        .iter()
+        .any(|end| path.ends_with(end));
+    let is_view_of_accessor = path.starts_with("accessors[") && path.ends_with("].bufferView");
+    let holds_zeros = is_view_of_accessor && error == Error::Missing;
+    !is_unread && !holds_zeros && error != Error::Unsupported
+}
+
+fn fault(root: &Root, path: &str, error: Error) -> Invalid {
+    let why = match error {
+        Error::IndexOutOfBounds => "points to what is not in the file",
+        Error::Missing => "is missing",
+        Error::Oversize => "is too large",
+        Error::Invalid | Error::Unsupported => "is not among the values that the format knows",
+    };
+    broken_at(root, path, why)
+}
+
+fn broken_at(root: &Root, path: &str, why: &str) -> Invalid {
+    broken(format!("`{path}`{}", name_on(root, path)), why)
+}
+
+/// Returns the name of the thing that a path such as `nodes[3].mesh` begins with, if it has one.
+fn name_on(root: &Root, path: &str) -> String {
+    let find = || {
+        let (list, rest) = path.split_once('[')?;
+        let index: usize = rest.split_once(']')?.0.parse().ok()?;
+        match list {
+            "nodes" => root.nodes.get(index)?.name.as_deref(),
+            "meshes" => root.meshes.get(index)?.name.as_deref(),
+            "materials" => root.materials.get(index)?.name.as_deref(),
+            "accessors" => root.accessors.get(index)?.name.as_deref(),
+            "bufferViews" => root.buffer_views.get(index)?.name.as_deref(),
+            "textures" => root.textures.get(index)?.name.as_deref(),
+            "images" => root.images.get(index)?.name.as_deref(),
+            "cameras" => root.cameras.get(index)?.name.as_deref(),
+            "scenes" => root.scenes.get(index)?.name.as_deref(),
+            _ => None,
+        }
+    };
+    find().map_or_else(String::new, |name| format!(" of `{name}`"))
+}
+
+/// Returns the scene that is asked for by its name or number, else the default one, else the first.
+pub(super) fn scene<'a>(
+    document: &'a Document,
+    wanted: Option<&str>,
+) -> Result<Scene<'a>, Invalid> {
+    let Some(wanted) = wanted else {
+        let first = || document.scenes().next();
+        return document
+            .default_scene()
+            .or_else(first)
+            .ok_or_else(|| Invalid::new("file", "has no scene", "export the model with a scene"));
+    };
+    let by_name = document.scenes().find(|scene| scene.name() == Some(wanted));
+    let by_number = || document.scenes().nth(wanted.parse().ok()?);
+    by_name.or_else(by_number).ok_or_else(|| {
+        let there: Vec<String> = document
+            .scenes()
+            .take(20)
+            .map(|scene| told("scene", scene.index(), scene.name()))
+            .collect();
+        Invalid::new(
+            "file",
+            format!("has no scene `{wanted}`"),
+            format!(
+                "there are: {}; name one after `#`, by its name or number",
+                there.join(", ")
+            ),
+        )
+    })
+}

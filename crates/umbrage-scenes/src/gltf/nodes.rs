@@ -1,0 +1,186 @@
+//! The tree of nodes: where things stand.
+
+use super::{broken, told};
+use gltf::{Document, Node, Scene, scene::Transform};
+use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Mat3A, Vec3};
+use umbrage_core::{Invalid, invalid::finite};
+
+/// A node of the chosen scene, and where it stands.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedNode<'a> {
+    pub(super) node: Node<'a>,
+    /// Multiplied in 64 bits, from the root down.
+    pub(super) world_from_node: DAffine3,
+}
+
+impl PlacedNode<'_> {
+    /// Tells the node in errors.
+    pub(super) fn told(&self) -> String {
+        told("node", self.node.index(), self.node.name())
+    }
+
+    /// Returns where the node's mesh stands; none if the node hides it by a size of zero along all axes.
+    pub(super) fn placement(&self) -> Result<Option<Affine3A>, Invalid> {
+        let rounded = |v: DVec3| v.as_vec3().into();
+        let place = Affine3A {
+            matrix3: Mat3A::from_cols(
+                rounded(self.world_from_node.matrix3.x_axis),
+                rounded(self.world_from_node.matrix3.y_axis),
+                rounded(self.world_from_node.matrix3.z_axis),
+            ),
+            translation: rounded(self.world_from_node.translation),
+        };
+        if place.matrix3 == Mat3A::ZERO {
+            return Ok(None);
+        }
+        finite("its place in the world", &place.to_cols_array())?;
+        if place.matrix3.as_dmat3().determinant() == 0.0 {
+            return Err(Invalid::new(
+                "its place in the world",
+                "flattens the mesh",
+                "use sizes other than zero along each axis, or zero along all to hide it",
+            ));
+        }
+        Ok(Some(place))
+    }
+
+    /// Returns where the node's origin is.
+    pub(super) fn position(&self) -> Result<Vec3, Invalid> {
+        let position = self.world_from_node.translation.as_vec3();
+        finite("its place in the world", &position.to_array())?;
+        Ok(position)
+    }
+
+    /// Returns the direction in the world of one of the node's own, as a unit vector: sizes don't count.
+    pub(super) fn direction(&self, local: DVec3) -> Result<Vec3, Invalid> {
+        let direction = self.world_from_node.transform_vector3(local);
+        direction
+            .try_normalize()
+            .map(|unit| unit.as_vec3())
+            .ok_or_else(|| {
+                Invalid::new(
+                    "its place in the world",
+                    "has no direction: a size is zero, or out of range",
+                    "use sizes other than zero for nodes with cameras and lights",
+                )
+            })
+    }
+}
+
+/// Returns the nodes of a scene, each after its parent and in the order of the file.
+pub(super) fn placed<'a>(
+    document: &'a Document,
+    scene: Scene<'a>,
+) -> Result<Vec<PlacedNode<'a>>, Invalid> {
+    let count = document.nodes().len();
+    let mut parents: Vec<Reached> = vec![Reached::Not; count];
+    let mut out = Vec::new();
+    // The next node is the last one.
+    let mut open: Vec<(Node<'a>, DAffine3, Reached)> = Vec::new();
+    open.extend(
+        scene
+            .nodes()
+            .map(|node| (node, DAffine3::IDENTITY, Reached::FromScene)),
+    );
+    open.reverse();
+    while let Some((node, world_from_parent, from)) = open.pop() {
+        let index = node.index();
+        if parents[index] != Reached::Not {
+            return Err(reached_again(document, &parents, &node, from));
+        }
+        parents[index] = from;
+        let parent_from_node =
+            transform(&node).map_err(|e| e.within(told("node", index, node.name())))?;
+        let world_from_node = world_from_parent * parent_from_node;
+        let first = open.len();
+        for child in node.children() {
+            open.push((child, world_from_node, Reached::From(index)));
+        }
+        open[first..].reverse();
+        out.push(PlacedNode {
+            node,
+            world_from_node,
+        });
+    }
+    Ok(out)
+}
+
+/// From where the walk came to a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reached {
+    Not,
+    FromScene,
+    From(usize),
+}
+
+/// The error of a node that is reached a second time, from another parent or from below.
+fn reached_again(
+    document: &Document,
+    parents: &[Reached],
+    node: &Node<'_>,
+    from: Reached,
+) -> Invalid {
+    let tell = |reached| match reached {
+        Reached::From(parent) => {
+            let name = document.nodes().nth(parent).and_then(|node| node.name());
+            told("node", parent, name)
+        }
+        _ => "the scene".to_owned(),
+    };
+    let mut above = from;
+    // Parents were reached before their children, so this ends.
+    let why = loop {
+        match above {
+            Reached::From(parent) if parent == node.index() => {
+                break format!("is below itself: it is a child of {}", tell(from));
+            }
+            Reached::From(parent) => above = parents[parent],
+            _ => {
+                let first = tell(parents[node.index()]);
+                break format!("has two parents: {first} and {}", tell(from));
+            }
+        }
+    };
+    let what = told("node", node.index(), node.name());
+    Invalid::new(
+        what,
+        why,
+        "give each node one parent; copies need nodes of their own",
+    )
+}
+
+/// Returns where a node stands in its parent.
+fn transform(node: &Node<'_>) -> Result<DAffine3, Invalid> {
+    match node.transform() {
+        Transform::Matrix { matrix } => {
+            finite("matrix", matrix.as_flattened())?;
+            let columns = matrix.map(|column| DVec4::from_array(column.map(f64::from)));
+            let matrix = DMat4::from_cols(columns[0], columns[1], columns[2], columns[3]);
+            if matrix.row(3) != DVec4::W {
+                return Err(broken(
+                    "matrix",
+                    format!("ends in the row {}, not in [0, 0, 0, 1]", matrix.row(3)),
+                ));
+            }
+            Ok(DAffine3::from_mat4(matrix))
+        }
+        Transform::Decomposed {
+            translation,
+            rotation,
+            scale,
+        } => {
+            finite("translation", &translation)?;
+            finite("rotation", &rotation)?;
+            finite("scale", &scale)?;
+            let rotation = DQuat::from_array(rotation.map(f64::from));
+            if rotation.length_squared() == 0.0 {
+                return Err(broken("rotation", "is zero, which is no quaternion"));
+            }
+            Ok(DAffine3::from_scale_rotation_translation(
+                DVec3::from_array(scale.map(f64::from)),
+                rotation.normalize(),
+                DVec3::from_array(translation.map(f64::from)),
+            ))
+        }
+    }
+}

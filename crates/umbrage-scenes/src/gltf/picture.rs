@@ -1,0 +1,140 @@
+//! Pictures: PNG and JPEG, of bytes in the file or beside it.
+
+use super::{broken, budget::Budget, buffers::Buffers, told};
+use crate::detail::{Meaning, PICTURE_SIDE, decode_picture, texture_of};
+use gltf::{Document, Texture as FileTexture, json::image::Image};
+use image::{ImageFormat, ImageReader};
+use std::{collections::HashMap, io::Cursor, path::Path};
+use umbrage_core::{Invalid, Texture};
+
+/// The pictures of a file, each read once for each meaning.
+#[derive(Debug)]
+pub(super) struct Pictures<'a> {
+    document: &'a Document,
+    known: HashMap<(usize, Meaning), Option<usize>>,
+}
+
+/// Returns the number of the picture that a texture shows; none if it has only one of a kind that an extension tells.
+pub(super) fn of_texture(texture: &FileTexture<'_>) -> Option<usize> {
+    texture.source().map(|image| image.index())
+}
+
+impl<'a> Pictures<'a> {
+    pub(super) fn new(document: &'a Document) -> Self {
+        Self {
+            document,
+            known: HashMap::new(),
+        }
+    }
+
+    /// Returns the index among `textures` of a picture; none if it isn't there or of another kind. No shadow needs it, but those of masks.
+    pub(super) fn texture(
+        &mut self,
+        index: usize,
+        meaning: Meaning,
+        buffers: &mut Buffers<'_>,
+        budget: &mut Budget,
+        textures: &mut Vec<Texture>,
+    ) -> Result<Option<usize>, Invalid> {
+        if let Some(known) = self.known.get(&(index, meaning)) {
+            return Ok(*known);
+        }
+        let image = &self.document.as_json().images[index];
+        let name = told("image", index, image.name.as_deref());
+        let texture = self
+            .read(image, &name, meaning, buffers, budget)
+            .map_err(|e| e.within(&name))?;
+        let place = texture.map(|texture| {
+            textures.push(texture);
+            textures.len() - 1
+        });
+        self.known.insert((index, meaning), place);
+        Ok(place)
+    }
+
+    fn read(
+        &self,
+        image: &Image,
+        name: &str,
+        meaning: Meaning,
+        buffers: &mut Buffers<'_>,
+        budget: &mut Budget,
+    ) -> Result<Option<Texture>, Invalid> {
+        let own = image
+            .buffer_view
+            .and_then(|view| self.document.views().nth(view.value()));
+        if let Some(view) = own {
+            let view = buffers.view(&view, budget)?;
+            return decode(view.slice(), image, name, meaning, budget);
+        }
+        let Some(uri) = &image.uri else {
+            return Err(broken(
+                "its bytes",
+                "are nowhere: it has neither a URI nor a buffer view",
+            ));
+        };
+        if !uri.starts_with("data:") {
+            let path = buffers.path(uri)?;
+            if !buffers.files.has(&path) {
+                return Ok(None);
+            }
+        }
+        let bytes = buffers.fetch(uri, budget)?;
+        decode(bytes.slice(), image, name, meaning, budget)
+    }
+}
+
+fn decode(
+    bytes: &[u8],
+    image: &Image,
+    name: &str,
+    meaning: Meaning,
+    budget: &mut Budget,
+) -> Result<Option<Texture>, Invalid> {
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        _ if is_of_another_kind(image) => return Ok(None),
+        _ => {
+            return Err(Invalid::new(
+                "its bytes",
+                "are neither a PNG nor a JPEG picture",
+                "save it as one of the two",
+            ));
+        }
+    };
+    let unreadable = |e| {
+        Invalid::new(
+            "its bytes",
+            format!("can't be decoded: {e}"),
+            format!("save it again, at most {PICTURE_SIDE} texels a side"),
+        )
+    };
+    // Its size is told at its beginning.
+    let [width, height] = ImageReader::with_format(Cursor::new(bytes), format)
+        .into_dimensions()
+        .map(|(width, height)| [width, height].map(u64::from))
+        .map_err(unreadable)?;
+    budget.decode(width * height)?;
+    let picture = decode_picture(Cursor::new(bytes), format).map_err(unreadable)?;
+    Ok(Some(texture_of(name.to_owned(), &picture, meaning)))
+}
+
+/// Whether a picture says of itself that it is neither PNG nor JPEG.
+fn is_of_another_kind(image: &Image) -> bool {
+    let ending = |uri: &str| {
+        let ending = Path::new(uri).extension()?;
+        Some(format!("image/{}", ending.to_str()?.to_ascii_lowercase()))
+    };
+    let of_uri = || match image.uri.as_deref()? {
+        uri if uri.starts_with("data:") => {
+            let kind = uri["data:".len()..].split([';', ',']).next()?;
+            Some(kind.to_owned())
+        }
+        uri => ending(uri),
+    };
+    let mime = image.mime_type.as_ref().map(|kind| kind.0.clone());
+    match mime.or_else(of_uri).as_deref() {
+        None | Some("" | "image/png" | "image/jpeg" | "image/jpg") => false,
+        Some(_) => true,
+    }
+}

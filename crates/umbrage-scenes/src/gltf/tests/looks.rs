@@ -1,0 +1,224 @@
+//! Materials and pictures.
+
+use super::{
+    model::{Model, PICTURE, SQUARE},
+    said, scene_of,
+};
+use crate::FilesInMemory;
+use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb};
+use serde_json::{Value, json};
+use std::{f32::consts::FRAC_PI_2, io::Cursor};
+use umbrage_core::glam::{Vec2, Vec3, Vec4};
+use umbrage_core::{AlphaCutout, Material, Mesh, Scene, Texture};
+
+const UVS: [f32; 8] = [0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+
+/// A square with texture coordinates, this material, and [`PICTURE`] as texture 0.
+fn square(material: Value) -> Model {
+    let mut model = Model::new();
+    let positions = model.floats("VEC3", 3, &SQUARE);
+    let uvs = model.floats("VEC2", 2, &UVS);
+    let normals = model.floats("VEC3", 3, &[0.0, 0.0, 1.0].repeat(4));
+    let attributes = json!({ "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uvs });
+    model.mesh(json!({ "attributes": attributes, "mode": 5, "material": 0 }));
+    model.add("materials", material);
+    let view = model.view(PICTURE);
+    model.add(
+        "images",
+        json!({ "bufferView": view, "mimeType": "image/png" }),
+    );
+    model.add("textures", json!({ "source": 0 }));
+    model.node(json!({ "mesh": 0 }));
+    model
+}
+
+fn read(material: Value) -> Scene {
+    let scene = scene_of(&square(material)).expect("valid");
+    scene.validate().expect("valid");
+    scene
+}
+
+fn base(texture: Value, factor: [f32; 4]) -> Value {
+    json!({ "baseColorTexture": texture, "baseColorFactor": factor })
+}
+
+#[test]
+fn colours_and_their_texture_are_read() {
+    let pbr = base(json!({ "index": 0 }), [1.0, 0.5, 0.25, 1.0]);
+    let scene = read(json!({ "pbrMetallicRoughness": pbr, "emissiveFactor": [0.5, 0, 2] }));
+    let expected = Material {
+        diffuse: Vec3::new(1.0, 0.5, 0.25),
+        diffuse_texture: Some(0),
+        emissive: Vec3::new(0.5, 0.0, 1.0),
+        ..Material::default()
+    };
+    assert_eq!(scene.materials, [expected]);
+    assert_eq!(scene.instances[0].material, Some(0));
+    let texels = &scene.textures[0].texels;
+    assert_eq!(*texels, [[1.0; 4], [0.0; 4]]);
+    // Both count v from the top.
+    assert_eq!(
+        scene.meshes[0].uvs,
+        UVS.as_chunks::<2>()
+            .0
+            .iter()
+            .map(|&uv| Vec2::from_array(uv))
+            .collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn masks_cut_out_and_blended_surfaces_cast_by_half() {
+    let cut = |material: Value| {
+        let scene = scene_of(&square(material)).map_err(|e| e.to_string())?;
+        Ok::<_, String>((scene.materials[0].alpha, scene.instances[0].casts))
+    };
+    let holes = |cutoff| Some(AlphaCutout { texture: 0, cutoff });
+    let mask = |texture, factor, cutoff: f32| json!({ "alphaMode": "MASK", "alphaCutoff": cutoff, "pbrMetallicRoughness": base(texture, [1.0, 1.0, 1.0, factor]) });
+    let texture = || json!({ "index": 0 });
+    assert_eq!(cut(mask(texture(), 1.0, 0.25)), Ok((holes(0.25), true)));
+    // The factor makes all of the texture less: half of it is cut at twice the cut-off.
+    assert_eq!(cut(mask(texture(), 0.5, 0.25)), Ok((holes(0.5), true)));
+    assert_eq!(cut(mask(json!(null), 0.5, 0.25)), Ok((None, true)));
+    assert_eq!(cut(mask(texture(), 1.0, 0.0)), Ok((None, true)));
+    for gone in [mask(json!(null), 0.2, 0.25), mask(texture(), 0.2, 0.25)] {
+        let message = cut(gone).expect_err("nothing is there");
+        assert!(message.contains("has no triangles"), "{message}");
+    }
+    let usual =
+        json!({ "alphaMode": "MASK", "pbrMetallicRoughness": { "baseColorTexture": texture() } });
+    assert_eq!(cut(usual), Ok((holes(0.5), true)));
+    let opaque = json!({ "pbrMetallicRoughness": base(texture(), [1.0, 1.0, 1.0, 0.1]) });
+    assert_eq!(cut(opaque), Ok((None, true)));
+    let blend = |texture, factor| json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": base(texture, [1.0, 1.0, 1.0, factor]) });
+    assert_eq!(cut(blend(texture(), 1.0)), Ok((holes(0.5), true)));
+    assert_eq!(cut(blend(json!(null), 0.6)), Ok((None, true)));
+    assert_eq!(cut(blend(json!(null), 0.3)), Ok((None, false)), "glass");
+}
+
+#[test]
+fn coordinates_are_scaled_turned_and_moved() {
+    let transform = json!({ "scale": [2, 3], "rotation": FRAC_PI_2, "offset": [10, 20] });
+    let texture = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
+    let scene = read(json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } }));
+    // A quarter counter-clockwise takes right to up, and up is towards less v: (u, v) becomes (v, -u).
+    for (found, uv) in scene.meshes[0].uvs.iter().zip(UVS.as_chunks::<2>().0) {
+        let expected = Vec2::new(3.0 * uv[1] + 10.0, -2.0 * uv[0] + 20.0);
+        assert!(found.distance(expected) < 1e-5, "{uv:?} became {found}");
+    }
+    // Another set of coordinates is one that the mesh doesn't have.
+    let other = json!({ "index": 0, "texCoord": 1 });
+    let scene = read(json!({ "pbrMetallicRoughness": { "baseColorTexture": other } }));
+    assert_eq!(scene.materials[0].diffuse_texture, None);
+    let moved = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "texCoord": 0 } }, "texCoord": 1 });
+    let scene = read(json!({ "pbrMetallicRoughness": { "baseColorTexture": moved } }));
+    assert_eq!(scene.materials[0].diffuse_texture, Some(0));
+}
+
+#[test]
+fn normal_maps_bring_tangents() {
+    let scene = read(json!({ "normalTexture": { "index": 0 } }));
+    assert_eq!(
+        (
+            scene.materials[0].normal_map,
+            scene.materials[0].diffuse_texture
+        ),
+        (Some(0), None)
+    );
+    assert_eq!(scene.textures[0].texels[0], [1.0; 4]);
+    // u runs along x, v against y: the frame of a picture that hangs on a wall.
+    assert_eq!(scene.meshes[0].tangents, [Vec4::new(1.0, 0.0, 0.0, 1.0); 4]);
+    let mesh: &Mesh = &scene.meshes[0];
+    assert!(mesh.normals.iter().all(|n| n.distance(Vec3::Z) < 1e-6));
+    // Of a map that lies otherwise than the colours nothing can be shown.
+    let moved =
+        json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
+    let both = |normals: &Value, colours: &Value| {
+        let pbr = json!({ "baseColorTexture": colours });
+        read(json!({ "normalTexture": normals, "pbrMetallicRoughness": pbr })).materials[0]
+            .normal_map
+    };
+    let plain = json!({ "index": 0 });
+    assert_eq!(both(&moved, &plain), None);
+    assert_eq!(
+        both(&plain, &plain),
+        Some(1),
+        "the picture once more, as numbers"
+    );
+    assert_eq!(both(&moved, &moved), Some(1));
+}
+
+#[test]
+fn tangents_of_the_file_are_kept() {
+    let mut model = square(json!({ "normalTexture": { "index": 0 } }));
+    let own = [0.6, 0.8, 0.0, -1.0];
+    let tangents = model.floats("VEC4", 4, &own.repeat(4));
+    let attributes = &mut model.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["TANGENT"] = json!(tangents);
+    let scene = scene_of(&model).expect("valid");
+    assert_eq!(scene.meshes[0].tangents, [Vec4::from_array(own); 4]);
+}
+
+/// Reads a square whose picture is beside it under a name, or isn't.
+fn beside(uri: &str, picture: Option<&[u8]>, mode: &str) -> Result<Vec<Texture>, String> {
+    let pbr = json!({ "baseColorTexture": { "index": 0 } });
+    let mut model = square(json!({ "alphaMode": mode, "pbrMetallicRoughness": pbr }));
+    model.json["images"] = json!([{ "uri": uri, "name": "bark" }]);
+    let mut files = FilesInMemory::default();
+    files.insert("models/tree.glb", model.glb());
+    if let Some(picture) = picture {
+        files.insert("looks/bark 1.png", picture);
+    }
+    let scene = said("models/tree.glb", &files).map_err(|e| e.to_string())?;
+    Ok(scene.textures)
+}
+
+#[test]
+fn pictures_may_be_jpeg_and_files_and_missing() {
+    let color = DynamicImage::from(ImageBuffer::from_pixel(16, 8, Rgb([255_u8, 0, 0])));
+    let mut jpeg = Cursor::new(Vec::new());
+    color
+        .write_to(&mut jpeg, ImageFormat::Jpeg)
+        .expect("encoded");
+    let jpeg = jpeg.into_inner();
+    for picture in [PICTURE, &jpeg] {
+        let textures = beside("../looks/bark%201.png", Some(picture), "OPAQUE").expect("valid");
+        assert_eq!(textures.len(), 1, "whatever its name says");
+        assert!(
+            (textures[0].texels[0][0] - 1.0).abs() < 0.02,
+            "{:?}",
+            textures[0].texels[0]
+        );
+    }
+    // Without its looks a model is read as one of OBJ is; a mask needs them.
+    assert_eq!(beside("bark.png", None, "OPAQUE"), Ok(Vec::new()));
+    let message = beside("bark.png", None, "MASK").expect_err("no mask");
+    assert!(
+        message.contains("material 0, alpha mask: needs the texture"),
+        "{message}"
+    );
+    assert_eq!(
+        beside("../looks/bark%201.png", Some(b"DDS "), "OPAQUE").expect_err("a lie"),
+        "node 0, mesh 0, primitive 0, material 0, image 0 `bark`, its bytes: are neither a PNG nor a JPEG picture; save it as one of the two"
+    );
+    let half = &PICTURE[..PICTURE.len() / 2];
+    let message = beside("../looks/bark%201.png", Some(half), "OPAQUE").expect_err("cut off");
+    assert!(
+        message.contains("image 0 `bark`, its bytes: can't be decoded"),
+        "{message}"
+    );
+    let message = beside("https://example.com/bark.png", None, "OPAQUE").expect_err("far away");
+    assert!(
+        message.contains("its URI: begins with `https:`"),
+        "{message}"
+    );
+    assert_eq!(
+        beside("data:image/webp;base64,UklGRg==", None, "OPAQUE"),
+        Ok(Vec::new())
+    );
+    let message = beside("data:image/png;base64,UklGRg==", None, "OPAQUE").expect_err("a lie");
+    assert!(
+        message.contains("are neither a PNG nor a JPEG picture"),
+        "{message}"
+    );
+}

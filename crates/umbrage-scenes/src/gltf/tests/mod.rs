@@ -1,0 +1,47 @@
+//! Files are made here, by [`model`], and read as any file is.
+
+mod errors;
+mod geometry;
+mod looks;
+mod model;
+mod scenes;
+
+use super::{SceneOfFile, read};
+use crate::FilesInMemory;
+use base64::{Engine as _, engine::general_purpose::STANDARD};
+use model::Model;
+use std::path::Path;
+use umbrage_core::{Invalid, Scene};
+
+/// Returns what a file with some others beside it says, without what a model alone gets.
+fn said(path: &str, files: &FilesInMemory) -> Result<Scene, Invalid> {
+    let wanted = SceneOfFile::of(Path::new(path)).expect("a glTF file");
+    let bytes = files.bytes_of(&wanted.file);
+    read(&bytes, &wanted, files)
+}
+
+/// Returns what a model says, in whatever way its buffer is kept: in a chunk, in a data URI, in a file of its own.
+fn scene_of(model: &Model) -> Result<Scene, String> {
+    let read = |file: &str, bytes: Vec<u8>| {
+        let files = [(file, bytes), ("b in.bin", model.bytes.clone())];
+        said(file, &files.into_iter().collect()).map_err(|e| e.to_string())
+    };
+    let in_chunk = read("model.glb", model.glb());
+    let data = format!(
+        "data:application/octet-stream;base64,{}",
+        STANDARD.encode(&model.bytes)
+    );
+    for uri in [data.as_str(), "b%20in.bin"] {
+        let apart = read("model.gltf", model.text(Some(uri)).into_bytes());
+        match (&in_chunk, &apart) {
+            (Ok(in_chunk), Ok(apart)) => assert_eq!(in_chunk, apart, "{uri}"),
+            // How much is allowed depends on the length of all files together.
+            (Err(in_chunk), Err(apart)) if in_chunk.contains("would make") => {
+                assert!(apart.contains("would make"), "{apart}");
+            }
+            (Err(in_chunk), Err(apart)) => assert_eq!(in_chunk, apart),
+            _ => panic!("in a chunk: {in_chunk:?}, as {uri}: {apart:?}"),
+        }
+    }
+    in_chunk
+}
