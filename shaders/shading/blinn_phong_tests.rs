@@ -78,6 +78,7 @@ const MATERIAL: Material = Material {
     emissive: Vec3::ZERO,
     normal_map: None,
     displacement: None,
+    alpha: None,
 };
 
 /// From y up to z: n.l = .8 on the quad.

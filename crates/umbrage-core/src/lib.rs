@@ -69,7 +69,9 @@ pub use scene::{
     light::Light,
     light_marker::LightMarker,
     light_sample,
-    material::{Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Texture},
+    material::{
+        AlphaCutout, Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Texture,
+    },
 };
 pub use simd::{Simd, SimdTask};
 pub use snapping::{DepthPlanes, OffsetUnit, Snapping};

@@ -154,6 +154,9 @@ fn moved(mut material: Material, first: usize) -> Material {
     if let Some(displacement) = &mut material.displacement {
         displacement.texture += first;
     }
+    if let Some(alpha) = &mut material.alpha {
+        alpha.texture += first;
+    }
     material
 }
 

@@ -1,4 +1,5 @@
-//! Materials and textures: what colour pictures and detailed surfaces need. Masks know nothing of them but displacement.
+//! Materials and textures: what colour pictures and detailed surfaces need. Masks know nothing of them but displacement and
+//! alpha.
 
 use crate::{
     Invalid,
@@ -7,7 +8,7 @@ use crate::{
 use glam::{UVec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Texels of any meaning: colour, tangent-space normals, height.
+/// Texels of any meaning: colour, tangent-space normals, height, alpha.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Texture {
     /// A name for error messages.
@@ -36,6 +37,33 @@ pub struct Material {
     pub normal_map: Option<usize>,
     /// Relief.
     pub displacement: Option<Displacement>,
+    /// Where the surface isn't there: leaves, fences.
+    pub alpha: Option<AlphaCutout>,
+}
+
+/// Holes in a surface, cut out by a texture: through them light falls, and the camera sees. A point is a hole if the fourth
+/// channel of the texel nearest to its uv (repeating) is less than the cut-off.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AlphaCutout {
+    /// Index into [`Scene::textures`](crate::Scene::textures); its fourth channel is alpha, 0 clear to 1 opaque.
+    pub texture: usize,
+    /// Least alpha of what is there, 0 to 1. With 0 nothing is cut out of a texture whose alpha is not negative.
+    pub cutoff: f32,
+}
+
+impl AlphaCutout {
+    fn validate(&self) -> Result<(), Invalid> {
+        let what = "cut-off of the alpha texture";
+        finite(what, &[self.cutoff])?;
+        if (0.0..=1.0).contains(&self.cutoff) {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            what,
+            format!("is {}", self.cutoff),
+            "use 0 to 1; .5 is usual",
+        ))
+    }
 }
 
 /// Relief: each vertex moves along its unit normal by `lambda (2 h - 1)`, where h is the first channel of the texture at
@@ -65,6 +93,7 @@ impl Default for Material {
             emissive: Vec3::ZERO,
             normal_map: None,
             displacement: None,
+            alpha: None,
         }
     }
 }
@@ -101,7 +130,8 @@ impl Material {
     /// Checks that the material can be used in a scene with so many `textures`.
     ///
     /// # Errors
-    /// Errors with the first fault found: a texture that isn't there, a number that is negative or not finite, an absurd setting.
+    /// Errors with the first fault found: a texture that isn't there, a number that is negative or not finite, an absurd setting,
+    /// a cut-off outside 0 to 1.
     pub fn validate(&self, textures: usize) -> Result<(), Invalid> {
         for (what, color) in [
             ("diffuse colour", self.diffuse),
@@ -117,6 +147,7 @@ impl Material {
             ("diffuse texture", self.diffuse_texture),
             ("normal map", self.normal_map),
             ("displacement map", relief.map(|d| d.texture)),
+            ("alpha texture", self.alpha.map(|a| a.texture)),
         ] {
             if let Some(id) = id.filter(|&id| id >= textures) {
                 let why = format!("is texture {id} of {textures}");
@@ -133,6 +164,9 @@ impl Material {
             MAX_SHININESS_LOG2,
             "as a power of two",
         )?;
+        if let Some(alpha) = self.alpha {
+            alpha.validate()?;
+        }
         let Some(Displacement {
             lambda,
             subdivisions,
@@ -160,4 +194,32 @@ fn at_most(what: &str, value: u32, most: u32, unit: &str) -> Result<(), Invalid>
         format!("is {value} {unit}"),
         format!("use 0 to {most}"),
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cut_outs_that_cannot_be_asked_are_refused() {
+        let with = |texture, cutoff| {
+            let alpha = Some(AlphaCutout { texture, cutoff });
+            let material = Material {
+                alpha,
+                ..Material::default()
+            };
+            material.validate(2).map_err(|e| e.to_string())
+        };
+        assert_eq!(with(1, 0.0), Ok(()));
+        assert_eq!(with(0, 1.0), Ok(()));
+        let missing = "alpha texture: is texture 2 of 2; use the index of a texture of this scene";
+        assert_eq!(with(2, 0.5), Err(missing.into()));
+        for cutoff in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
+            let error = with(0, cutoff).unwrap_err();
+            assert!(
+                error.starts_with("cut-off of the alpha texture: "),
+                "{error}"
+            );
+        }
+    }
 }

@@ -237,7 +237,8 @@ impl Scene {
         };
         let mesh = &self.meshes[instance.mesh];
         let textured = material.diffuse_texture.or(material.normal_map).is_some()
-            || material.displacement.is_some();
+            || material.displacement.is_some()
+            || material.alpha.is_some();
         if textured && mesh.uvs.is_empty() {
             let why = "has no texture coordinates, but its material has a texture";
             return Err(Invalid::new(
