@@ -25,7 +25,7 @@ mod touches;
 use crate::{
     listing::{Candidate, ClosedFormDemand, ListedTechnique},
     shadow_map::ShadowMap,
-    techniques::traced::longest_ray,
+    techniques::{check_no_holes, traced::longest_ray},
 };
 use at_once::answer_all;
 use lists::{KeptLists, Lists, Rows};
@@ -81,6 +81,7 @@ impl ShadowTechnique for Exact {
                 "lists need the scene's triangles, and this view has none",
             ));
         };
+        check_no_holes(geometry, "where lists hold whole triangles")?;
         Ok(recipe_of(ExactKernel::new(view, geometry)))
     }
 

@@ -21,6 +21,7 @@ use crate::{
     shading::facing::{FACING, homogeneous, turned_away},
     shadow_map::ShadowMap,
     techniques::{
+        check_no_holes,
         infinite_far::InfiniteFarView,
         planar::{
             flatten::flatten_casters,
@@ -75,6 +76,7 @@ impl ShadowTechnique for Planar {
                 "planes are found among the scene's triangles, and this view has none",
             ));
         };
+        check_no_holes(geometry, "where whole casters are flattened")?;
         let light = homogeneous(view.light);
         let planes = Planes::find(view, geometry, light, self.planes as usize);
         if planes.planes.len() > self.planes as usize {

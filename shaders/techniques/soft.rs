@@ -26,7 +26,7 @@ pub mod search;
 use crate::{
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter},
     shadow_map::ShadowMap,
-    techniques::traced::{check_stack, longest_ray},
+    techniques::{check_no_holes, traced::{check_stack, longest_ray}},
 };
 use footprint::FOOTPRINT;
 use hidden::{HIDDEN, sorted};
@@ -120,6 +120,7 @@ impl ShadowTechnique for Soft {
             )));
         }
         check_stack(geometry)?;
+        check_no_holes(geometry, "where whole triangles hide points of the light")?;
         let kernel = self.kernel(view, geometry);
         let [nodes, triangles] = geometry.bvh_tables();
         let sorted = geometry.derived(|_| SortedTriangles::of(triangles));

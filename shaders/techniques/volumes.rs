@@ -31,6 +31,7 @@ use crate::{
     listing::ListedTechnique,
     shading::facing::{FACING, homogeneous, turned_away},
     techniques::{
+        check_no_holes,
         infinite_far::InfiniteFarView,
         volumes::{
             clip_window::ClipWindow,
@@ -80,6 +81,7 @@ impl ShadowTechnique for ShadowVolumes {
                 "volumes are made from the scene's triangles, and this view has none",
             ));
         };
+        check_no_holes(geometry, "since volumes grow from the outlines of whole casters")?;
         let light = homogeneous(view.light);
         let infinite_far = InfiniteFarView::new(view, geometry);
         let lifted = LiftedLight::new(geometry, light.as_dvec4());
