@@ -26,7 +26,10 @@ pub mod search;
 use crate::{
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter},
     shadow_map::ShadowMap,
-    techniques::{check_no_holes, traced::{check_stack, longest_ray}},
+    techniques::{
+        check_no_holes,
+        traced::{check_stack, longest_ray},
+    },
 };
 use footprint::FOOTPRINT;
 use hidden::{HIDDEN, sorted};

@@ -81,7 +81,10 @@ impl ShadowTechnique for ShadowVolumes {
                 "volumes are made from the scene's triangles, and this view has none",
             ));
         };
-        check_no_holes(geometry, "since volumes grow from the outlines of whole casters")?;
+        check_no_holes(
+            geometry,
+            "since volumes grow from the outlines of whole casters",
+        )?;
         let light = homogeneous(view.light);
         let infinite_far = InfiniteFarView::new(view, geometry);
         let lifted = LiftedLight::new(geometry, light.as_dvec4());

@@ -76,10 +76,7 @@ impl Record {
     fn rows(&self) -> [[u32; 4]; 2] {
         let [a, b, c] = self.uvs.map(|uv| [uv.x.to_bits(), uv.y.to_bits()]);
         let size = self.size.x | self.size.y << 16;
-        [
-            [a[0], a[1], b[0], b[1]],
-            [c[0], c[1], size, self.first_row],
-        ]
+        [[a[0], a[1], b[0], b[1]], [c[0], c[1], size, self.first_row]]
     }
 }
 
@@ -99,13 +96,7 @@ fn nearest_texel(t: f32, n: u32) -> u32 {
 /// Returns the number of the texel where a segment's line meets a triangle's plane. `uv_ab` are the uvs of corners a and b, `size` is the
 /// texture's. Where the segment runs along the plane, texel 0.
 #[inline(always)]
-fn texel_met(
-    segment: &Segment,
-    corners: &Corners,
-    uv_ab: Vec4,
-    uv_c: Vec2,
-    size: UVec2,
-) -> u32 {
+fn texel_met(segment: &Segment, corners: &Corners, uv_ab: Vec4, uv_c: Vec2, size: UVec2) -> u32 {
     let areas = segment.areas(corners);
     let whole = areas.x + areas.y + areas.z;
     // Sums run from left to right, as in the twin.
@@ -324,7 +315,8 @@ fn append_texture(
 ) -> Result<u32, Invalid> {
     if texture.size.max_element() > MAX_ALPHA_SIDE {
         let why = format!("is {} x {} texels", texture.size.x, texture.size.y);
-        let help = format!("use at most {MAX_ALPHA_SIDE} on each side where it is an alpha texture");
+        let help =
+            format!("use at most {MAX_ALPHA_SIDE} on each side where it is an alpha texture");
         return Err(Invalid::new(
             format!("texture `{}`", texture.name),
             why,
@@ -369,7 +361,13 @@ fn cut_out_texel(
     uv_c: Vec2,
     size: UVec2,
 ) -> u32 {
-    texel_met(&Segment::new(o, d), &Corners::new([a, b, c]), uv_ab, uv_c, size)
+    texel_met(
+        &Segment::new(o, d),
+        &Corners::new([a, b, c]),
+        uv_ab,
+        uv_c,
+        size,
+    )
 }
 
 #[cfg(test)]

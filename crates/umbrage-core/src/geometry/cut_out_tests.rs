@@ -216,7 +216,10 @@ fn tables_are_read_back_and_spoilt_ones_refused() {
     assert!(spoilt(2, 2, 0), "a texture without texels");
     assert!(spoilt(2, 2, 200 | 200 << 16), "a texture beyond the table");
     assert!(spoilt(4, 3, u32::MAX), "bits beyond the table");
-    assert!(CutOuts::from_rows(&rows[..4], 2).is_err(), "a table cut off");
+    assert!(
+        CutOuts::from_rows(&rows[..4], 2).is_err(),
+        "a table cut off"
+    );
 }
 
 #[test]
@@ -234,7 +237,13 @@ fn runs_are_split_where_holes_begin_and_end() {
         rows: Arc::new([]),
     };
     let split = |runs: &[Range<u32>]| cut_outs.split(runs);
-    assert_eq!(split(&[0..20]), [vec![0..5, 8..10, 12..20], vec![5..8, 10..12]]);
-    assert_eq!(split(&[0..3, 6..11]), [vec![0..3, 8..10], vec![6..8, 10..11]]);
+    assert_eq!(
+        split(&[0..20]),
+        [vec![0..5, 8..10, 12..20], vec![5..8, 10..12]]
+    );
+    assert_eq!(
+        split(&[0..3, 6..11]),
+        [vec![0..3, 8..10], vec![6..8, 10..11]]
+    );
     assert_eq!(split(&[6..7, 13..14]), [vec![13..14], vec![6..7]]);
 }

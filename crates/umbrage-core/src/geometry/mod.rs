@@ -89,9 +89,7 @@ impl Geometry {
         let end_of_receivers = placed.next_id();
         placed.append_all(scene, |i| !i.casts && !i.receives && is_cut_out(scene, i))?;
         let end_of_second_cut_out = placed.next_id();
-        placed.append_all(scene, |i| {
-            !i.casts && !i.receives && !is_cut_out(scene, i)
-        })?;
+        placed.append_all(scene, |i| !i.casts && !i.receives && !is_cut_out(scene, i))?;
         placed.finish();
         if let Some(i) = placed.positions.iter().position(|p| !p.is_finite()) {
             return Err(Invalid::new(

@@ -32,7 +32,13 @@ pub(crate) trait Coverage {
 
     /// Takes the pixels of a row that lie in holes out of it: their depth `z` becomes 1. Pixels that are not nearer than `stored`
     /// aren't asked, as none of the modes that know ids keeps what is farther.
-    fn take_holes(&self, triangle: u32, first: [i32; 2], z: &mut [f32; LANES], stored: &[f32; LANES]);
+    fn take_holes(
+        &self,
+        triangle: u32,
+        first: [i32; 2],
+        z: &mut [f32; LANES],
+        stored: &[f32; LANES],
+    );
 }
 
 /// No triangle has holes.

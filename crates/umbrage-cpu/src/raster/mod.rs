@@ -19,10 +19,10 @@ mod tile;
 mod viewport;
 mod whole;
 
-pub(crate) use crate::raster::{holes::Holes, mode::Mode};
 pub use crate::raster::plane_error::PlaneShift;
 pub(crate) use crate::raster::position::Position;
 pub(crate) use crate::raster::tile::Target;
+pub(crate) use crate::raster::{holes::Holes, mode::Mode};
 
 use crate::raster::{
     bin::{Bins, FETCH, TILE},
