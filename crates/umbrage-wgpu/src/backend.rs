@@ -326,6 +326,9 @@ pub(crate) fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError
         return Err(Invalid::new("receivers", why, help).into());
     }
     view.receivers.map_or(Ok(()), Receivers::validate)?;
+    if let Some(geometry) = view.geometry {
+        recipe.check_holes(geometry)?;
+    }
     let casts_geometry = recipe
         .casts
         .iter()
