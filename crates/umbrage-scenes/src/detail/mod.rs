@@ -9,4 +9,7 @@ mod tangents;
 pub(crate) use files::TextureFiles;
 pub use normal_map::fitting_normal_map;
 pub(crate) use pixels::Meaning;
+
+/// The cut-off of alpha textures whose file says none: glTF's default.
+pub(crate) const USUAL_CUTOFF: f32 = 0.5;
 pub use tangents::with_tangents;

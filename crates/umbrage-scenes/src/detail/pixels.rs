@@ -16,6 +16,8 @@ pub(crate) enum Meaning {
     Color,
     /// Normals or heights: numbers as they are.
     Data,
+    /// What is there: a file's alpha, or, of files without, its first channel, as it is. The colours are white.
+    Alpha,
 }
 
 /// A texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey is in all three channels, and
@@ -32,11 +34,14 @@ pub(crate) fn load_texture(
         .unwrap_or(path.as_os_str())
         .to_string_lossy()
         .into_owned();
-    Ok(Texture {
-        name,
-        size,
-        texels: texels(&image, meaning),
-    })
+    let mut texels = texels(&image, meaning);
+    if meaning == Meaning::Alpha {
+        let channel = if image.color().has_alpha() { 3 } else { 0 };
+        for texel in &mut texels {
+            *texel = [1.0, 1.0, 1.0, texel[channel]];
+        }
+    }
+    Ok(Texture { name, size, texels })
 }
 
 pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage, SceneError> {
@@ -60,7 +65,7 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
     if bits > 8 {
         let value = match meaning {
             Meaning::Color => picture::decode_16,
-            Meaning::Data => |word| f32::from(word) / 65535.0,
+            Meaning::Data | Meaning::Alpha => |word| f32::from(word) / 65535.0,
         };
         let wide = image.to_rgba16();
         return wide
@@ -70,7 +75,7 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
     }
     let value = match meaning {
         Meaning::Color => picture::decode,
-        Meaning::Data => |byte| f32::from(byte) / 255.0,
+        Meaning::Data | Meaning::Alpha => |byte| f32::from(byte) / 255.0,
     };
     // A power for each texel would take longer than reading the file.
     let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));
