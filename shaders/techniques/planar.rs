@@ -7,8 +7,8 @@
 //! without that, those behind the light throw anti-shadows, and those below the plane are projected up to it.
 //!
 //! Exact on flat receivers, without bias. Lights with an extent count as their middle. Known failures: receivers that
-//! are curved, which need a plane a triangle (not supported beyond [`Planar::planes`]); casters are triangles, so
-//! textures with holes cast whole; every plane draws all casters again.
+//! are curved, which need a plane a triangle (not supported beyond [`Planar::planes`]); casters with holes that
+//! alpha textures cut out are refused; every plane draws all casters again.
 
 mod flatten;
 mod matrix;

@@ -14,6 +14,9 @@
 //!
 //! Surfaces are opaque and two-sided, as with [`Traced`](crate::Traced). Under ideal lights the one point decides.
 //!
+//! Casters with holes that alpha textures cut out are refused: a run of points is hidden at once by a triangle's edges, and holes would
+//! have to be asked of each point, in loops longer than Mesa's lavapipe plays to their end (`soft/hidden.wgsl`).
+//!
 //! Known failures: suns more than [`MAX_SUN_DEGREES`] wide are refused. Their points are spread evenly over a plane instead of over
 //! the sky, at the rim by up to a tenth more thinly.
 

@@ -15,7 +15,7 @@ use umbrage_core::{
     Aabb, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
     ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
-    cut_out::CUT_OUT,
+    cut_out::{CUT_OUT, HOLE},
     glam::Vec4,
     light_sample::{LIGHT_SAMPLE, LightSampler, ray_origin, seed, segment, unit_square},
     math::dot3,
@@ -236,7 +236,7 @@ impl Kernel for TracedKernel {
     fn modules(&self) -> Vec<Module> {
         let mut modules = vec![RAY_BOX, RAY_TRIANGLE, LIGHT_SAMPLE];
         if self.has_holes {
-            modules.extend([CUT_OUT, LEAF_CUT_OUT]);
+            modules.extend([CUT_OUT, HOLE, LEAF_CUT_OUT]);
         } else {
             modules.push(LEAF_OPAQUE);
         }

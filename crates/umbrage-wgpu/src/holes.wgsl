@@ -1,5 +1,9 @@
 // Whether a pixel lies in a hole of a triangle's. Needs `cut_outs`, the table of cut_out.rs, and `corner(i)`, the i-th corner of all triangles.
 
+fn cut_out_row(i: u32) -> vec4u {
+    return cut_outs[i];
+}
+
 fn record_of(triangle: u32) -> u32 {
     // First and end of two runs of triangles that have a record.
     let runs = cut_outs[0];
@@ -16,10 +20,5 @@ fn is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool {
     let a = corner(3u * triangle);
     let b = corner(3u * triangle + 1u);
     let c = corner(3u * triangle + 2u);
-    let record = record_of(triangle);
-    let uv_ab = bitcast<vec4f>(cut_outs[record]);
-    let rest = cut_outs[record + 1u];
-    let size = vec2u(rest.z & 0xffffu, rest.z >> 16u);
-    let texel = cut_out_texel(o, d, a, b, c, uv_ab, bitcast<vec2f>(rest.xy), size);
-    return is_texel_clear(cut_outs[rest.w + (texel >> 7u)], texel);
+    return is_hole_met(o, d, a, b, c, record_of(triangle));
 }

@@ -31,6 +31,13 @@ pub const CUT_OUT: Module = Module {
     text: include_str!("cut_out.wgsl"),
 };
 
+/// The WGSL of [`CutOuts::is_hole`]. It calls into [`CUT_OUT`], and into `fn cut_out_row(i: u32) -> vec4u`, which whoever has the
+/// table declares.
+pub const HOLE: Module = Module {
+    name: "hole",
+    text: include_str!("hole.wgsl"),
+};
+
 /// Greatest side of an alpha texture, texels: what 16 bits hold.
 pub const MAX_ALPHA_SIDE: u32 = 65_535;
 

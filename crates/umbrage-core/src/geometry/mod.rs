@@ -214,6 +214,13 @@ impl Geometry {
         })
     }
 
+    /// Returns whether an alpha texture cuts holes into a triangle.
+    #[inline]
+    pub fn has_holes(&self, triangle: u32) -> bool {
+        let cut_outs = self.cut_outs.as_ref();
+        cut_outs.is_some_and(|cut_outs| cut_outs.record_row(triangle).is_some())
+    }
+
     /// Ids of the triangles that cast.
     pub fn casters(&self) -> Range<u32> {
         self.casters.clone()

@@ -9,7 +9,7 @@ use std::{num::NonZeroU64, sync::Arc};
 use umbrage_core::{
     CameraRays, CutOuts, MATH, Module,
     bvh::{RAY_BOX, RAY_TRIANGLE},
-    cut_out::CUT_OUT,
+    cut_out::{CUT_OUT, HOLE},
     join,
     resolve::RESOLVE,
 };
@@ -31,7 +31,7 @@ const RAYS: NonZeroU64 = NonZeroU64::new(96).unwrap();
 
 /// Returns the WGSL that tells holes, before whoever declares `cut_outs` and `corner`.
 pub(crate) fn holes_wgsl() -> String {
-    const MODULES: [Module; 5] = [MATH, RESOLVE, RAY_BOX, RAY_TRIANGLE, CUT_OUT];
+    const MODULES: [Module; 6] = [MATH, RESOLVE, RAY_BOX, RAY_TRIANGLE, CUT_OUT, HOLE];
     join(&MODULES) + include_str!("../holes.wgsl")
 }
 
