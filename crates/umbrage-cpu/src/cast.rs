@@ -90,13 +90,13 @@ pub(crate) fn draw(
 ) {
     let positions = geometry.positions();
     if let Source::Faces(faces) = &cast.source {
-        let list = CastList::opaque(&faces.vertices, &faces.triangles);
+        let list = CastTriangles::opaque(&faces.vertices, &faces.triangles);
         return draw_triangles(rasterizer, target, cast, &list, simd);
     }
     let runs = cast.source.runs(geometry);
     let Some(cut_outs) = geometry.cut_outs() else {
         let triangles = joined(&runs, geometry);
-        let list = CastList::opaque(positions, &triangles);
+        let list = CastTriangles::opaque(positions, &triangles);
         return draw_triangles(rasterizer, target, cast, &list, simd);
     };
     let CastAttachments {
@@ -107,7 +107,7 @@ pub(crate) fn draw(
     let rays = cast.space.rays(image.desc.size);
     let [whole, cut_out] = cut_outs.split(&runs);
     let triangles = joined(&whole, geometry);
-    let list = CastList::opaque(positions, &triangles);
+    let list = CastTriangles::opaque(positions, &triangles);
     let first = CastAttachments {
         image: &mut *image,
         other,
@@ -115,7 +115,7 @@ pub(crate) fn draw(
     };
     draw_triangles(rasterizer, first, cast, &list, simd);
     for run in cut_out {
-        let list = CastList {
+        let list = CastTriangles {
             positions,
             triangles: geometry.run(&run),
             first_id: run.start,
@@ -135,7 +135,7 @@ pub(crate) fn draw(
 }
 
 /// Triangles that a cast draws.
-struct CastList<'a, P> {
+struct CastTriangles<'a, P> {
     positions: &'a [P],
     triangles: &'a [[u32; 3]],
     /// Id of the first, where holes are told by ids.
@@ -143,7 +143,7 @@ struct CastList<'a, P> {
     holes: Option<Holes<'a>>,
 }
 
-impl<'a, P> CastList<'a, P> {
+impl<'a, P> CastTriangles<'a, P> {
     /// Returns a list of triangles without holes.
     fn opaque(positions: &'a [P], triangles: &'a [[u32; 3]]) -> Self {
         Self {
@@ -172,7 +172,7 @@ fn draw_triangles<P: Position>(
     rasterizer: &mut Rasterizer,
     target: CastAttachments<'_>,
     cast: &Cast,
-    list: &CastList<'_, P>,
+    list: &CastTriangles<'_, P>,
     simd: Simd,
 ) {
     let CastAttachments {

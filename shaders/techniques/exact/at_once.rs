@@ -13,7 +13,7 @@ mod open;
 mod order;
 mod rays;
 
-use super::{ExactUniforms, holes::Holes, light_frame::LightFrame};
+use super::{ExactUniforms, holes::CasterHoles, light_frame::LightFrame};
 use boxes::{BOXES, Reach};
 use caster_run::{CasterRun, RUN};
 use open::take_lowest;
@@ -37,7 +37,7 @@ pub(super) fn answer_all(
     uniforms: &ExactUniforms,
     frame: &LightFrame,
     geometry: &Geometry,
-    holes: Option<Holes<'_>>,
+    holes: Option<CasterHoles<'_>>,
     receivers: &Receivers,
 ) -> Vec<f32> {
     let AllRays { faces, mask } = make_rays(simd, uniforms, frame, receivers);
@@ -69,7 +69,7 @@ struct Hide<'a> {
     frame: &'a LightFrame,
     geometry: &'a Geometry,
     /// Holes of casters; none if none has any.
-    holes: Option<Holes<'a>>,
+    holes: Option<CasterHoles<'a>>,
     faces: &'a [FaceRays],
     rays: Rays,
 }

@@ -8,7 +8,7 @@ use umbrage_core::{
 
 /// What tells which rays pass through holes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Holes<'a> {
+pub(super) struct CasterHoles<'a> {
     pub(super) cut_outs: &'a CutOuts,
     /// The light's middle.
     pub(super) light: &'a LightSampler,
@@ -16,7 +16,7 @@ pub(super) struct Holes<'a> {
     pub(super) far: f32,
 }
 
-impl Holes<'_> {
+impl CasterHoles<'_> {
     /// Returns whether the ray from `o`, which meets a caster, meets it in a hole.
     #[inline(never)]
     pub(super) fn are_met(&self, caster: u32, corners: [Vec3; 3], o: Vec3) -> bool {

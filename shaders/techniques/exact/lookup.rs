@@ -2,7 +2,7 @@
 
 use super::{
     AskedCell, ExactUniforms,
-    holes::Holes,
+    holes::CasterHoles,
     item_key::{CellBox, KEY_STEPS, asking_word, ends_list, may_hide},
     light_frame::LightFrame,
     lists::Lists,
@@ -23,7 +23,7 @@ pub(super) struct Asked<'a> {
     pub(super) uniforms: &'a ExactUniforms,
     pub(super) lists: &'a Lists,
     /// Holes of casters; none if none has any.
-    pub(super) holes: Option<Holes<'a>>,
+    pub(super) holes: Option<CasterHoles<'a>>,
 }
 
 /// Fills `out`, as long as the span, with the light's visibility.
@@ -204,7 +204,7 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
 /// Answers for a batch.
 struct Answer<'a> {
     lists: &'a Lists,
-    holes: Option<Holes<'a>>,
+    holes: Option<CasterHoles<'a>>,
     rays: &'a Rays,
     own: &'a [u32],
     out: &'a mut [f32],
@@ -333,7 +333,7 @@ fn range_of(numbers: &[f32]) -> [f32; 2] {
 /// Walks lists.
 struct Walk<'a> {
     lists: &'a Lists,
-    holes: Option<Holes<'a>>,
+    holes: Option<CasterHoles<'a>>,
     rays: &'a Rays,
     own: &'a [u32],
 }

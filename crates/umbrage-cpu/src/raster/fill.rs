@@ -2,7 +2,7 @@
 
 use crate::raster::{
     bin::TILE,
-    holes::Coverage,
+    holes::HoleTest,
     mode::{DepthOp, TileAttachments},
     record::{Record, edge_function},
     tile::{STRIDE, TileBuffer},
@@ -46,7 +46,7 @@ pub(crate) struct Canvas<'a> {
 
 /// Draws a triangle into a tile.
 #[inline(always)]
-pub(crate) fn fill<P: DepthOp, C: Coverage>(canvas: &mut Canvas<'_>, r: &Record, coverage: &C) {
+pub(crate) fn fill<P: DepthOp, C: HoleTest>(canvas: &mut Canvas<'_>, r: &Record, holes: &C) {
     // From the first pixel to the last: 0 for a single one.
     let width = i32::from(r.max[0] - r.min[0]);
     let height = i32::from(r.max[1] - r.min[1]);
@@ -56,20 +56,20 @@ pub(crate) fn fill<P: DepthOp, C: Coverage>(canvas: &mut Canvas<'_>, r: &Record,
         let right = patch.min[0] - i32::from(r.min[0]);
         let down = patch.min[1] - i32::from(r.min[1]);
         let edges = Edges::new(r.at_min, &patch, right, down);
-        fill_strip::<P, C, true>(canvas, r, coverage, edges, patch.min, TINY_ROWS);
+        fill_strip::<P, C, true>(canvas, r, holes, edges, patch.min, TINY_ROWS);
     } else if width < SMALL && height < SMALL {
-        fill_small::<P, C>(canvas, r, coverage, &patch);
+        fill_small::<P, C>(canvas, r, holes, &patch);
     } else if let Some(patch) = patch.with_edges(r) {
-        fill_blocks::<P, C>(canvas, r, coverage, &patch);
+        fill_blocks::<P, C>(canvas, r, holes, &patch);
     }
 }
 
 /// Fills a small triangle a few columns at a time.
 #[inline(always)]
-fn fill_small<P: DepthOp, C: Coverage>(
+fn fill_small<P: DepthOp, C: HoleTest>(
     canvas: &mut Canvas<'_>,
     r: &Record,
-    coverage: &C,
+    holes: &C,
     patch: &Patch,
 ) {
     let down = patch.min[1] - i32::from(r.min[1]);
@@ -78,7 +78,7 @@ fn fill_small<P: DepthOp, C: Coverage>(
     while x <= patch.max[0] {
         let right = x - i32::from(r.min[0]);
         let edges = Edges::new(r.at_min, patch, right, down);
-        fill_strip::<P, C, true>(canvas, r, coverage, edges, [x, patch.min[1]], rows);
+        fill_strip::<P, C, true>(canvas, r, holes, edges, [x, patch.min[1]], rows);
         x += LANES as i32;
     }
 }
@@ -168,10 +168,10 @@ impl Patch {
 
 /// Fills a patch block by block: those wholly outside an edge are left out, and those inside all need no tests.
 #[inline(always)]
-fn fill_blocks<P: DepthOp, C: Coverage>(
+fn fill_blocks<P: DepthOp, C: HoleTest>(
     canvas: &mut Canvas<'_>,
     r: &Record,
-    coverage: &C,
+    holes: &C,
     patch: &Patch,
 ) {
     let (fall, rise) = patch.reach();
@@ -185,10 +185,10 @@ fn fill_blocks<P: DepthOp, C: Coverage>(
             let outside = (at[0] + rise[0]) | (at[1] + rise[1]) | (at[2] + rise[2]);
             let inside = (at[0] + fall[0]) | (at[1] + fall[1]) | (at[2] + fall[2]);
             if inside >= 0 {
-                fill_strip::<P, C, false>(canvas, r, coverage, Edges::NONE, [x, y], rows);
+                fill_strip::<P, C, false>(canvas, r, holes, Edges::NONE, [x, y], rows);
             } else if outside >= 0 {
                 let edges = Edges::new(at, patch, 0, 0);
-                fill_strip::<P, C, true>(canvas, r, coverage, edges, [x, y], rows);
+                fill_strip::<P, C, true>(canvas, r, holes, edges, [x, y], rows);
             }
             x += LANES as i32;
         }
@@ -251,10 +251,10 @@ impl Edges {
 
 /// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside the edges.
 #[inline(always)]
-fn fill_strip<P: DepthOp, C: Coverage, const TEST: bool>(
+fn fill_strip<P: DepthOp, C: HoleTest, const TEST: bool>(
     canvas: &mut Canvas<'_>,
     r: &Record,
-    coverage: &C,
+    holes: &C,
     mut edges: Edges,
     first: [i32; 2],
     rows: i32,
@@ -290,7 +290,7 @@ fn fill_strip<P: DepthOp, C: Coverage, const TEST: bool>(
             z[i] = if outside[i] >= 0 { drawn } else { 1.0 };
         }
         if C::HAS_HOLES {
-            coverage.take_holes(r.tag, [first[0], y], &mut z, stored);
+            holes.take_holes(r.tag, [first[0], y], &mut z, stored);
             y += 1;
         }
         P::write(stored, TileAttachments { ids, other }, &z, &outside, r.tag);

@@ -26,7 +26,7 @@ impl Holes<'_> {
 }
 
 /// What a fill does about holes. One type for triangles that have none, so that their loops have no trace of it.
-pub(crate) trait Coverage {
+pub(crate) trait HoleTest {
     /// Whether there may be holes.
     const HAS_HOLES: bool;
 
@@ -42,16 +42,16 @@ pub(crate) trait Coverage {
 }
 
 /// No triangle has holes.
-pub(crate) struct Opaque;
+pub(crate) struct NoHoles;
 
-impl Coverage for Opaque {
+impl HoleTest for NoHoles {
     const HAS_HOLES: bool = false;
 
     #[inline(always)]
     fn take_holes(&self, _: u32, _: [i32; 2], _: &mut [f32; LANES], _: &[f32; LANES]) {}
 }
 
-impl Coverage for Holes<'_> {
+impl HoleTest for Holes<'_> {
     const HAS_HOLES: bool = true;
 
     fn take_holes(

@@ -28,7 +28,7 @@ use crate::raster::{
     bin::{Bins, FETCH, TILE},
     clip::{clip, outcode},
     fill::{Canvas, fill},
-    holes::{Coverage, Opaque},
+    holes::{HoleTest, NoHoles},
     mode::{Depth, Depth16, DepthOp, DepthPeel, DepthPeel16, DepthWithIds, StencilDepthFail},
     record::Record,
     setup::{Group, SetupRules},
@@ -249,7 +249,7 @@ impl SimdTask for FillTile<'_> {
     #[inline(always)]
     fn run(self) {
         match self.filling.holes {
-            None => self.fill_by_mode(&Opaque),
+            None => self.fill_by_mode(&NoHoles),
             Some(holes) => self.fill_by_mode(&holes),
         }
     }
@@ -257,20 +257,20 @@ impl SimdTask for FillTile<'_> {
 
 impl FillTile<'_> {
     #[inline(always)]
-    fn fill_by_mode<C: Coverage>(self, coverage: &C) {
+    fn fill_by_mode<C: HoleTest>(self, holes: &C) {
         match self.filling.mode {
-            Mode::Depth => self.fill_all::<Depth, C>(coverage),
-            Mode::DepthWithIds => self.fill_all::<DepthWithIds, C>(coverage),
-            Mode::Depth16 => self.fill_all::<Depth16, C>(coverage),
-            Mode::DepthPeel => self.fill_all::<DepthPeel, C>(coverage),
-            Mode::DepthPeel16 => self.fill_all::<DepthPeel16, C>(coverage),
+            Mode::Depth => self.fill_all::<Depth, C>(holes),
+            Mode::DepthWithIds => self.fill_all::<DepthWithIds, C>(holes),
+            Mode::Depth16 => self.fill_all::<Depth16, C>(holes),
+            Mode::DepthPeel => self.fill_all::<DepthPeel, C>(holes),
+            Mode::DepthPeel16 => self.fill_all::<DepthPeel16, C>(holes),
             // Counts have no ids to tell holes by.
-            Mode::StencilDepthFail => self.fill_all::<StencilDepthFail, Opaque>(&Opaque),
+            Mode::StencilDepthFail => self.fill_all::<StencilDepthFail, NoHoles>(&NoHoles),
         }
     }
 
     #[inline(always)]
-    fn fill_all<P: DepthOp, C: Coverage>(self, coverage: &C) {
+    fn fill_all<P: DepthOp, C: HoleTest>(self, holes: &C) {
         let columns = self.filling.columns;
         let origin = [self.tile % columns * TILE, self.tile / columns * TILE];
         let mut canvas = Canvas {
@@ -281,7 +281,7 @@ impl FillTile<'_> {
         for worker in self.workers {
             for numbers in worker.bins.of_tile(self.tile).chunks(FETCH) {
                 for record in worker.bins.fetch(numbers, &mut fetched) {
-                    fill::<P, C>(&mut canvas, record, coverage);
+                    fill::<P, C>(&mut canvas, record, holes);
                 }
             }
         }

@@ -7,7 +7,7 @@
 use super::{
     super::{
         ExactUniforms,
-        holes::Holes,
+        holes::CasterHoles,
         light_frame::{FramePoint, LightFrame},
     },
     boxes::{BOXES, Boxes, FaceBox, Reach},
@@ -451,7 +451,7 @@ impl FaceRays {
         reach: &Reach,
         caster: u32,
         corners: impl Fn() -> [Vec3; 3],
-        holes: Option<Holes<'_>>,
+        holes: Option<CasterHoles<'_>>,
     ) {
         let near = self.open.rays(block) & self.places[block].near(reach);
         if near == 0 {
@@ -477,7 +477,7 @@ impl FaceRays {
         mut rays: u32,
         caster: u32,
         corners: [Vec3; 3],
-        holes: Holes<'_>,
+        holes: CasterHoles<'_>,
     ) -> u32 {
         let [x, y, z] = &self.blocks[block].origin;
         let mut bits = 0;

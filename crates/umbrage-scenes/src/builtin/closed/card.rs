@@ -41,7 +41,7 @@ pub(crate) fn chequered_card_samples() -> ClosedForm {
             let x = SHIFT - HALF + side * (i as f32 + 0.5);
             let z = -HALF + side * (k as f32 + 0.5);
             // The texture's lower left is at least x and z, and there a square is missing.
-            let visibility = f32::from(u8::from((i + k) % 2 == 0));
+            let visibility = f32::from(u8::from((i + k).is_multiple_of(2)));
             for (dx, dz) in [
                 (0.0, 0.0),
                 (-aside, 0.0),
