@@ -1,11 +1,11 @@
 //! Random scenes for property tests: meshes, placements, lights, cameras, techniques.
 
-use glam::{Affine3A, Quat, UVec2, Vec3};
+use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
 use proptest::{collection::vec, prelude::*, strategy::Union};
 use std::sync::Arc;
 use umbrage_core::{
-    Camera, Cascades, Cull, Extents, Fit, Instance, Layout, Light, MAX_CASCADES, Mesh, RasterBias,
-    Scene, ShadowTechnique, Split,
+    AlphaCutout, Camera, Cascades, Cull, Extents, Fit, Instance, Layout, Light, MAX_CASCADES,
+    Material, Mesh, RasterBias, Scene, ShadowTechnique, Split, Texture,
 };
 use umbrage_techniques::{
     BeyondFar, Bias, Border, MapFormat, Pattern, RandomParameter, ShadowMap, Surface,
@@ -21,9 +21,43 @@ pub struct Case {
     pub technique: Arc<dyn ShadowTechnique>,
 }
 
-/// Scenes with techniques whose kernels are bit-equal on drivers that keep the order of operations.
+/// Scenes, of which some have holes, with techniques whose kernels are bit-equal on drivers that keep the order of operations.
 pub fn cases() -> impl Strategy<Value = Case> {
-    (scenes(), techniques()).prop_map(|(scene, technique)| Case { scene, technique })
+    let scenes = prop_oneof![5 => scenes().boxed(), 1 => scenes_with_holes().boxed()];
+    (scenes, techniques()).prop_map(|(scene, technique)| Case { scene, technique })
+}
+
+/// Scenes as those of [`scenes`]; an alpha texture cuts holes into about half of their objects.
+pub fn scenes_with_holes() -> impl Strategy<Value = Scene> {
+    let texture = (1..9_u32, 1..9_u32)
+        .prop_flat_map(|(width, height)| {
+            let alphas = vec(0.0..=1.0_f32, (width * height) as usize);
+            (Just(UVec2::new(width, height)), alphas)
+        })
+        .prop_map(|(size, alphas)| Texture {
+            name: "holes".into(),
+            size,
+            texels: alphas.into_iter().map(|a| [0.5, 0.5, 0.5, a]).collect(),
+        });
+    let are_cut_out = vec(any::<bool>(), 6);
+    (scenes(), texture, 0.2..0.8_f32, -3.0..3.0_f32, are_cut_out).prop_map(
+        |(mut scene, texture, cutoff, repeats, are_cut_out)| {
+            for mesh in &mut scene.meshes {
+                // Across two sides of boxes at once, so that none is a line of one texel.
+                let uv = |p: &Vec3| Vec2::new(p.x + 0.3 * p.y, p.z - 0.7 * p.y) * repeats;
+                mesh.uvs = mesh.positions.iter().map(uv).collect();
+            }
+            scene.textures = vec![texture];
+            scene.materials = vec![Material {
+                alpha: Some(AlphaCutout { texture: 0, cutoff }),
+                ..Material::default()
+            }];
+            for (instance, is_cut_out) in scene.instances.iter_mut().zip(are_cut_out) {
+                instance.material = is_cut_out.then_some(0);
+            }
+            scene
+        },
+    )
 }
 
 /// Scenes with a floor or without, of one to five objects.

@@ -299,8 +299,16 @@ const shadow_KEY_STEPS = 32.0;
 const shadow_GUARDS = 0x20820820u;
 const shadow_DEPTH_GUARD = 0x20000000u;
 
+// ---- caster_opaque.wgsl
+// Whether a segment meets a caster, where none has holes. Its corners are three rows of table_3.
+
+fn shadow_meets_caster(o: vec3f, d: vec3f, caster: u32) -> bool {
+    return shadow_segment_hits(o, d, shadow_corner_of(3u * caster), shadow_corner_of(3u * caster + 1u), shadow_corner_of(3u * caster + 2u));
+}
+
 // ---- exact.wgsl
 // Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items (table_2), the casters' corners (table_3).
+// What meets a caster is said in caster_opaque.wgsl or caster_cut_out.wgsl.
 
 struct shadow_ExactUniforms {
     light: shadow_LightSampler,
@@ -386,8 +394,7 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
         if item.x == left_out || fields != shadow_GUARDS {
             continue;
         }
-        let row = 3u * item.x;
-        if shadow_segment_hits(o, d, shadow_corner_of(row), shadow_corner_of(row + 1u), shadow_corner_of(row + 2u)) {
+        if shadow_meets_caster(o, d, item.x) {
             return true;
         }
     }

@@ -287,18 +287,8 @@ fn shadow_unit_square(i: u32, shadow_seed: u32) -> vec2f {
     return vec2f(f32(x >> 8u), f32(y >> 8u)) * (1.0 / 16777216.0);
 }
 
-// ---- traced.wgsl
-// Twin of traced.rs: walks a two-way hierarchy (table_0) over triangles (table_1), any hit will do.
-
-struct shadow_TracedUniforms {
-    light: shadow_LightSampler,
-    eye: vec4f,
-    extent: f32,
-    far: f32,
-    samples: u32,
-}
-
-const shadow_STACK = 64;
+// ---- leaf_opaque.wgsl
+// Whether a segment meets a triangle of a leaf, where no caster has holes.
 
 fn shadow_leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -> bool {
     for (var i = first; i < first + count; i++) {
@@ -311,6 +301,20 @@ fn shadow_leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -
     }
     return false;
 }
+
+// ---- traced.wgsl
+// Twin of traced.rs: walks a two-way hierarchy (table_0) over triangles (table_1), any hit will do. Which hits count is said in
+// leaf_opaque.wgsl or leaf_cut_out.wgsl.
+
+struct shadow_TracedUniforms {
+    light: shadow_LightSampler,
+    eye: vec4f,
+    extent: f32,
+    far: f32,
+    samples: u32,
+}
+
+const shadow_STACK = 64;
 
 fn shadow_occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
     let inverse = shadow_slab_inverse(d);

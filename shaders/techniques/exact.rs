@@ -8,11 +8,12 @@
 //!
 //! A receiver asks the list of its cell with the triangle test of [`Traced`](crate::Traced), and any hit will do. So the answer is that
 //! of `traced` with one ray, bit for bit, in whatever order lists are walked and however cells are rounded: lists only have to leave no
-//! true hit out (`exact/light_frame.rs` says how they make sure).
+//! true hit out (`exact/light_frame.rs` says how they make sure). A caster with holes covers no cell, and a hit in a hole is none.
 //!
 //! Lights with an extent are taken for their middle.
 
 mod at_once;
+mod holes;
 mod item_key;
 mod light_frame;
 mod lists;
@@ -28,8 +29,9 @@ use crate::{
     techniques::traced::longest_ray,
 };
 use at_once::answer_all;
+use holes::CasterHoles;
 use lists::{KeptLists, Lists, Rows};
-use lookup::{cells_of_span, look_up_span};
+use lookup::{Asked, cells_of_span, look_up_span};
 pub use on_device::ListsGrid;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -37,10 +39,11 @@ use std::{
     sync::Arc,
 };
 use umbrage_core::{
-    DeviceRecipe, Fit, Geometry, Inputs, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel,
-    Receivers, Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock,
-    View,
+    CutOuts, DeviceRecipe, Fit, Geometry, Inputs, Kernel, KernelCost, Light, Module, Receive,
+    ReceiveKernel, Receivers, Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows,
+    UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
+    cut_out::{CUT_OUT, HOLE},
     glam::{UVec4, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler},
     uniforms,
@@ -50,6 +53,18 @@ use umbrage_core::{
 const ITEM_KEY: Module = Module {
     name: "item_key",
     text: include_str!("exact/item_key.wgsl"),
+};
+
+/// What meets casters without holes.
+const CASTER_OPAQUE: Module = Module {
+    name: "caster_opaque",
+    text: include_str!("exact/caster_opaque.wgsl"),
+};
+
+/// What meets casters with holes.
+const CASTER_CUT_OUT: Module = Module {
+    name: "caster_cut_out",
+    text: include_str!("exact/caster_cut_out.wgsl"),
 };
 
 /// A lookup takes at least as long as the square root of the casters over 30 taps: the more casters, the more of the lists comes from far
@@ -97,12 +112,18 @@ fn recipe_of(kernel: ExactKernel) -> Recipe {
             rows: TableRows::on_first_use(move || rows_of(kernel.lists()).clone()),
         }
     };
-    let tables = vec![
+    let mut tables = vec![
         table("tiles", |lists| &lists.tiles),
         table("cells", |lists| &lists.cells),
         table("items", |lists| &lists.items),
         table("corners", |lists| &lists.corners),
     ];
+    if let Some(cut_outs) = &kernel.cut_outs {
+        tables.push(Table {
+            label: "cut-outs",
+            rows: cut_outs.rows().clone().into(),
+        });
+    }
     Recipe {
         images: Vec::new(),
         receive: Receive {
@@ -174,6 +195,7 @@ impl Exact {
             &kernel.uniforms,
             frame,
             geometry,
+            kernel.holes(),
             receivers,
         ))
     }
@@ -236,6 +258,8 @@ pub struct ExactKernel {
     lists: Arc<KeptLists>,
     /// The casters; none where a device knows them.
     geometry: Geometry,
+    /// Their holes; none if none has any.
+    cut_outs: Option<Arc<CutOuts>>,
 }
 
 impl Debug for ExactKernel {
@@ -253,8 +277,12 @@ impl ExactKernel {
         let extent = geometry.max_receiver_extent();
         let far = longest_ray(view, geometry);
         let lists = KeptLists::of(view.light, geometry);
+        let cut_outs = geometry
+            .cut_outs()
+            .filter(|_| geometry.has_cut_out_casters());
         Self {
             geometry: geometry.clone(),
+            cut_outs: cut_outs.cloned(),
             ..Self::of_lists(view, lists, extent, far)
         }
     }
@@ -278,12 +306,21 @@ impl ExactKernel {
             uniforms,
             lists,
             geometry: Geometry::default(),
+            cut_outs: None,
         }
     }
 
     /// Returns the lists, which are made on first use.
     fn lists(&self) -> &Lists {
         self.lists.get(&self.geometry)
+    }
+
+    fn holes(&self) -> Option<CasterHoles<'_>> {
+        self.cut_outs.as_ref().map(|cut_outs| CasterHoles {
+            cut_outs,
+            light: &self.uniforms.light,
+            far: self.uniforms.far,
+        })
     }
 
     fn taps_from_memory(&self) -> f32 {
@@ -326,16 +363,17 @@ impl ExactKernel {
 
 impl Kernel for ExactKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![
-            RAY_BOX,
-            RAY_TRIANGLE,
-            LIGHT_SAMPLE,
-            ITEM_KEY,
-            Module {
-                name: "exact",
-                text: include_str!("exact.wgsl"),
-            },
-        ]
+        let mut modules = vec![RAY_BOX, RAY_TRIANGLE, LIGHT_SAMPLE, ITEM_KEY];
+        if self.cut_outs.is_some() {
+            modules.extend([CUT_OUT, HOLE, CASTER_CUT_OUT]);
+        } else {
+            modules.push(CASTER_OPAQUE);
+        }
+        modules.push(Module {
+            name: "exact",
+            text: include_str!("exact.wgsl"),
+        });
+        modules
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -345,7 +383,12 @@ impl Kernel for ExactKernel {
 
 impl ReceiveKernel for ExactKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        look_up_span(inputs.simd, &self.uniforms, self.lists(), span, out);
+        let asked = Asked {
+            uniforms: &self.uniforms,
+            lists: self.lists(),
+            holes: self.holes(),
+        };
+        look_up_span(inputs.simd, asked, span, out);
     }
 
     fn receive_all(&self, simd: Simd, receivers: &Receivers) -> Option<Vec<f32>> {
@@ -361,6 +404,7 @@ impl ReceiveKernel for ExactKernel {
             &self.uniforms,
             frame,
             &self.geometry,
+            self.holes(),
             receivers,
         ))
     }

@@ -1,4 +1,5 @@
 // Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items (table_2), the casters' corners (table_3).
+// What meets a caster is said in caster_opaque.wgsl or caster_cut_out.wgsl.
 
 struct ExactUniforms {
     light: LightSampler,
@@ -84,8 +85,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
         if item.x == left_out || fields != GUARDS {
             continue;
         }
-        let row = 3u * item.x;
-        if segment_hits(o, d, corner_of(row), corner_of(row + 1u), corner_of(row + 2u)) {
+        if meets_caster(o, d, item.x) {
             return true;
         }
     }

@@ -16,3 +16,15 @@ pub mod soft;
 pub mod traced;
 pub mod unshadowed;
 pub mod volumes;
+
+use umbrage_core::{Geometry, RecipeError};
+
+/// Errors if anything is cut out of casters, for techniques that take them for whole; `why` says what they do with them.
+fn check_no_holes(geometry: &Geometry, why: &str) -> Result<(), RecipeError> {
+    if !geometry.has_cut_out_casters() {
+        return Ok(());
+    }
+    Err(RecipeError::unsupported(format!(
+        "holes that alpha textures cut into casters are not told here, {why}: use `traced`, `exact` or a map"
+    )))
+}

@@ -7,8 +7,8 @@
 //! without that, those behind the light throw anti-shadows, and those below the plane are projected up to it.
 //!
 //! Exact on flat receivers, without bias. Lights with an extent count as their middle. Known failures: receivers that
-//! are curved, which need a plane a triangle (not supported beyond [`Planar::planes`]); casters are triangles, so
-//! textures with holes cast whole; every plane draws all casters again.
+//! are curved, which need a plane a triangle (not supported beyond [`Planar::planes`]); casters with holes that
+//! alpha textures cut out are refused; every plane draws all casters again.
 
 mod flatten;
 mod matrix;
@@ -21,6 +21,7 @@ use crate::{
     shading::facing::{FACING, homogeneous, turned_away},
     shadow_map::ShadowMap,
     techniques::{
+        check_no_holes,
         infinite_far::InfiniteFarView,
         planar::{
             flatten::flatten_casters,
@@ -75,6 +76,7 @@ impl ShadowTechnique for Planar {
                 "planes are found among the scene's triangles, and this view has none",
             ));
         };
+        check_no_holes(geometry, "where whole casters are flattened")?;
         let light = homogeneous(view.light);
         let planes = Planes::find(view, geometry, light, self.planes as usize);
         if planes.planes.len() > self.planes as usize {

@@ -14,6 +14,9 @@
 //!
 //! Surfaces are opaque and two-sided, as with [`Traced`](crate::Traced). Under ideal lights the one point decides.
 //!
+//! Casters with holes that alpha textures cut out are refused: a run of points is hidden at once by a triangle's edges, and holes would
+//! have to be asked of each point, in loops longer than Mesa's lavapipe plays to their end (`soft/hidden.wgsl`).
+//!
 //! Known failures: suns more than [`MAX_SUN_DEGREES`] wide are refused. Their points are spread evenly over a plane instead of over
 //! the sky, at the rim by up to a tenth more thinly.
 
@@ -26,7 +29,10 @@ pub mod search;
 use crate::{
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter},
     shadow_map::ShadowMap,
-    techniques::traced::{check_stack, longest_ray},
+    techniques::{
+        check_no_holes,
+        traced::{check_stack, longest_ray},
+    },
 };
 use footprint::FOOTPRINT;
 use hidden::{HIDDEN, sorted};
@@ -120,6 +126,7 @@ impl ShadowTechnique for Soft {
             )));
         }
         check_stack(geometry)?;
+        check_no_holes(geometry, "where whole triangles hide points of the light")?;
         let kernel = self.kernel(view, geometry);
         let [nodes, triangles] = geometry.bvh_tables();
         let sorted = geometry.derived(|_| SortedTriangles::of(triangles));

@@ -1,8 +1,8 @@
 //! Ray-traced shadows: the fraction of the light that a receiver sees, by any-hit rays. No map, no bias.
 //!
 //! Whitted 1980, "An improved illumination model for shaded display"; Cook, Porter and Carpenter 1984, "Distributed ray
-//! tracing" for lights with an extent. Surfaces are opaque and two-sided; a light point below the receiver's tangent
-//! plane is not seen. Exact for ideal lights; noisy with few samples of wide ones: four rays miss what passes for smooth
+//! tracing" for lights with an extent. Surfaces are two-sided, and opaque but for holes that alpha textures cut out, behind which rays
+//! go on; a light point below the receiver's tangent plane is not seen. Exact for ideal lights; noisy with few samples of wide ones: four rays miss what passes for smooth
 //! in penumbrae (the noise of 16 independent rays) where many casters overlap. Costs one traversal a sample.
 
 use crate::{
@@ -15,6 +15,7 @@ use umbrage_core::{
     Aabb, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
     ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
+    cut_out::{CUT_OUT, HOLE},
     glam::Vec4,
     light_sample::{LIGHT_SAMPLE, LightSampler, ray_origin, seed, segment, unit_square},
     math::dot3,
@@ -68,24 +69,32 @@ impl ShadowTechnique for Traced {
         };
         check_stack(geometry)?;
         let [nodes, triangles] = geometry.bvh_tables();
+        let mut tables = vec![
+            Table {
+                label: "hierarchy",
+                rows: nodes.clone().into(),
+            },
+            Table {
+                label: "triangles",
+                rows: triangles.clone().into(),
+            },
+        ];
+        if let Some(cut_outs) = geometry.cut_outs() {
+            tables.push(Table {
+                label: "cut-outs",
+                rows: cut_outs.rows().clone().into(),
+            });
+        }
+        let table_ids = (0..tables.len()).collect();
         Ok(Recipe {
             images: Vec::new(),
-            tables: vec![
-                Table {
-                    label: "hierarchy",
-                    rows: nodes.clone().into(),
-                },
-                Table {
-                    label: "triangles",
-                    rows: triangles.clone().into(),
-                },
-            ],
+            tables,
             casts: Vec::new(),
             filters: Vec::new(),
             receive: Receive {
                 kernel: Arc::new(self.kernel(view, geometry)),
                 inputs: Vec::new(),
-                tables: vec![0, 1],
+                tables: table_ids,
             },
             shade: None,
             keep_images: false,
@@ -164,6 +173,7 @@ impl Traced {
         TracedKernel {
             uniforms,
             bvh: geometry.bvh().clone(),
+            has_holes: geometry.cut_outs().is_some(),
         }
     }
 }
@@ -206,19 +216,35 @@ uniforms! {
 pub struct TracedKernel {
     uniforms: TracedUniforms,
     bvh: Arc<Bvh>,
+    /// Whether the geometry has cut-outs.
+    has_holes: bool,
 }
+
+/// Hits of casters without holes.
+const LEAF_OPAQUE: Module = Module {
+    name: "leaf_opaque",
+    text: include_str!("traced/leaf_opaque.wgsl"),
+};
+
+/// Hits of casters with holes.
+const LEAF_CUT_OUT: Module = Module {
+    name: "leaf_cut_out",
+    text: include_str!("traced/leaf_cut_out.wgsl"),
+};
 
 impl Kernel for TracedKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![
-            RAY_BOX,
-            RAY_TRIANGLE,
-            LIGHT_SAMPLE,
-            Module {
-                name: "traced",
-                text: include_str!("traced.wgsl"),
-            },
-        ]
+        let mut modules = vec![RAY_BOX, RAY_TRIANGLE, LIGHT_SAMPLE];
+        if self.has_holes {
+            modules.extend([CUT_OUT, HOLE, LEAF_CUT_OUT]);
+        } else {
+            modules.push(LEAF_OPAQUE);
+        }
+        modules.push(Module {
+            name: "traced",
+            text: include_str!("traced.wgsl"),
+        });
+        modules
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

@@ -1,4 +1,5 @@
-// Twin of traced.rs: walks a two-way hierarchy (table_0) over triangles (table_1), any hit will do.
+// Twin of traced.rs: walks a two-way hierarchy (table_0) over triangles (table_1), any hit will do. Which hits count is said in
+// leaf_opaque.wgsl or leaf_cut_out.wgsl.
 
 struct TracedUniforms {
     light: LightSampler,
@@ -9,18 +10,6 @@ struct TracedUniforms {
 }
 
 const STACK = 64;
-
-fn leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -> bool {
-    for (var i = first; i < first + count; i++) {
-        let a = table_1[3u * i];
-        let b = table_1[3u * i + 1u];
-        let c = table_1[3u * i + 2u];
-        if a.w != skip && segment_hits(o, d, bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz)) {
-            return true;
-        }
-    }
-    return false;
-}
 
 fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
     let inverse = slab_inverse(d);

@@ -15,7 +15,7 @@
 //! * Edges are as sharp as pixels; there is no map. Lights with an extent count as their middle.
 //!
 //! Known failures: the time goes into filling the volumes' faces, which often cover the image many times over; casters
-//! are triangles, so textures with holes cast whole; counts wrap, so a point under exactly 256 surfaces (or 512, ..)
+//! with holes that alpha textures cut out are refused, since outlines know nothing of textures; counts wrap, so a point under exactly 256 surfaces (or 512, ..)
 //! is lit; where light grazes a surface the volume's side lies within depth's rounding of it, about 2^-23 w^2 / near
 //! metres at distance w, and pixels there are noise (light that grazes whole planes is lifted off them, and refused where that
 //! is not enough: `grazing.rs`); a closed mesh that is turned inside out in one part is lit inside that part.
@@ -31,6 +31,7 @@ use crate::{
     listing::ListedTechnique,
     shading::facing::{FACING, homogeneous, turned_away},
     techniques::{
+        check_no_holes,
         infinite_far::InfiniteFarView,
         volumes::{
             clip_window::ClipWindow,
@@ -80,6 +81,10 @@ impl ShadowTechnique for ShadowVolumes {
                 "volumes are made from the scene's triangles, and this view has none",
             ));
         };
+        check_no_holes(
+            geometry,
+            "since volumes grow from the outlines of whole casters",
+        )?;
         let light = homogeneous(view.light);
         let infinite_far = InfiniteFarView::new(view, geometry);
         let lifted = LiftedLight::new(geometry, light.as_dvec4());

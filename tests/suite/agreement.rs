@@ -23,7 +23,7 @@ use umbrage_tests::{
 const SEEDS: [u8; 4] = [1, 2, 3, 8];
 /// Scenes a seed: so many that a thousand are rendered with maps in all. Some lights are not supported, and some cases are
 /// ray-traced.
-const SCENES: u32 = 400;
+const SCENES: u32 = 410;
 /// Scenes that each technique must have rendered at the least; planar shadows refuse most.
 const LEAST_EACH: u32 = 25;
 
@@ -31,6 +31,8 @@ const LEAST_EACH: u32 = 25;
 fn random_scenes_agree() {
     let (rendered, shadowed) = (RefCell::new(BTreeMap::new()), Cell::new(0_u32));
     let excused = Cell::new([0_u64; 2]);
+    // Of scenes with holes, those with a shadow.
+    let holed = Cell::new(0_u32);
     let check = |case: Case| {
         let played = agree(&case).map_err(TestCaseError::fail)?;
         *rendered
@@ -41,6 +43,8 @@ fn random_scenes_agree() {
             return Ok(());
         };
         shadowed.set(shadowed.get() + u32::from(dark));
+        let has_holes = case.scene.materials.iter().any(|m| m.alpha.is_some());
+        holed.set(holed.get() + u32::from(dark && has_holes));
         let [undecided, compared] = excused.get();
         excused.set([undecided + a.undecided + a.elsewhere, compared + a.compared]);
         Ok(())
@@ -79,6 +83,11 @@ fn random_scenes_agree() {
         shadowed.get() >= 400,
         "only {} scenes had a shadow in them: the others prove little",
         shadowed.get()
+    );
+    assert!(
+        holed.get() >= 50,
+        "only {} scenes with holes had a shadow in them",
+        holed.get()
     );
 }
 

@@ -1,6 +1,6 @@
 //! Net 1: twin functions, both halves on the same inputs.
 
-use umbrage_core::{Module, Twin, bvh, displacement, light_sample, math, resolve};
+use umbrage_core::{Module, Twin, bvh, cut_out, displacement, light_sample, math, resolve};
 use umbrage_tests::{
     adapter::device,
     twins::{Fault, check, difference, draw, mutants},
@@ -13,6 +13,7 @@ fn all() -> Vec<Twin> {
         bvh::TWINS,
         light_sample::TWINS,
         displacement::TWINS,
+        cut_out::TWINS,
     ]
     .concat();
     core.into_iter()

@@ -4,8 +4,8 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use std::{cell::Cell, sync::Arc};
 use umbrage_core::{
-    Aabb, Backend, Camera, Geometry, Instance, Light, Mesh, Receivers, Recipe, Scene,
-    ShadowTechnique, Simd, View,
+    Aabb, AlphaCutout, Backend, Camera, Geometry, Instance, Light, Material, Mesh, Receivers,
+    Recipe, Scene, ShadowTechnique, Simd, Texture, View,
     light_sample::{LightSampler, hash, origin_offset, segment},
     math::dot3,
 };
@@ -160,6 +160,39 @@ fn random_scenes_have_the_answers_of_rays() {
         "only {} scenes have shadows",
         shadowed.get()
     );
+    shadowed.set(0);
+    if let Err(why) = runner(5, 200).run(&random_scene::scenes_with_holes(), check) {
+        panic!("scenes with holes: {why}");
+    }
+    assert!(
+        shadowed.get() > 60,
+        "only {} scenes with holes have shadows",
+        shadowed.get()
+    );
+}
+
+/// The control: casters taken for whole are found out.
+#[test]
+fn lists_of_whole_casters_are_told_from_those_with_holes() {
+    let mut scene = (umbrage_scenes::find("wire-fence")
+        .expect("a built-in scene")
+        .build)();
+    let camera = scene.cameras[0].resized(UVec2::new(240, 135));
+    let light = scene.lights[0];
+    let mask = |scene: &Scene| {
+        let geometry = Geometry::bake(scene).expect("valid");
+        let view = View::new(&camera, &light, &geometry);
+        let lists = recipe(&Exact {}, &view).expect("lists serve all");
+        Cpu::new().render(&view, &lists).expect("plays").mask
+    };
+    let with_holes = mask(&scene);
+    for material in &mut scene.materials {
+        material.alpha = None;
+    }
+    let whole = mask(&scene);
+    let differing = with_holes.iter().zip(&whole).filter(|(a, b)| a != b);
+    let differing = differing.count();
+    assert!(differing > 1000, "{differing} pixels tell");
 }
 
 /// Built-in scenes, on both backends.
@@ -192,8 +225,8 @@ fn built_in_scenes_have_the_answers_of_rays() {
 }
 
 /// A floor under triangles of all sizes around the origin, from a tenth of a millimetre to ten metres away from it, some of them without area;
-/// moved by `shift`.
-fn soup(seed: u32, shift: Vec3) -> Scene {
+/// moved by `shift`. If there are holes, every second triangle but the floor's has some.
+fn soup(seed: u32, shift: Vec3, has_holes: bool) -> Scene {
     let state = Cell::new(hash(seed));
     let unit = || {
         state.set(hash(state.get()));
@@ -218,12 +251,51 @@ fn soup(seed: u32, shift: Vec3) -> Scene {
     positions.extend([floor[0][0], floor[0][1], floor[1][1]]);
     positions.extend([floor[0][0], floor[1][1], floor[1][0]]);
     let count = positions.len() as u32 / 3;
+    let uvs = positions
+        .iter()
+        .map(|p| Vec2::new(p.x + p.y, p.z))
+        .collect();
     let positions = positions.into_iter().map(|p| p + shift).collect();
-    let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+    let mut mesh = Mesh::new("soup", positions, triangles.collect()).expect("valid");
+    if !has_holes {
+        return Scene {
+            name: "soup".into(),
+            meshes: vec![mesh],
+            instances: vec![Instance::new(0, Affine3A::IDENTITY)],
+            ..Scene::default()
+        };
+    }
+    mesh.uvs = uvs;
+    let mut with_holes = mesh.clone();
+    let is_cut_out = |i: usize| i % 2 == 1 && i < 400;
+    let number = Cell::new(0);
+    let next = || number.replace(number.get() + 1);
+    mesh.triangles.retain(|_| !is_cut_out(next()));
+    number.set(0);
+    with_holes.triangles.retain(|_| is_cut_out(next()));
+    let texels = (0..64_u32).map(|i| [1.0, 1.0, 1.0, (hash(i) % 2) as f32]);
+    let alpha = AlphaCutout {
+        texture: 0,
+        cutoff: 0.5,
+    };
+    let cut_out = Instance {
+        material: Some(0),
+        ..Instance::new(1, Affine3A::IDENTITY)
+    };
     Scene {
-        name: "soup".into(),
-        meshes: vec![Mesh::new("soup", positions, triangles).expect("valid")],
-        instances: vec![Instance::new(0, Affine3A::IDENTITY)],
+        name: "soup with holes".into(),
+        meshes: vec![mesh, with_holes],
+        instances: vec![Instance::new(0, Affine3A::IDENTITY), cut_out],
+        materials: vec![Material {
+            alpha: Some(alpha),
+            ..Material::default()
+        }],
+        textures: vec![Texture {
+            name: "holes".into(),
+            size: UVec2::splat(8),
+            texels: texels.collect(),
+        }],
         ..Scene::default()
     }
 }
@@ -234,7 +306,8 @@ fn lamps_amid_triangles_have_the_answers_of_rays() {
     let mut shadowed = 0;
     for (seed, metres) in (0..24).zip([0.0, 0.0, 1e3, 1e5, 1e6].into_iter().cycle()) {
         let shift = Vec3::new(1.0, 0.0, -0.7) * metres;
-        let geometry = Geometry::bake(&soup(seed, shift)).expect("valid");
+        let scene = soup(seed, shift, seed % 8 >= 4);
+        let geometry = Geometry::bake(&scene).expect("valid");
         let eye = shift + Vec3::new(6.0, 5.0, 7.0);
         let size = UVec2::new(160, 120);
         let camera = Camera::perspective(eye, shift, Vec3::Y, 0.9, [0.1, 100.0], size);

@@ -9,6 +9,7 @@ mod closed_form_masks;
 mod coarse_grids;
 mod convergence;
 mod culling;
+mod cut_outs;
 mod embedding;
 mod exact;
 mod far_away;

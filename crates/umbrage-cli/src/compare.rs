@@ -8,7 +8,7 @@ use crate::{
 use crate::{cost, inputs, presets, progress::Progress, summary, table, verdicts};
 use anyhow::{Result, bail};
 use std::path::Path;
-use umbrage_core::{Backend, Instance, Invalid, Scene, glam::UVec2};
+use umbrage_core::{Backend, Invalid, Scene, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{
@@ -298,24 +298,14 @@ fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneIn
     let checks = all.clone().filter(|entry| entry.suite);
     let mut suite = Vec::new();
     for entry in all.filter(is_content).chain(checks) {
-        let scene = (entry.build)();
-        // However small the image is, volumes of so many triangles take minutes.
-        if arguments.quick && triangles_of(&scene) > MAX_QUICK_TRIANGLES {
+        // However small the image is, volumes of millions of triangles take minutes.
+        if arguments.quick && !entry.quick {
             println!("{} is left out of quick runs of the suite", entry.name);
             continue;
         }
-        suite.push(of_entry(scene, entry, &content));
+        suite.push(of_entry((entry.build)(), entry, &content));
     }
     Ok(suite)
-}
-
-/// The most triangles of a scene in quick runs of the suite.
-const MAX_QUICK_TRIANGLES: usize = 1_000_000;
-
-/// Returns how many triangles a scene's instances have together.
-fn triangles_of(scene: &Scene) -> usize {
-    let of_instance = |instance: &Instance| scene.meshes[instance.mesh].triangles.len();
-    scene.instances.iter().map(of_instance).sum()
 }
 
 /// `content` are the options of built-in frames of real size, `own` those of scenes of the user's.

@@ -31,6 +31,7 @@ pub use geometry::{
     Geometry, NO_MATERIAL, TRIANGLES_A_RUN,
     aabb::Aabb,
     bvh::{self, Bvh},
+    cut_out::{self, CutOuts},
     displacement,
     subdivide::MAX_SUBDIVIDED_TRIANGLES,
     weld::WeldedVertices,

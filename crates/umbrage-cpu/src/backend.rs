@@ -232,6 +232,9 @@ fn instructions(simd: Simd) -> String {
 fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), Invalid> {
     check_recipe(recipe)?;
     view.camera.validate()?;
+    if let Some(geometry) = view.geometry {
+        recipe.check_holes(geometry)?;
+    }
     let casts_geometry = recipe
         .casts
         .iter()

@@ -1,7 +1,7 @@
 //! The cast stage: geometry drawn into images.
 
-use crate::raster::{Draw, Mode, Position, Rasterizer, Target};
-use std::borrow::Cow;
+use crate::raster::{Draw, Holes, Mode, Position, Rasterizer, Target};
+use std::{borrow::Cow, ops::Range};
 use umbrage_core::{Cast, CastMode, Format, Geometry, Image, ImageId, Recipe, Simd, Source};
 
 /// What a cast reads and where it draws.
@@ -89,33 +89,80 @@ pub(crate) fn draw(
     simd: Simd,
 ) {
     let positions = geometry.positions();
-    match &cast.source {
-        Source::Casters | Source::Everything | Source::SomeCasters(_) => {
-            let triangles = drawn_triangles(&cast.source, geometry);
-            draw_triangles(rasterizer, target, cast, positions, &triangles, simd);
-        }
-        Source::Faces(faces) => {
-            draw_triangles(
-                rasterizer,
-                target,
-                cast,
-                &faces.vertices,
-                &faces.triangles,
-                simd,
-            );
+    if let Source::Faces(faces) = &cast.source {
+        let list = CastTriangles::opaque(&faces.vertices, &faces.triangles);
+        return draw_triangles(rasterizer, target, cast, &list, simd);
+    }
+    let runs = cast.source.runs(geometry);
+    let Some(cut_outs) = geometry.cut_outs() else {
+        let triangles = joined(&runs, geometry);
+        let list = CastTriangles::opaque(positions, &triangles);
+        return draw_triangles(rasterizer, target, cast, &list, simd);
+    };
+    let CastAttachments {
+        image,
+        other,
+        clear,
+    } = target;
+    let rays = cast.space.rays(image.desc.size);
+    let [whole, cut_out] = cut_outs.split(&runs);
+    let triangles = joined(&whole, geometry);
+    let list = CastTriangles::opaque(positions, &triangles);
+    let first = CastAttachments {
+        image: &mut *image,
+        other,
+        clear,
+    };
+    draw_triangles(rasterizer, first, cast, &list, simd);
+    for run in cut_out {
+        let list = CastTriangles {
+            positions,
+            triangles: geometry.run(&run),
+            first_id: run.start,
+            holes: Some(Holes {
+                cut_outs,
+                geometry,
+                rays: &rays,
+            }),
+        };
+        let next = CastAttachments {
+            image: &mut *image,
+            other,
+            clear: false,
+        };
+        draw_triangles(rasterizer, next, cast, &list, simd);
+    }
+}
+
+/// Triangles that a cast draws.
+struct CastTriangles<'a, P> {
+    positions: &'a [P],
+    triangles: &'a [[u32; 3]],
+    /// Id of the first, where holes are told by ids.
+    first_id: u32,
+    holes: Option<Holes<'a>>,
+}
+
+impl<'a, P> CastTriangles<'a, P> {
+    /// Returns a list of triangles without holes.
+    fn opaque(positions: &'a [P], triangles: &'a [[u32; 3]]) -> Self {
+        Self {
+            positions,
+            triangles,
+            first_id: 0,
+            holes: None,
         }
     }
 }
 
-/// Returns the triangles of a geometry that a cast draws. Several runs are copied one after the other, since the rasteriser
-/// shares out one list among threads.
-fn drawn_triangles<'a>(source: &Source, geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
-    let runs = source.runs(geometry);
-    if let [run] = &runs[..] {
+/// Returns the triangles of some runs of a geometry. Several runs are copied one after the other, since the rasteriser shares out one
+/// list among threads.
+fn joined<'a>(runs: &[Range<u32>], geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
+    if let [run] = runs {
         return Cow::Borrowed(geometry.run(run));
     }
     let mut triangles = Vec::with_capacity(runs.iter().map(ExactSizeIterator::len).sum());
-    for run in &runs {
+    for run in runs {
         triangles.extend_from_slice(geometry.run(run));
     }
     Cow::Owned(triangles)
@@ -125,8 +172,7 @@ fn draw_triangles<P: Position>(
     rasterizer: &mut Rasterizer,
     target: CastAttachments<'_>,
     cast: &Cast,
-    positions: &[P],
-    triangles: &[[u32; 3]],
+    list: &CastTriangles<'_, P>,
     simd: Simd,
 ) {
     let CastAttachments {
@@ -135,15 +181,16 @@ fn draw_triangles<P: Position>(
         clear,
     } = target;
     let draw = Draw {
-        positions,
-        triangles,
-        first_id: 0,
+        positions: list.positions,
+        triangles: list.triangles,
+        first_id: list.first_id,
         clip_from_world: cast.space.clip_from_world(),
         size: image.desc.size,
         cull: cast.cull,
         bias: cast.bias,
         mode: mode(cast.mode, image.desc.format),
         simd,
+        holes: list.holes,
     };
     let target = Target {
         width: image.desc.size.x as usize,

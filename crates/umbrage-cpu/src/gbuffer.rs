@@ -1,6 +1,6 @@
 //! Finds receivers: triangle ids are rasterised from the camera, then each pixel's ray is met with its triangle's plane.
 
-use crate::raster::{Draw, Mode, Rasterizer, Target};
+use crate::raster::{Draw, Holes, Mode, Rasterizer, Target};
 use rayon::prelude::*;
 use umbrage_core::{
     Camera, Cull, Geometry, Invalid, NO_TRIANGLE, RasterBias, Receivers, Simd,
@@ -17,25 +17,43 @@ pub(crate) fn find(
     geometry: &Geometry,
 ) -> Receivers {
     let mut found = Receivers::empty(camera.size);
-    let draw = Draw {
-        positions: geometry.positions(),
-        triangles: geometry.triangles(),
-        first_id: 0,
-        clip_from_world: camera.space().clip_from_world(),
-        size: camera.size,
-        cull: Cull::None,
-        bias: RasterBias::default(),
-        mode: Mode::DepthWithIds,
-        simd,
-    };
-    let target = Target {
-        width: camera.size.x as usize,
-        texels: &mut found.depth,
-        ids: &mut found.triangle,
-        other: &[],
-        clear: true,
-    };
-    rasterizer.draw(&draw, target);
+    let rays = camera.rays();
+    let everything = 0..geometry.triangles().len() as u32;
+    let mut parts = vec![(everything.clone(), None)];
+    if let Some(cut_outs) = geometry.cut_outs() {
+        let holes = Holes {
+            cut_outs,
+            geometry,
+            rays: &rays,
+        };
+        let [whole, cut_out] = cut_outs.split(&[everything]);
+        parts = whole.into_iter().map(|run| (run, None)).collect();
+        parts.extend(cut_out.into_iter().map(|run| (run, Some(holes))));
+    }
+    let mut is_first = true;
+    for (run, holes) in parts {
+        let draw = Draw {
+            positions: geometry.positions(),
+            triangles: geometry.run(&run),
+            first_id: run.start,
+            clip_from_world: camera.space().clip_from_world(),
+            size: camera.size,
+            cull: Cull::None,
+            bias: RasterBias::default(),
+            mode: Mode::DepthWithIds,
+            simd,
+            holes,
+        };
+        let target = Target {
+            width: camera.size.x as usize,
+            texels: &mut found.depth,
+            ids: &mut found.triangle,
+            other: &[],
+            clear: is_first,
+        };
+        rasterizer.draw(&draw, target);
+        is_first = false;
+    }
     resolve_all(&mut found, camera, geometry);
     found
 }

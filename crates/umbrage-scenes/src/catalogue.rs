@@ -2,11 +2,11 @@
 
 use crate::builtin::{
     causes,
-    closed::{area, everywhere, point_like, room, slits},
-    content::{dancer, forest, nave, night_room, street, valley},
+    closed::{area, card, everywhere, point_like, room, slits},
+    content::{dancer, forest, leaf_cards, nave, night_room, street, valley},
     failures::{
-        corners, distant, facets, fine, lamps, nothing, penumbrae, projection, relief, rooms,
-        scale, shells, spots, stairs, sunlit, volumes,
+        corners, cut_outs, distant, facets, fine, lamps, nothing, penumbrae, projection, relief,
+        rooms, scale, shells, spots, stairs, sunlit, volumes,
     },
     figure::figure,
     speed::{hall, statue, terrain, town},
@@ -35,6 +35,7 @@ const fn entry(name: &'static str, kind: Kind, build: Build, summary: &'static s
         summary,
         kind,
         suite: true,
+        quick: true,
         build,
         fit: None,
         closed_form: None,
@@ -75,6 +76,14 @@ const fn content(name: &'static str, build: Build, summary: &'static str) -> Sce
 }
 
 impl SceneEntry {
+    /// Leaves the scene out of quick runs.
+    const fn not_quick(self) -> Self {
+        Self {
+            quick: false,
+            ..self
+        }
+    }
+
     /// Leaves the scene out of the suite.
     const fn by_name_only(self) -> Self {
         Self {
@@ -115,6 +124,7 @@ const ALL: &[SceneEntry] = &[
     closed("c7-closed-room", everywhere::closed_room, everywhere::closed_room_samples, "a room of walls without thickness, the sun outside: no light"),
     closed("c8-faceted-sphere", everywhere::faceted_sphere, everywhere::faceted_sphere_samples, "a faceted sphere alone: facets are lit or not, no acne"),
     closed("c9-bare-floor", everywhere::bare_floor, everywhere::bare_floor_samples, "a bare floor, the sun half a degree high: no acne"),
+    closed("c10-chequered-card", card::chequered_card, card::chequered_card_samples, "a card with square holes in the sun: a chequered shadow").by_name_only(),
 
     cause("cause-acne", causes::acne, "a bare floor: it can only shadow itself"),
     cause("cause-gap", causes::gap, "the foot of a thin plate: light can only come under it"),
@@ -169,6 +179,8 @@ const ALL: &[SceneEntry] = &[
     failure("cone-rim", Failure::ConeRim, spots::cone_rim, "a spot whose rim crosses posts and their shadows").by_name_only(),
     failure("small-lamp", Failure::SmallLight, spots::small_lamp, "a lamp of 2 mm over a lattice").by_name_only(),
     failure("low-poly", Failure::LowPoly, facets::low_poly, "balls of 80 facets in a low sun").by_name_only(),
+    failure("wire-fence", Failure::FineDetail, cut_outs::wire_fence, "a fence as one quad: an alpha texture cuts its wires out").by_name_only(),
+    failure("foliage", Failure::CutOut, cut_outs::foliage, "trees of leaf cards with holes, from 5 to 500 m away").by_name_only(),
     failure("hills-endless", Failure::OtherProjection, projection::hills_endless, "the hills by reversed depth without a far plane").by_name_only(),
 
     speed("hall", hall::hall, "an interior of 57,000 triangles"),
@@ -180,12 +192,14 @@ const ALL: &[SceneEntry] = &[
     content("nave-soft", nave::nave_soft, "the nave under a wide sun"),
     content("street", street::street, "a street of a town, the sun low"),
     content("street-soft", street::street_soft, "the street under a hazy sun"),
-    content("forest", forest::forest, "a path through a wood in the sun"),
-    content("forest-soft", forest::forest_soft, "the forest under a wide sun"),
-    content("valley", valley::valley, "2 km of land with poles, huts and firs, the sun low"),
-    content("valley-soft", valley::valley_soft, "the valley under a wide sun"),
+    content("forest", forest::forest, "a path through a wood in the sun").not_quick(),
+    content("forest-soft", forest::forest_soft, "the forest under a wide sun").not_quick(),
+    content("valley", valley::valley, "2 km of land with poles, huts and firs, the sun low").not_quick(),
+    content("valley-soft", valley::valley_soft, "the valley under a wide sun").not_quick(),
     content("dancer", dancer::dancer, "a dancer on a stage under a spot"),
     content("dancer-soft", dancer::dancer_soft, "the dancer under a large spot"),
+    content("leaf-cards", leaf_cards::leaf_cards, "a clearing behind a wire fence; alpha textures cut out leaves and wires").not_quick(),
+    content("leaf-cards-soft", leaf_cards::leaf_cards_soft, "the clearing under a wide sun").not_quick(),
     content("night-room", night_room::night_room, "a furnished room by night under three lamps"),
     content("night-room-soft", night_room::night_room_soft, "the room under lamps with extents"),
 ];

@@ -14,6 +14,8 @@ pub struct SceneEntry {
     pub kind: Kind,
     /// Whether it is compared when nobody names a scene: neither heavy nor nearly the same as another.
     pub suite: bool,
+    /// Whether quick runs over all scenes play it. Frames of over a million triangles, and one with holes, are left to longer runs.
+    pub quick: bool,
     /// Makes the scene, always the same.
     pub build: fn() -> Scene,
     /// The light space that a textbook would set by hand; none where a tight fit will do.
@@ -107,6 +109,8 @@ pub enum Failure {
     LowPoly = 34,
     /// Other renderers' projections: reversed depth, no far plane.
     OtherProjection = 35,
+    /// Holes that alpha textures cut into leaves: finer than a map's texels, and than pixels far away.
+    CutOut = 39,
 }
 
 impl Failure {

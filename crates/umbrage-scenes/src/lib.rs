@@ -64,6 +64,8 @@
 //! | `specular` | the highlight's colour: one number or `[r, g, b]`, linear, 0 to 1 | 0.15 |
 //! | `shininess` | the highlight's power: a power of two, 1 to 4096 | 32 |
 //! | `emissive` | `[r, g, b]`, linear: light of its own, which no shadow touches | `[0, 0, 0]` |
+//! | `alpha_map` | a `.png` file that cuts holes, through which light falls and the camera sees: its alpha, or, without, its first channel | none |
+//! | `alpha_cutoff` | least alpha of what is there, 0 to 1; of the nearest texel | 0.5 |
 //! | `normal_map` | a `.png` file of tangent-space normals, green up (OpenGL's convention) | none |
 //! | `height_map` | a `.png` file of heights, 0 to 1 in its first channel, best of 16 bits; it moves the vertices | none |
 //! | `displacement` | metres (before scaling) that white moves out and black in; negative turns the relief inside out | needed with `height_map` |
@@ -80,8 +82,8 @@
 //! usable ones. Loaded alone, a model is put on a floor if it brings no ground
 //! of its own, framed by a camera (from inside, if it is a building around its own floor), and lit by a sun.
 //!
-//! Of the `.mtl` files that a model names, `Kd`, `Ks`, `Ke`, `Ns` (rounded to a power of two), `map_Kd` and, for normals,
-//! `norm` or `map_Bump` are read. Models often come without their looks, which no shadow needs: a `.mtl` file or a texture
+//! Of the `.mtl` files that a model names, `Kd`, `Ks`, `Ke`, `Ns` (rounded to a power of two), `map_Kd`, `map_d` and, for normals,
+//! `norm` or `map_Bump` are read. Alpha below one half, of `map_d` or else of `map_Kd`, cuts holes. Models often come without their looks, which no shadow needs: a `.mtl` file or a texture
 //! that isn't there, one that is no PNG, and bump maps in grey (heights whose scale nobody tells) are left aside. A
 //! `.png` file that can't be decoded and a number that can't be read are errors.
 //!

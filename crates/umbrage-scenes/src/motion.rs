@@ -85,6 +85,8 @@ const fn moving(
 impl MovingScene {
     /// Wires as thin as a texel.
     pub const FENCE_PAN: Self = moving(9, "fence-pan", "fence", Motion::Pan, NEARBY);
+    /// Wires cut out of one quad.
+    pub const WIRE_FENCE_PAN: Self = moving(9, "wire-fence-pan", "wire-fence", Motion::Pan, NEARBY);
     /// A landscape under a low sun.
     pub const HILLS_PAN: Self = moving(10, "hills-pan", "hills", Motion::Pan, LANDSCAPE);
     /// The same 100 km from the origin.
@@ -113,9 +115,13 @@ impl MovingScene {
     /// A projection that is moved within a pixel.
     pub const HILLS_JITTER: Self = moving(37, "hills-jitter", "hills", Motion::Jitter, LANDSCAPE);
 
+    /// Leaf cards with holes, near and far.
+    pub const FOLIAGE_PAN: Self = moving(39, "foliage-pan", "foliage", Motion::Pan, LANDSCAPE);
+
     /// All of them, by rows.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::FENCE_PAN,
+        Self::WIRE_FENCE_PAN,
         Self::HILLS_PAN,
         Self::HILLS_1E5_PAN,
         Self::HILLS_1E6_PAN,
@@ -125,6 +131,7 @@ impl MovingScene {
         Self::HILLS_ENDLESS_PAN,
         Self::HILLS_CASTERS,
         Self::HILLS_JITTER,
+        Self::FOLIAGE_PAN,
     ];
 }
 

@@ -18,7 +18,7 @@ use crate::{
     resources::{
         counters::{Counters, ResourceFactory},
         counts::COUNTING,
-        geometry::Geometries,
+        geometry::{Geometries, GpuGeometry},
         images::GpuImage,
     },
 };
@@ -189,8 +189,9 @@ impl Gpu {
             }
             (None, None) => return Err(blind()),
         }
-        let casters: Vec<_> = geometry.iter().map(|g| g.casters()).collect();
-        let everything: Vec<_> = geometry.iter().map(|g| g.everything()).collect();
+        let casters = geometry.map_or_else(Vec::new, GpuGeometry::casters);
+        let everything = geometry.map_or_else(Vec::new, GpuGeometry::everything);
+        let holes = geometry.and_then(|g| g.cut_outs.as_ref());
         let size = view.camera.size;
         let receivers = textures.gbuffer();
         let frame = FrameInputs {
@@ -200,7 +201,7 @@ impl Gpu {
             receivers,
         };
         self.renderer
-            .prepare(&self.device, &self.queue, recipe, &frame)?;
+            .prepare_with_holes(&self.device, &self.queue, recipe, &frame, holes)?;
         match view.receivers {
             Some(_) => Ok(None),
             None => Ok(geometry.map(|g| g.triangles)),
@@ -325,6 +326,9 @@ pub(crate) fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError
         return Err(Invalid::new("receivers", why, help).into());
     }
     view.receivers.map_or(Ok(()), Receivers::validate)?;
+    if let Some(geometry) = view.geometry {
+        recipe.check_holes(geometry)?;
+    }
     let casts_geometry = recipe
         .casts
         .iter()

@@ -6,6 +6,7 @@ use crate::{
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
+        cut_outs::{CutOutBinding, GpuCutOuts, cut_out_layout},
         draws::{DrawList, Vertex},
         faces::FaceBuffers,
         images::GpuImage,
@@ -38,6 +39,8 @@ pub(crate) struct CastStage {
     spaces: Matrices,
     /// Each draw's world from local.
     places: Matrices,
+    /// What draws of triangles with holes read; each target's rays.
+    holes: CutOutBinding,
 }
 
 impl CastStage {
@@ -49,6 +52,7 @@ impl CastStage {
         images: &[GpuImage],
         faces: &mut FaceBuffers,
         frame: &FrameInputs<'_>,
+        holes: Option<&GpuCutOuts>,
     ) {
         self.targets = (0..casts.len())
             .map(|i| CastTarget::new(casts, i, images))
@@ -57,7 +61,7 @@ impl CastStage {
             .iter()
             .map(|c| matches!(c.source, Source::Faces(_)))
             .collect();
-        self.list = DrawList::new(factory, faces, casts, frame);
+        self.list = DrawList::new(factory, faces, casts, frame, holes);
         self.clears = read_unwritten(casts, images);
         self.spaces.write(
             factory,
@@ -65,7 +69,15 @@ impl CastStage {
             self.targets.iter().map(|t| t.clip_from_world),
         );
         self.places.write(factory, pipelines, self.list.places());
-        let layouts = Layouts::new(factory, pipelines);
+        let mut layouts = Layouts::new(factory, pipelines);
+        if let Some(holes) = holes {
+            let layout = cut_out_layout(factory, pipelines);
+            let rays = casts
+                .iter()
+                .map(|cast| cast.space.rays(images[cast.image].desc.size));
+            self.holes.write(factory, &layout, holes, rays);
+            layouts.cut_outs = Some(layout);
+        }
         self.bind_peeled(factory, &layouts);
         self.pipelines.clear();
         for (target, part) in self.targets.iter().zip(&self.list.casts) {
@@ -158,16 +170,22 @@ impl CastStage {
             if draw.vertex == Vertex::Local {
                 self.places.bind(pass, 1, index);
             }
+            if draw.vertex == Vertex::CutOut {
+                self.holes.bind(pass, 1, cast);
+            }
             draw.encode(pass);
         }
     }
 }
 
-/// Layouts of the bind groups of casts: 0 holds clip from world, 1 world from local, 2 the layer that is peeled off.
+/// Layouts of the bind groups of casts: 0 holds clip from world, 1 world from local or what tells holes, 2 the layer that is peeled
+/// off.
 #[derive(Debug)]
 pub(crate) struct Layouts {
     matrix: BindGroupLayout,
     pub(crate) peeled: BindGroupLayout,
+    /// Where triangles have holes.
+    cut_outs: Option<BindGroupLayout>,
 }
 
 impl Layouts {
@@ -178,13 +196,21 @@ impl Layouts {
             ShaderStages::FRAGMENT,
             &[Slot::Floats { layered: false }],
         );
-        Self { matrix, peeled }
+        Self {
+            matrix,
+            peeled,
+            cut_outs: None,
+        }
     }
 
     pub(crate) fn of(&self, key: &CastKey) -> [Option<&BindGroupLayout>; 3] {
-        let place = (key.vertex == Vertex::Local).then_some(&self.matrix);
+        let second = match key.vertex {
+            Vertex::Local => Some(&self.matrix),
+            Vertex::CutOut => self.cut_outs.as_ref(),
+            Vertex::World | Vertex::Instanced | Vertex::Homogeneous => None,
+        };
         let peeled = (key.peel != Peel::Nothing).then_some(&self.peeled);
-        [Some(&self.matrix), place, peeled]
+        [Some(&self.matrix), second, peeled]
     }
 }
 

@@ -6,6 +6,7 @@ use crate::{
     resources::{
         bindings::{Binding, Bound, Layouts, Slot},
         counters::ResourceFactory,
+        cut_outs::{GpuCutOuts, holes_wgsl},
         geometry::GpuGeometry,
         images::extent,
         pipelines::{Targets, fullscreen_pipeline, pipeline_layout, shader},
@@ -15,13 +16,14 @@ use crate::{
 };
 use encase::{ShaderType, UniformBuffer};
 use glam::{Mat4, UVec2};
+use std::ops::Range;
 use umbrage_core::{Camera, CameraRays, Format, MATH, Receivers, join, resolve::RESOLVE};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Device, FragmentState,
-    MultisampleState, PipelineCompilationOptions, QuerySet, Queue, RenderPassDescriptor,
-    RenderPassTimestampWrites, RenderPipeline, RenderPipelineDescriptor, ShaderStages,
-    TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView, VertexState,
+    MultisampleState, PipelineCompilationOptions, QuerySet, Queue, RenderPass,
+    RenderPassDescriptor, RenderPassTimestampWrites, RenderPipeline, RenderPipelineDescriptor,
+    ShaderStages, TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension,
+    TextureFormat, TextureUsages, TextureView, VertexState,
 };
 
 /// Twin of `Seen` in visibility.wgsl.
@@ -180,6 +182,33 @@ pub(crate) struct GBufferPass {
     uniforms: Option<Buffer>,
     ids_binding: Binding,
     points_binding: Binding,
+    /// Made when a geometry first has holes.
+    holes: Option<HolesPass>,
+    /// The triangles with holes that are drawn; both empty if there are none.
+    cut_out: [Range<u32>; 2],
+}
+
+/// Draws ids of triangles with holes.
+#[derive(Debug)]
+struct HolesPass {
+    ids: RenderPipeline,
+    layout: BindGroupLayout,
+    binding: Binding,
+}
+
+impl HolesPass {
+    fn new(factory: &ResourceFactory<'_>) -> Self {
+        let slots = [Slot::Uniform, Slot::Table, Slot::Table, Slot::Table];
+        let layout = Layouts::default().get(factory, ShaderStages::VERTEX_FRAGMENT, &slots);
+        let text = holes_wgsl()
+            + include_str!("gbuffer_visibility.wgsl")
+            + include_str!("gbuffer_holes.wgsl");
+        Self {
+            ids: ids_pipeline(factory.device, &text, "write_id_outside_holes", &layout),
+            layout,
+            binding: Binding::default(),
+        }
+    }
 }
 
 impl GBufferPass {
@@ -193,13 +222,15 @@ impl GBufferPass {
         let common = join(&[MATH, RESOLVE]) + include_str!("gbuffer_visibility.wgsl");
         let text = common.clone() + include_str!("gbuffer_resolve.wgsl") + FULLSCREEN;
         Self {
-            ids: ids_pipeline(factory.device, &common, &ids_layout),
+            ids: ids_pipeline(factory.device, &common, "write_id", &ids_layout),
             points: points_pipeline(factory.device, &text, &points_layout),
             ids_layout,
             points_layout,
             uniforms: None,
             ids_binding: Binding::default(),
             points_binding: Binding::default(),
+            holes: None,
+            cut_out: [0..0, 0..0],
         }
     }
 
@@ -236,9 +267,63 @@ impl GBufferPass {
             &self.ids_layout,
             bound.clone(),
         );
+        self.prepare_holes(factory, geometry.cut_outs.as_ref(), &bound);
         bound.push(Bound::View(textures.triangle.1.clone()));
         self.points_binding
             .set(factory, "umbrage resolve", &self.points_layout, bound);
+    }
+
+    /// `bound` is what the draws of other triangles read.
+    fn prepare_holes(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        cut_outs: Option<&GpuCutOuts>,
+        bound: &[Bound],
+    ) {
+        let Some(cut_outs) = cut_outs else {
+            self.cut_out = [0..0, 0..0];
+            return;
+        };
+        self.cut_out = cut_outs.cut_outs.runs().clone();
+        let pass = self.holes.get_or_insert_with(|| {
+            factory.counters.pipelines += 1;
+            HolesPass::new(factory)
+        });
+        let rows = Bound::Buffer(cut_outs.rows.clone());
+        let bound = [bound, &[rows]].concat();
+        pass.binding.set(
+            factory,
+            "umbrage visibility with holes",
+            &pass.layout,
+            bound,
+        );
+    }
+
+    /// Draws all triangles in the order of ids, so that of equally near ones the first is seen.
+    fn draw_ids(&self, pass: &mut RenderPass<'_>, triangles: u32) {
+        let mut next = 0;
+        for run in &self.cut_out {
+            self.draw_whole(pass, next..run.start.max(next));
+            if let Some(holes) = &self.holes
+                && !run.is_empty()
+            {
+                pass.set_pipeline(&holes.ids);
+                pass.set_bind_group(0, holes.binding.group(), &[]);
+                pass.draw(3 * run.start..3 * run.end, 0..1);
+            }
+            next = run.end.max(next);
+        }
+        self.draw_whole(pass, next..triangles);
+    }
+
+    /// Draws triangles without holes.
+    fn draw_whole(&self, pass: &mut RenderPass<'_>, run: Range<u32>) {
+        if run.is_empty() {
+            return;
+        }
+        pass.set_pipeline(&self.ids);
+        pass.set_bind_group(0, self.ids_binding.group(), &[]);
+        pass.draw(3 * run.start..3 * run.end, 0..1);
     }
 
     /// Records both passes; `queries` get timestamps 0 and 1.
@@ -261,11 +346,7 @@ impl GBufferPass {
             timestamp_writes: queries.map(|q| stamp(q, Some(0), None)),
             ..RenderPassDescriptor::default()
         });
-        if triangles > 0 {
-            pass.set_pipeline(&self.ids);
-            pass.set_bind_group(0, self.ids_binding.group(), &[]);
-            pass.draw(0..3 * triangles, 0..1);
-        }
+        self.draw_ids(&mut pass, triangles);
         drop(pass);
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage resolve"),
@@ -293,7 +374,12 @@ fn stamp(
     }
 }
 
-fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> RenderPipeline {
+fn ids_pipeline(
+    device: &Device,
+    text: &str,
+    entry: &str,
+    layout: &BindGroupLayout,
+) -> RenderPipeline {
     let module = &shader(device, "umbrage visibility", text);
     let options = PipelineCompilationOptions::default;
     device.create_render_pipeline(&RenderPipelineDescriptor {
@@ -310,7 +396,7 @@ fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> Render
         multisample: MultisampleState::default(),
         fragment: Some(FragmentState {
             module,
-            entry_point: Some("write_id"),
+            entry_point: Some(entry),
             compilation_options: options(),
             targets: &[Some(TextureFormat::R32Uint.into())],
         }),

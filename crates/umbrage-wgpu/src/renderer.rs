@@ -9,6 +9,7 @@ use crate::{
     resources::{
         counters::{Counters, ResourceFactory},
         counts::{check_counting, pairs},
+        cut_outs::GpuCutOuts,
         faces::check_faces,
         images::GpuImage,
         renderer_state::{Resources, Shared},
@@ -114,6 +115,18 @@ impl ShadowRenderer {
         recipe: &Recipe,
         frame: &FrameInputs<'_>,
     ) -> Result<(), BackendError> {
+        self.prepare_with_holes(device, queue, recipe, frame, None)
+    }
+
+    /// The same where triangles with holes are drawn, too; the frame lists the others.
+    pub(crate) fn prepare_with_holes(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        recipe: &Recipe,
+        frame: &FrameInputs<'_>,
+        holes: Option<&GpuCutOuts>,
+    ) -> Result<(), BackendError> {
         self.prepared = None;
         check_device(device, self.submissions.device())?;
         recipe.make_tables();
@@ -139,6 +152,7 @@ impl ShadowRenderer {
             recipe,
             &pairs,
             frame,
+            holes,
         );
         if let Err(e) = self.errors.close(scopes, self.options.errors) {
             (self.shared, self.lights) = Default::default();

@@ -13,7 +13,7 @@ mod open;
 mod order;
 mod rays;
 
-use super::{ExactUniforms, light_frame::LightFrame};
+use super::{ExactUniforms, holes::CasterHoles, light_frame::LightFrame};
 use boxes::{BOXES, Reach};
 use caster_run::{CasterRun, RUN};
 use open::take_lowest;
@@ -37,12 +37,14 @@ pub(super) fn answer_all(
     uniforms: &ExactUniforms,
     frame: &LightFrame,
     geometry: &Geometry,
+    holes: Option<CasterHoles<'_>>,
     receivers: &Receivers,
 ) -> Vec<f32> {
     let AllRays { faces, mask } = make_rays(simd, uniforms, frame, receivers);
     let hide = Hide {
         frame,
         geometry,
+        holes,
         faces: &faces,
         rays: Rays::of(uniforms, frame),
     };
@@ -66,6 +68,8 @@ pub(super) fn answer_all(
 struct Hide<'a> {
     frame: &'a LightFrame,
     geometry: &'a Geometry,
+    /// Holes of casters; none if none has any.
+    holes: Option<CasterHoles<'a>>,
     faces: &'a [FaceRays],
     rays: Rays,
 }
@@ -202,7 +206,9 @@ impl Hide<'_> {
             let mut blocks = by_outline.met & open & !covered;
             while let Some(block) = take_lowest(&mut blocks) {
                 let block = visit.number * BOXES + block;
-                face.hide(block, &self.rays, &reach, id, || casters.corners(caster));
+                let corners = || casters.corners(caster);
+                let holes = self.holes.filter(|_| casters.has_holes(caster));
+                face.hide(block, &self.rays, &reach, id, corners, holes);
             }
         }
     }

@@ -52,7 +52,8 @@ pub(super) struct Lists {
     pub(super) cells: Rows,
     /// Two items a row: caster, and its box and depth in one word.
     pub(super) items: Rows,
-    /// Three rows a caster: its corners.
+    /// Three rows a caster: its corners. The fourth word of the second is the row of its record among the cut-outs, 0 if it has no
+    /// holes.
     pub(super) corners: Rows,
 }
 
@@ -71,6 +72,8 @@ impl CornerRows {
                 for (row, corner) in out.iter_mut().zip(geometry.corners(id)) {
                     *row = corner.extend(0.0).to_array().map(f32::to_bits);
                 }
+                let cut_outs = geometry.cut_outs();
+                out[1][3] = cut_outs.and_then(|c| c.record_row(id)).unwrap_or(0);
             });
             rows
         };

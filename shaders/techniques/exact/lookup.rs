@@ -2,6 +2,7 @@
 
 use super::{
     AskedCell, ExactUniforms,
+    holes::CasterHoles,
     item_key::{CellBox, KEY_STEPS, asking_word, ends_list, may_hide},
     light_frame::LightFrame,
     lists::Lists,
@@ -16,14 +17,22 @@ use umbrage_core::{
     math::{dot3, greater, lesser},
 };
 
+/// What receivers ask.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub(super) uniforms: &'a ExactUniforms,
+    pub(super) lists: &'a Lists,
+    /// Holes of casters; none if none has any.
+    pub(super) holes: Option<CasterHoles<'a>>,
+}
+
 /// Fills `out`, as long as the span, with the light's visibility.
-pub(super) fn look_up_span(
-    simd: Simd,
-    uniforms: &ExactUniforms,
-    lists: &Lists,
-    span: &Span<'_>,
-    out: &mut [f32],
-) {
+pub(super) fn look_up_span(simd: Simd, asked: Asked<'_>, span: &Span<'_>, out: &mut [f32]) {
+    let Asked {
+        uniforms,
+        lists,
+        holes,
+    } = asked;
     let mut padded = PaddedReceivers::new();
     for first in (0..out.len()).step_by(BATCH) {
         let count = BATCH.min(out.len() - first);
@@ -31,6 +40,7 @@ pub(super) fn look_up_span(
         let rays = place(simd, uniforms, &lists.frame, &receivers);
         simd.run_task(Answer {
             lists,
+            holes,
             rays: &rays,
             own: &span.triangle[first..first + count],
             out: &mut out[first..first + count],
@@ -52,6 +62,7 @@ pub(super) fn cells_of_span(
         let rays = place(Simd::Native, uniforms, &lists.frame, &receivers);
         let walk = Walk {
             lists,
+            holes: None,
             rays: &rays,
             own: &[],
         };
@@ -193,6 +204,7 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
 /// Answers for a batch.
 struct Answer<'a> {
     lists: &'a Lists,
+    holes: Option<CasterHoles<'a>>,
     rays: &'a Rays,
     own: &'a [u32],
     out: &'a mut [f32],
@@ -206,6 +218,7 @@ impl SimdTask for Answer<'_> {
         let rays = self.rays;
         let walk = Walk {
             lists: self.lists,
+            holes: self.holes,
             rays,
             own: self.own,
         };
@@ -335,6 +348,7 @@ fn step_range(places: &[f32]) -> [u32; 2] {
 /// Walks lists.
 struct Walk<'a> {
     lists: &'a Lists,
+    holes: Option<CasterHoles<'a>>,
     rays: &'a Rays,
     own: &'a [u32],
 }
@@ -434,6 +448,14 @@ impl Walk<'_> {
         if is_one { own[0] } else { NO_TRIANGLE }
     }
 
+    /// Returns whether a ray, which meets a caster, meets it in a hole.
+    #[inline(always)]
+    fn is_hole_met(&self, ray: usize, caster: u32, corners: [Vec3; 3]) -> bool {
+        let o = || self.rays.segments.origin(ray);
+        self.holes
+            .is_some_and(|holes| holes.are_met(caster, corners, o()))
+    }
+
     /// Hides the light from those receivers of runs whose rays meet a candidate, their own triangle apart.
     #[inline(always)]
     fn ask_candidates(&self, candidates: &[Candidate], runs: &mut [Run]) {
@@ -466,7 +488,8 @@ impl Walk<'_> {
             while hits != 0 {
                 let lane = hits.trailing_zeros();
                 hits &= hits - 1;
-                if self.own[first + lane as usize] != caster {
+                let ray = first + lane as usize;
+                if self.own[ray] != caster && !self.is_hole_met(ray, caster, corners) {
                     run.open &= !(1 << lane);
                 }
             }

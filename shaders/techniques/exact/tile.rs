@@ -132,19 +132,21 @@ impl Scratch {
                 }
             } else {
                 let traits = outline_of(frame, geometry, touch.caster);
-                self.add_by_outline(frame, &grid, &touch, &traits);
+                let may_cover = !geometry.has_holes(touch.caster);
+                self.add_by_outline(frame, &grid, &touch, &traits, may_cover);
             }
         }
         self.emit(out);
     }
 
-    /// Adds a triangle to the cells that its outline touches, and notes which it covers.
+    /// Adds a triangle to the cells that its outline touches, and notes which it covers, if it may.
     fn add_by_outline(
         &mut self,
         frame: &LightFrame,
         grid: &CellGrid,
         touch: &Touch,
         traits: &Traits,
+        may_cover: bool,
     ) {
         let side_log2 = grid.side_log2;
         let [across, down, summand] = traits.outline.on_face(frame.is_lamp, grid.face);
@@ -167,7 +169,7 @@ impl Scratch {
             let least = at_cell + to_least;
             let nearest = frame.nearest_of_plane(least.w, greatest.w);
             self.push(touch, side_log2, cell, nearest.max(touch.nearest));
-            if least.truncate().cmpgt(Vec3::ONE).all() {
+            if may_cover && least.truncate().cmpgt(Vec3::ONE).all() {
                 let covered = &mut self.covered[((cy << side_log2) + cx) as usize];
                 *covered = covered.min(frame.farthest_of_plane(least.w, greatest.w));
             }

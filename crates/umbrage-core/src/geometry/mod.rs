@@ -4,6 +4,7 @@ pub(crate) mod aabb;
 pub(crate) mod box_tree;
 pub mod bvh;
 pub(crate) mod clip_polygon;
+pub mod cut_out;
 mod derived;
 pub(crate) mod displaced_mesh;
 pub mod displacement;
@@ -17,9 +18,10 @@ pub(crate) mod subdivide;
 pub(crate) mod weld;
 
 use crate::{
-    Aabb, Bvh, Invalid, Scene,
+    Aabb, Bvh, Instance, Invalid, Scene,
     geometry::{
         box_tree::{BoxTree, RUN},
+        cut_out::CutOuts,
         derived::Derived,
         placed::PlacedMeshes,
     },
@@ -47,6 +49,8 @@ pub struct Geometry {
     placed: Arc<PlacedMeshes>,
     casters: Range<u32>,
     receivers: Range<u32>,
+    /// Of casters and of all else; none if nothing is cut out.
+    cut_outs: Option<Arc<CutOuts>>,
     fingerprint: u64,
     bvh: OnceLock<Arc<Bvh>>,
     bvh_tables: OnceLock<[Rows; 2]>,
@@ -64,18 +68,28 @@ impl Geometry {
     /// outside out.
     ///
     /// # Errors
-    /// Errors if [`Scene::validate`] does; if subdivisions make too many triangles; and if a placement leaves the range of `f32`.
+    /// Errors if [`Scene::validate`] does; if subdivisions make too many triangles; if an alpha texture is too large; and if a
+    /// placement leaves the range of `f32`.
     pub fn bake(scene: &Scene) -> Result<Self, Invalid> {
         scene.validate()?;
         let mut placed = PlacedMeshes::default();
-        // In this order, casters and receivers are each one range, which overlap.
-        placed.append_all(scene, |i| i.casts && !i.receives)?;
-        let first_receiver = placed.triangles.len() as u32;
-        placed.append_all(scene, |i| i.casts && i.receives)?;
-        let end_of_casters = placed.triangles.len() as u32;
-        placed.append_all(scene, |i| !i.casts && i.receives)?;
-        let end_of_receivers = placed.triangles.len() as u32;
-        placed.append_all(scene, |i| !i.casts && !i.receives)?;
+        // In this order, casters and receivers are each one range, which overlap. What is cut out is two runs: the last of what only
+        // casts and the first of what does both; the last of what only receives and the first of what does neither.
+        placed.append_all(scene, |i| i.casts && !i.receives && !is_cut_out(scene, i))?;
+        let first_cut_out = placed.next_id();
+        placed.append_all(scene, |i| i.casts && !i.receives && is_cut_out(scene, i))?;
+        let first_receiver = placed.next_id();
+        placed.append_all(scene, |i| i.casts && i.receives && is_cut_out(scene, i))?;
+        let end_of_cut_out = placed.next_id();
+        placed.append_all(scene, |i| i.casts && i.receives && !is_cut_out(scene, i))?;
+        let end_of_casters = placed.next_id();
+        placed.append_all(scene, |i| !i.casts && i.receives && !is_cut_out(scene, i))?;
+        let second_cut_out = placed.next_id();
+        placed.append_all(scene, |i| !i.casts && i.receives && is_cut_out(scene, i))?;
+        let end_of_receivers = placed.next_id();
+        placed.append_all(scene, |i| !i.casts && !i.receives && is_cut_out(scene, i))?;
+        let end_of_second_cut_out = placed.next_id();
+        placed.append_all(scene, |i| !i.casts && !i.receives && !is_cut_out(scene, i))?;
         placed.finish();
         if let Some(i) = placed.positions.iter().position(|p| !p.is_finite()) {
             return Err(Invalid::new(
@@ -84,7 +98,12 @@ impl Geometry {
                 "use smaller matrices: the product left the range of 32-bit floats",
             ));
         }
+        let runs = [
+            first_cut_out..end_of_cut_out,
+            second_cut_out..end_of_second_cut_out,
+        ];
         let mut out = Self {
+            cut_outs: CutOuts::new(scene, &placed, runs)?,
             placed: Arc::new(placed),
             casters: 0..end_of_casters,
             receivers: first_receiver..end_of_receivers,
@@ -104,6 +123,11 @@ impl Geometry {
             self.receivers.end,
         ] {
             hash = placed::hash_word(hash, end);
+        }
+        if let Some(cut_outs) = &self.cut_outs {
+            for &word in cut_outs.rows().as_flattened() {
+                hash = placed::hash_word(hash, word);
+            }
         }
         hash
     }
@@ -174,6 +198,27 @@ impl Geometry {
     /// Panics if the range reaches beyond the list.
     pub fn run(&self, run: &Range<u32>) -> &[[u32; 3]] {
         &self.placed.triangles[run.start as usize..run.end as usize]
+    }
+
+    /// Holes that alpha textures cut into triangles; none if nothing is cut out.
+    pub fn cut_outs(&self) -> Option<&Arc<CutOuts>> {
+        self.cut_outs.as_ref()
+    }
+
+    /// Returns whether anything is cut out of casters.
+    pub fn has_cut_out_casters(&self) -> bool {
+        let casters = self.casters();
+        self.cut_outs.as_ref().is_some_and(|cut_outs| {
+            let mut runs = cut_outs.runs().iter();
+            runs.any(|run| run.start.max(casters.start) < run.end.min(casters.end))
+        })
+    }
+
+    /// Returns whether an alpha texture cuts holes into a triangle.
+    #[inline]
+    pub fn has_holes(&self, triangle: u32) -> bool {
+        let cut_outs = self.cut_outs.as_ref();
+        cut_outs.is_some_and(|cut_outs| cut_outs.record_row(triangle).is_some())
     }
 
     /// Ids of the triangles that cast.
@@ -292,6 +337,12 @@ impl Geometry {
             [bvh.node_rows().into(), bvh.triangle_rows(self).into()]
         })
     }
+}
+
+/// Returns whether an alpha texture cuts holes into an instance of a valid scene.
+fn is_cut_out(scene: &Scene, instance: &Instance) -> bool {
+    let material = instance.material.map(|id| &scene.materials[id]);
+    material.is_some_and(|material| material.alpha.is_some())
 }
 
 #[cfg(test)]

@@ -32,6 +32,11 @@ impl PlacedMeshes {
         Ok(())
     }
 
+    /// Returns the id of the triangle that is appended next.
+    pub(super) fn next_id(&self) -> u32 {
+        self.triangles.len() as u32
+    }
+
     fn append(&mut self, scene: &Scene, instance: &Instance) -> Result<(), Invalid> {
         let mesh = &*displaced_mesh::applied(scene, instance, self.triangles.len())?;
         let base = self.positions.len() as u32;

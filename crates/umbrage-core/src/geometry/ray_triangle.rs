@@ -118,14 +118,19 @@ impl Segment {
             + Vec3A::splat(r.z) * (t.z - Vec3A::splat(o.z))
     }
 
+    /// The areas by which the triangle test weighs the corners: barycentric coordinates of where the segment's line meets the
+    /// triangle's plane, times their sum.
+    #[inline(always)]
+    pub(crate) fn areas(&self, t: &Corners) -> Vec3A {
+        areas(self.along_row(0, t), self.along_row(1, t))
+    }
+
     /// Whether it meets the triangle, edges and ends included.
     #[inline(always)]
     pub(crate) fn hits(&self, t: &Corners) -> bool {
         let x = self.along_row(0, t);
         let y = self.along_row(1, t);
-        // (u, v, w): the signed areas opposite to the corners, as the third axis of a cross product.
-        let areas = Vec3A::new(x.y, x.z, x.x) * Vec3A::new(y.z, y.x, y.y)
-            - Vec3A::new(y.y, y.z, y.x) * Vec3A::new(x.z, x.x, x.y);
+        let areas = areas(x, y);
         if !(areas.cmpge(Vec3A::ZERO).all() || areas.cmple(Vec3A::ZERO).all()) {
             return false;
         }
@@ -142,6 +147,14 @@ impl Segment {
         // Few get here: the rest costs next to nothing.
         between && holds_origin(x, y) && enters_box(self.origin, self.inverse, t.padded_box())
     }
+}
+
+/// Returns (u, v, w): the signed areas opposite to the corners, as the third axis of a cross product; given the corners' x and y in
+/// the shear.
+#[inline(always)]
+fn areas(x: Vec3A, y: Vec3A) -> Vec3A {
+    Vec3A::new(x.y, x.z, x.x) * Vec3A::new(y.z, y.x, y.y)
+        - Vec3A::new(y.y, y.z, y.x) * Vec3A::new(x.z, x.x, x.y)
 }
 
 /// Rows of the shear (with a cyclic exchange of axes that brings the longest to the end) that maps `d` to (0, 0, 1). The

@@ -92,6 +92,13 @@ impl<const N: usize> SegmentArrays<N> {
         self.axis[i] = axis;
     }
 
+    /// Returns where segment `i` begins.
+    #[inline(always)]
+    pub fn origin(&self, i: usize) -> Vec3 {
+        let [x, y, z] = &self.origin;
+        Vec3::new(x[i], y[i], z[i])
+    }
+
     /// Returns segment `i`'s longest axis.
     #[inline(always)]
     pub fn axis(&self, i: usize) -> u32 {

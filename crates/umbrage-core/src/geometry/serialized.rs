@@ -1,6 +1,6 @@
 //! Triangles as data: what one thread or process placed into the world goes to another.
 
-use super::{Geometry, PlacedMeshes};
+use super::{CutOuts, Geometry, PlacedMeshes};
 use crate::Invalid;
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
@@ -17,6 +17,8 @@ struct GeometryData<'a> {
     materials: Cow<'a, [u32]>,
     casters: Range<u32>,
     receivers: Range<u32>,
+    /// The table of [`CutOuts`]; empty if nothing is cut out.
+    cut_outs: Cow<'a, [[u32; 4]]>,
 }
 
 impl Serialize for Geometry {
@@ -30,6 +32,10 @@ impl Serialize for Geometry {
             materials: self.materials().into(),
             casters: self.casters(),
             receivers: self.receivers(),
+            cut_outs: match self.cut_outs() {
+                Some(cut_outs) => Cow::Borrowed(&**cut_outs.rows()),
+                None => Cow::default(),
+            },
         };
         data.serialize(serializer)
     }
@@ -39,6 +45,8 @@ impl<'de> Deserialize<'de> for Geometry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let data = GeometryData::deserialize(deserializer)?;
         data.validate().map_err(D::Error::custom)?;
+        let cut_outs = CutOuts::from_rows(&data.cut_outs, data.triangles.len());
+        let cut_outs = cut_outs.map_err(D::Error::custom)?;
         let mut placed = PlacedMeshes {
             positions: data.positions.into_owned(),
             normals: data.normals.into_owned(),
@@ -53,6 +61,7 @@ impl<'de> Deserialize<'de> for Geometry {
             placed: Arc::new(placed),
             casters: data.casters,
             receivers: data.receivers,
+            cut_outs,
             ..Self::default()
         };
         out.fingerprint = out.hash();
@@ -178,6 +187,7 @@ mod tests {
             materials: Cow::default(),
             casters: 0..0,
             receivers: 0..0,
+            cut_outs: Cow::default(),
         };
         assert!(data.validate().is_ok());
         data.positions.to_mut()[0].x = f32::NAN;

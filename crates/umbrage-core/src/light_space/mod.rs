@@ -16,9 +16,9 @@ pub mod footprint;
 pub(crate) mod layers;
 pub(crate) mod view_box;
 
-use crate::{Invalid, invalid};
+use crate::{Camera, CameraRays, Invalid, invalid};
 use glam::{
-    DMat4, DVec3, Mat4, Vec3,
+    Affine3A, DMat4, DVec3, Mat4, Vec3,
     dcamera::rh::{proj::directx, view::look_to_mat4},
 };
 
@@ -43,6 +43,18 @@ impl LightSpace {
             * self.clip_from_view.as_dmat4()
             * self.view_from_world.as_dmat4())
         .as_mat4()
+    }
+
+    /// Returns the rays through the centres of the texels of a map of this size, in proportion to the way from the light (or, without
+    /// perspective, from the near plane).
+    pub fn rays(&self, size: glam::UVec2) -> CameraRays {
+        let world_from_view = self.view_from_world.as_dmat4().inverse();
+        let camera = Camera {
+            world_from_view: Affine3A::from_mat4(world_from_view.as_mat4()),
+            clip_from_view: self.clip_from_view,
+            size,
+        };
+        camera.rays()
     }
 
     /// The same space seen from elsewhere: the image moves by `texels` right and down, depth grows by `depth`.

@@ -325,6 +325,23 @@ impl Recipe {
         }
     }
 
+    /// Checks that what is cut out of a geometry's triangles can be left out of all casts.
+    ///
+    /// # Errors
+    /// Errors if a cast counts faces of triangles with holes: counts know no ids to tell holes by.
+    pub fn check_holes(&self, geometry: &Geometry) -> Result<(), Invalid> {
+        let counts = |cast: &Cast| {
+            let is_counted = matches!(cast.mode, CastMode::StencilDepthFail { .. });
+            is_counted && !matches!(cast.source, Source::Faces(_))
+        };
+        if geometry.cut_outs().is_none() || !self.casts.iter().any(counts) {
+            return Ok(());
+        }
+        let why = "counts faces of triangles into which an alpha texture cuts holes";
+        let help = "count faces that the technique makes, or leave `Material::alpha` out";
+        Err(Invalid::new("cast", why, help))
+    }
+
     fn check_filter(&self, filter: &Filter) -> Result<(), Invalid> {
         self.check_ids("filter", &filter.inputs, &filter.tables)?;
         let can_write = match self.images.get(filter.output) {

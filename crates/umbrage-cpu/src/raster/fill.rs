@@ -2,6 +2,7 @@
 
 use crate::raster::{
     bin::TILE,
+    holes::HoleTest,
     mode::{DepthOp, TileAttachments},
     record::{Record, edge_function},
     tile::{STRIDE, TileBuffer},
@@ -45,7 +46,7 @@ pub(crate) struct Canvas<'a> {
 
 /// Draws a triangle into a tile.
 #[inline(always)]
-pub(crate) fn fill<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record) {
+pub(crate) fn fill<P: DepthOp, C: HoleTest>(canvas: &mut Canvas<'_>, r: &Record, holes: &C) {
     // From the first pixel to the last: 0 for a single one.
     let width = i32::from(r.max[0] - r.min[0]);
     let height = i32::from(r.max[1] - r.min[1]);
@@ -55,24 +56,29 @@ pub(crate) fn fill<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record) {
         let right = patch.min[0] - i32::from(r.min[0]);
         let down = patch.min[1] - i32::from(r.min[1]);
         let edges = Edges::new(r.at_min, &patch, right, down);
-        fill_strip::<P, true>(canvas, r, edges, patch.min, TINY_ROWS);
+        fill_strip::<P, C, true>(canvas, r, holes, edges, patch.min, TINY_ROWS);
     } else if width < SMALL && height < SMALL {
-        fill_small::<P>(canvas, r, &patch);
+        fill_small::<P, C>(canvas, r, holes, &patch);
     } else if let Some(patch) = patch.with_edges(r) {
-        fill_blocks::<P>(canvas, r, &patch);
+        fill_blocks::<P, C>(canvas, r, holes, &patch);
     }
 }
 
 /// Fills a small triangle a few columns at a time.
 #[inline(always)]
-fn fill_small<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+fn fill_small<P: DepthOp, C: HoleTest>(
+    canvas: &mut Canvas<'_>,
+    r: &Record,
+    holes: &C,
+    patch: &Patch,
+) {
     let down = patch.min[1] - i32::from(r.min[1]);
     let rows = patch.max[1] - patch.min[1] + 1;
     let mut x = patch.min[0];
     while x <= patch.max[0] {
         let right = x - i32::from(r.min[0]);
         let edges = Edges::new(r.at_min, patch, right, down);
-        fill_strip::<P, true>(canvas, r, edges, [x, patch.min[1]], rows);
+        fill_strip::<P, C, true>(canvas, r, holes, edges, [x, patch.min[1]], rows);
         x += LANES as i32;
     }
 }
@@ -162,7 +168,12 @@ impl Patch {
 
 /// Fills a patch block by block: those wholly outside an edge are left out, and those inside all need no tests.
 #[inline(always)]
-fn fill_blocks<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+fn fill_blocks<P: DepthOp, C: HoleTest>(
+    canvas: &mut Canvas<'_>,
+    r: &Record,
+    holes: &C,
+    patch: &Patch,
+) {
     let (fall, rise) = patch.reach();
     let mut y = patch.min[1];
     while y <= patch.max[1] {
@@ -174,9 +185,10 @@ fn fill_blocks<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
             let outside = (at[0] + rise[0]) | (at[1] + rise[1]) | (at[2] + rise[2]);
             let inside = (at[0] + fall[0]) | (at[1] + fall[1]) | (at[2] + fall[2]);
             if inside >= 0 {
-                fill_strip::<P, false>(canvas, r, Edges::NONE, [x, y], rows);
+                fill_strip::<P, C, false>(canvas, r, holes, Edges::NONE, [x, y], rows);
             } else if outside >= 0 {
-                fill_strip::<P, true>(canvas, r, Edges::new(at, patch, 0, 0), [x, y], rows);
+                let edges = Edges::new(at, patch, 0, 0);
+                fill_strip::<P, C, true>(canvas, r, holes, edges, [x, y], rows);
             }
             x += LANES as i32;
         }
@@ -239,9 +251,10 @@ impl Edges {
 
 /// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside the edges.
 #[inline(always)]
-fn fill_strip<P: DepthOp, const TEST: bool>(
+fn fill_strip<P: DepthOp, C: HoleTest, const TEST: bool>(
     canvas: &mut Canvas<'_>,
     r: &Record,
+    holes: &C,
     mut edges: Edges,
     first: [i32; 2],
     rows: i32,
@@ -265,6 +278,7 @@ fn fill_strip<P: DepthOp, const TEST: bool>(
     } else {
         &[]
     };
+    let mut y = first[1];
     for row in texels[start..].chunks_exact_mut(STRIDE).take(rows as usize) {
         let Some(stored) = row.first_chunk_mut::<LANES>() else {
             return;
@@ -274,6 +288,10 @@ fn fill_strip<P: DepthOp, const TEST: bool>(
         for i in 0..LANES {
             let drawn = unit_clamp(r.plane.dy.mul_add(py, column[i]) + r.plane.offset);
             z[i] = if outside[i] >= 0 { drawn } else { 1.0 };
+        }
+        if C::HAS_HOLES {
+            holes.take_holes(r.tag, [first[0], y], &mut z, stored);
+            y += 1;
         }
         P::write(stored, TileAttachments { ids, other }, &z, &outside, r.tag);
         if P::MODE.has_ids() {

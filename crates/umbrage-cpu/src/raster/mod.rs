@@ -3,6 +3,7 @@
 mod bin;
 mod clip;
 mod fill;
+mod holes;
 mod mode;
 #[cfg(test)]
 mod mode_tests;
@@ -18,15 +19,16 @@ mod tile;
 mod viewport;
 mod whole;
 
-pub(crate) use crate::raster::mode::Mode;
 pub use crate::raster::plane_error::PlaneShift;
 pub(crate) use crate::raster::position::Position;
 pub(crate) use crate::raster::tile::Target;
+pub(crate) use crate::raster::{holes::Holes, mode::Mode};
 
 use crate::raster::{
     bin::{Bins, FETCH, TILE},
     clip::{clip, outcode},
     fill::{Canvas, fill},
+    holes::{HoleTest, NoHoles},
     mode::{Depth, Depth16, DepthOp, DepthPeel, DepthPeel16, DepthWithIds, StencilDepthFail},
     record::Record,
     setup::{Group, SetupRules},
@@ -62,6 +64,8 @@ pub(crate) struct Draw<'a, P = Vec3> {
     pub(crate) mode: Mode,
     /// What loops are compiled for.
     pub(crate) simd: Simd,
+    /// Holes of the triangles, whose ids are those of its geometry; for modes that don't count.
+    pub(crate) holes: Option<Holes<'a>>,
 }
 
 /// A vertex in the window, and which planes of the view volume it lies outside of.
@@ -118,9 +122,14 @@ impl Rasterizer {
 
     /// Draws into the target.
     pub(crate) fn draw<P: Position>(&mut self, draw: &Draw<'_, P>, target: Target<'_>) {
-        let (mode, simd, columns) = (draw.mode, draw.simd, target.width.div_ceil(TILE));
         let rounding = self.rounding;
-        let mut tiles = target.into_tiles(mode);
+        let filling = Filling {
+            mode: draw.mode,
+            simd: draw.simd,
+            columns: target.width.div_ceil(TILE),
+            holes: draw.holes,
+        };
+        let mut tiles = target.into_tiles(draw.mode);
         let batch = self.prepare(draw.size);
         let mut ready = 0;
         for (i, triangles) in draw.triangles.chunks(batch).enumerate() {
@@ -131,13 +140,13 @@ impl Rasterizer {
             };
             let next = triangles.len().div_ceil(CHUNK);
             rayon::join(
-                || fill_tiles(&mut tiles, columns, &self.filled[..ready], simd, mode),
+                || fill_tiles(&mut tiles, &self.filled[..ready], filling),
                 || set_up(&draw, rounding, &mut self.set_up[..next]),
             );
             std::mem::swap(&mut self.filled, &mut self.set_up);
             ready = next;
         }
-        fill_tiles(&mut tiles, columns, &self.filled[..ready], simd, mode);
+        fill_tiles(&mut tiles, &self.filled[..ready], filling);
         tiles.par_iter_mut().for_each(Tile::finish);
     }
 
@@ -177,24 +186,33 @@ fn set_up<P: Position>(draw: &Draw<'_, P>, rounding: Rounding, workers: &mut [Wo
     });
 }
 
-fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: Simd, mode: Mode) {
+/// How tiles are filled.
+#[derive(Clone, Copy)]
+struct Filling<'a> {
+    mode: Mode,
+    simd: Simd,
+    /// Tiles in a row.
+    columns: usize,
+    holes: Option<Holes<'a>>,
+}
+
+fn fill_tiles(tiles: &mut [Tile<'_>], workers: &[Worker], filling: Filling<'_>) {
     if workers.is_empty() {
         return;
     }
     let each = tiles.par_iter_mut().enumerate();
     each.for_each_init(
-        || TileBuffer::new(mode),
+        || TileBuffer::new(filling.mode),
         |buffer, (i, tile)| {
             if workers.iter().all(|w| w.bins.count(i) == 0) {
                 return;
             }
             tile.load(buffer);
-            simd.run_task(FillTile {
+            filling.simd.run_task(FillTile {
                 buffer,
                 workers,
                 tile: i,
-                columns,
-                mode,
+                filling,
             });
             tile.store(buffer);
         },
@@ -222,8 +240,7 @@ struct FillTile<'a> {
     buffer: &'a mut TileBuffer,
     workers: &'a [Worker],
     tile: usize,
-    columns: usize,
-    mode: Mode,
+    filling: Filling<'a>,
 }
 
 impl SimdTask for FillTile<'_> {
@@ -231,24 +248,31 @@ impl SimdTask for FillTile<'_> {
 
     #[inline(always)]
     fn run(self) {
-        match self.mode {
-            Mode::Depth => self.fill_all::<Depth>(),
-            Mode::DepthWithIds => self.fill_all::<DepthWithIds>(),
-            Mode::Depth16 => self.fill_all::<Depth16>(),
-            Mode::DepthPeel => self.fill_all::<DepthPeel>(),
-            Mode::DepthPeel16 => self.fill_all::<DepthPeel16>(),
-            Mode::StencilDepthFail => self.fill_all::<StencilDepthFail>(),
+        match self.filling.holes {
+            None => self.fill_by_mode(&NoHoles),
+            Some(holes) => self.fill_by_mode(&holes),
         }
     }
 }
 
 impl FillTile<'_> {
     #[inline(always)]
-    fn fill_all<P: DepthOp>(self) {
-        let origin = [
-            self.tile % self.columns * TILE,
-            self.tile / self.columns * TILE,
-        ];
+    fn fill_by_mode<C: HoleTest>(self, holes: &C) {
+        match self.filling.mode {
+            Mode::Depth => self.fill_all::<Depth, C>(holes),
+            Mode::DepthWithIds => self.fill_all::<DepthWithIds, C>(holes),
+            Mode::Depth16 => self.fill_all::<Depth16, C>(holes),
+            Mode::DepthPeel => self.fill_all::<DepthPeel, C>(holes),
+            Mode::DepthPeel16 => self.fill_all::<DepthPeel16, C>(holes),
+            // Counts have no ids to tell holes by.
+            Mode::StencilDepthFail => self.fill_all::<StencilDepthFail, NoHoles>(&NoHoles),
+        }
+    }
+
+    #[inline(always)]
+    fn fill_all<P: DepthOp, C: HoleTest>(self, holes: &C) {
+        let columns = self.filling.columns;
+        let origin = [self.tile % columns * TILE, self.tile / columns * TILE];
         let mut canvas = Canvas {
             buffer: self.buffer,
             origin: [origin[0] as i32, origin[1] as i32],
@@ -257,7 +281,7 @@ impl FillTile<'_> {
         for worker in self.workers {
             for numbers in worker.bins.of_tile(self.tile).chunks(FETCH) {
                 for record in worker.bins.fetch(numbers, &mut fetched) {
-                    fill::<P>(&mut canvas, record);
+                    fill::<P, C>(&mut canvas, record, holes);
                 }
             }
         }

@@ -32,6 +32,7 @@ fn noise<P: Position>(draw: &Draw<'_, P>, r: &mut Random) -> Vec<f32> {
     let (least, _) = reference::draw(
         &Draw {
             mode: Mode::Depth,
+            holes: None,
             bias: RasterBias::default(),
             ..*draw
         },
@@ -241,6 +242,7 @@ fn counts_tell_inside_from_outside() {
     let draw = Draw {
         size: SIZE,
         mode: Mode::StencilDepthFail,
+        holes: None,
         ..draw_of(&positions, &triangles)
     };
     for (z, count) in [
@@ -266,6 +268,7 @@ fn counts_wrap_and_go_on_without_clearing() {
     let draw = Draw {
         size: SIZE,
         mode: Mode::StencilDepthFail,
+        holes: None,
         ..draw_of(&positions, &triangles)
     };
     let mut texels = fast(&draw, &other).0;
@@ -292,6 +295,7 @@ fn a_face_and_its_reverse_cancel() {
     let reversed: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let draw = Draw {
         mode: Mode::StencilDepthFail,
+        holes: None,
         ..draw_of(&positions, &triangles)
     };
     let other = noise(&draw, &mut r);

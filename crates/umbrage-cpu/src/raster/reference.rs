@@ -153,7 +153,8 @@ fn fill<P>(
                 .clamp(0.0, 1.0);
             let i = (y * draw.size.x + x) as usize;
             let kept = drawn_over(draw.mode, texels[i], other.get(i), z, area > 0);
-            if let Some(texel) = kept.filter(|_| inside) {
+            let is_hole = draw.holes.is_some_and(|holes| holes.is_hole(id, x, y));
+            if let Some(texel) = kept.filter(|_| inside && !is_hole) {
                 texels[i] = texel;
                 ids[i] = id;
             }

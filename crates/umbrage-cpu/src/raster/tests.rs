@@ -84,6 +84,7 @@ pub(super) fn draw_of<'a, P>(positions: &'a [P], triangles: &'a [[u32; 3]]) -> D
         cull: Cull::None,
         bias: RasterBias::default(),
         mode: Mode::Depth,
+        holes: None,
         simd: Simd::Native,
     }
 }
@@ -130,6 +131,7 @@ fn compare(draw: &Draw<'_>, what: &str) {
     let (fast_depth, fast_ids) = fast(
         &Draw {
             mode: Mode::DepthWithIds,
+            holes: None,
             ..*draw
         },
         &[],
@@ -474,6 +476,7 @@ fn equal_depths_show_the_first_triangle() {
     let (_, ids) = fast(
         &Draw {
             mode: Mode::DepthWithIds,
+            holes: None,
             ..draw_of(&positions, &triangles)
         },
         &[],

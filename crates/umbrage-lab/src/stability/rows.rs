@@ -175,6 +175,8 @@ fn cascaded(size: u32) -> ConfiguredTechniques {
 /// How deep the stable fits reach whose cascades' seams are looked at: as far as is seen.
 const FARTHEST_SEAM: f32 = 320.0;
 const FENCE_PAN: StabilityCase = moving(MovingScene::FENCE_PAN);
+const WIRE_FENCE_PAN: StabilityCase = moving(MovingScene::WIRE_FENCE_PAN);
+const FOLIAGE_PAN: StabilityCase = moving(MovingScene::FOLIAGE_PAN);
 const HILLS_PAN: StabilityCase = moving(MovingScene::HILLS_PAN);
 const HILLS_1E5_PAN: StabilityCase = moving(MovingScene::HILLS_1E5_PAN).limits_from("hills");
 const HILLS_1E6_PAN: StabilityCase = moving(MovingScene::HILLS_1E6_PAN).limits_from("hills");
@@ -217,7 +219,9 @@ const ROWS: &[StabilityRow] = &[
     ]).not_covered_yet("exponential maps (EVSM)"),
     row(9, "fine detail", "wires as thin as a texel come and go", &[
         still("fence", Measure::Rmse), FENCE_PAN, FENCE_PAN.stable("fence-pan-stable", MovingScene::FENCE_PAN.range),
-    ]).not_covered_yet("alpha-tested casters"),
+        still("wire-fence", Measure::Rmse),
+        WIRE_FENCE_PAN, WIRE_FENCE_PAN.stable("wire-fence-pan-stable", MovingScene::WIRE_FENCE_PAN.range),
+    ]),
     row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
         still("hills", Measure::Rmse), HILLS_PAN, HILLS_PAN.stable("hills-pan-stable", MovingScene::HILLS_PAN.range),
     ]),
@@ -311,6 +315,9 @@ const ROWS: &[StabilityRow] = &[
     row(38, "cascade seams", "where one map ends and a coarser one begins: a line across the picture, or no shadow at all", &[
         still("hills", Measure::CascadeSeams).also(cascaded).named("hills-seams"),
         still("far-range", Measure::CascadeSeams).also(cascaded).named("far-range-seams"),
+    ]),
+    row(39, "leaf cards", "holes that an alpha texture cuts out of leaves, 5 to 500 m away: finer than a texel, than a pixel, or than both", &[
+        still("foliage", Measure::Rmse), FOLIAGE_PAN, FOLIAGE_PAN.stable("foliage-pan-stable", MovingScene::FOLIAGE_PAN.range),
     ]),
 ];
 

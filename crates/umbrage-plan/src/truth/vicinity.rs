@@ -121,6 +121,24 @@ impl Surface {
         counter_clockwise(part.into_iter().map(|q| self.project(q)).collect())
     }
 
+    /// Returns the barycentric coordinates of the point of a triangle's plane whose shadow is at `q`: not finite where the light runs along
+    /// that plane.
+    fn weights_above(&self, q: DVec2, corners: [DVec3; 3]) -> [f64; 3] {
+        let foot = self.p + self.axes[0] * q.x + self.axes[1] * q.y;
+        let way = if self.light_height.is_finite() {
+            self.p + self.to_light - foot
+        } else {
+            self.to_light
+        };
+        let [a, b, c] = corners.map(|corner| corner - foot);
+        // Volumes over the triangle's sides, as seen along the way.
+        let u = way.dot(b.cross(c));
+        let v = way.dot(c.cross(a));
+        let w = way.dot(a.cross(b));
+        let whole = u + v + w;
+        [u / whole, v / whole, w / whole]
+    }
+
     /// Returns where the line from the light through a point meets the plane: the point's shadow.
     fn project(&self, q: DVec3) -> DVec2 {
         let height = self.height(q);
@@ -224,11 +242,18 @@ impl<'a> Vicinity<'a> {
         let min_area = MIN_AREA_SHARE * whole;
         let shadow =
             |id: &u32| surface.shadow(self.geometry.corners(*id).map(Vec3::as_dvec3), above);
-        let shadows: Vec<Polygon> = ids
-            .iter()
-            .map(shadow)
-            .filter(|shadow| area(shadow) > min_area)
-            .collect();
+        let mut shadows: Vec<Polygon> = Vec::with_capacity(ids.len());
+        for id in ids {
+            let shadow = shadow(id);
+            if area(&shadow) <= min_area {
+                continue;
+            }
+            match self.is_hole_over(surface, vicinity, *id, &shadow) {
+                Some(true) => {}
+                Some(false) => shadows.push(shadow),
+                None => return Around::Both,
+            }
+        }
         // Some points find most of the vicinities that hold both, before anything is cut.
         let points = spread(vicinity);
         let dark = points
@@ -267,6 +292,35 @@ impl<'a> Vicinity<'a> {
         } else {
             Around::Both
         }
+    }
+
+    /// Returns whether the part of a caster that may shadow a polygon of the plane is all hole (true) or none of it is (false); none if
+    /// both. `shadow` is the caster's shadow on the plane.
+    fn is_hole_over(
+        &self,
+        surface: &Surface,
+        vicinity: &Polygon,
+        id: u32,
+        shadow: &Polygon,
+    ) -> Option<bool> {
+        let Some(cut_outs) = self.geometry.cut_outs() else {
+            return Some(false);
+        };
+        if cut_outs.record_row(id).is_none() {
+            return Some(false);
+        }
+        let part = common(vicinity, shadow);
+        if part.is_empty() {
+            // It throws no shadow here.
+            return Some(true);
+        }
+        // Lines keep straight on the way back to the caster, so the corners' uvs bound those of all of the part.
+        let corners = self.geometry.corners(id).map(Vec3::as_dvec3);
+        let weights: Vec<[f64; 3]> = part
+            .iter()
+            .map(|&q| surface.weights_above(q, corners))
+            .collect();
+        cut_outs.is_hole_around(id, &weights)
     }
 
     /// Returns the plane of a triangle at the point that a pixel shows; none where the plane is seen edge-on or the light has an

@@ -3,6 +3,7 @@
 pub(crate) mod causes;
 pub(crate) mod closed;
 pub(crate) mod content;
+pub(crate) mod crowns;
 pub(crate) mod failures;
 pub(crate) mod figure;
 pub(crate) mod noise;

@@ -12,3 +12,6 @@ pub(crate) use pixels::Meaning;
 #[cfg(feature = "gltf")]
 pub(crate) use pixels::{PICTURE_SIDE, decode_picture, texture_of};
 pub use tangents::with_tangents;
+
+/// The cut-off of alpha textures whose file says none: glTF's default.
+pub(crate) const USUAL_CUTOFF: f32 = 0.5;

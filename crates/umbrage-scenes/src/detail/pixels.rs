@@ -19,6 +19,8 @@ pub(crate) enum Meaning {
     Color,
     /// Normals or heights: numbers as they are.
     Data,
+    /// What is there: a file's alpha, or, of files without, its first channel, as it is. The colours are white.
+    Alpha,
 }
 
 /// A texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey is in all three channels, and
@@ -39,10 +41,17 @@ pub(crate) fn load_texture(
 
 /// A texture of a picture: see [`load_texture`].
 pub(crate) fn texture_of(name: String, picture: &DynamicImage, meaning: Meaning) -> Texture {
+    let mut texels = texels(picture, meaning);
+    if meaning == Meaning::Alpha {
+        let channel = if picture.color().has_alpha() { 3 } else { 0 };
+        for texel in &mut texels {
+            *texel = [1.0, 1.0, 1.0, texel[channel]];
+        }
+    }
     Texture {
         name,
         size: UVec2::new(picture.width(), picture.height()),
-        texels: texels(picture, meaning),
+        texels,
     }
 }
 
@@ -76,7 +85,7 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
     if bits > 8 {
         let value = match meaning {
             Meaning::Color => picture::decode_16,
-            Meaning::Data => |word| f32::from(word) / 65535.0,
+            Meaning::Data | Meaning::Alpha => |word| f32::from(word) / 65535.0,
         };
         let wide = image.to_rgba16();
         return wide
@@ -86,7 +95,7 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
     }
     let value = match meaning {
         Meaning::Color => picture::decode,
-        Meaning::Data => |byte| f32::from(byte) / 255.0,
+        Meaning::Data | Meaning::Alpha => |byte| f32::from(byte) / 255.0,
     };
     // A power for each texel would take longer than reading the file.
     let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));

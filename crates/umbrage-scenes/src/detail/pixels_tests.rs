@@ -32,6 +32,14 @@ fn colours_are_decoded_once_and_data_never() {
 }
 
 #[test]
+fn alpha_is_the_files_own_or_its_first_channel() {
+    let grey = DynamicImage::from(ImageBuffer::from_pixel(1, 1, Luma([51_u8])));
+    assert_eq!(read(&grey, Meaning::Alpha).texels, [[1.0, 1.0, 1.0, 0.2]]);
+    let leaf = DynamicImage::from(ImageBuffer::from_pixel(1, 1, Rgba([255_u8, 9, 9, 51])));
+    assert_eq!(read(&leaf, Meaning::Alpha).texels, [[1.0, 1.0, 1.0, 0.2]]);
+}
+
+#[test]
 fn sixteen_bits_keep_their_precision() {
     let image = DynamicImage::from(ImageBuffer::from_fn(2, 1, |x, _| {
         Luma([32_768_u16 + x as u16])

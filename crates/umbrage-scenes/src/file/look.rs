@@ -3,16 +3,20 @@
 use super::table::{Item, Table};
 use crate::{
     SceneError,
-    detail::{Meaning, TextureFiles},
+    detail::{Meaning, TextureFiles, USUAL_CUTOFF},
 };
 use std::path::Path;
 use umbrage_core::glam::Vec3;
-use umbrage_core::{Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Scene, invalid};
+use umbrage_core::{
+    AlphaCutout, Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Scene, invalid,
+};
 
 /// The keys of looks, which stand among an object's others.
-pub(super) const KEYS: [&str; 9] = [
+pub(super) const KEYS: [&str; 11] = [
     "color",
     "texture",
+    "alpha_map",
+    "alpha_cutoff",
     "normal_map",
     "height_map",
     "displacement",
@@ -65,6 +69,7 @@ pub(super) fn read<'a>(
     let diffuse_texture = texture("texture", Meaning::Color)?;
     let normal_map = texture("normal_map", Meaning::Data)?;
     let height_map = texture("height_map", Meaning::Data)?;
+    let alpha_map = texture("alpha_map", Meaning::Alpha)?;
     let plain = Material {
         diffuse_texture,
         normal_map,
@@ -80,12 +85,32 @@ pub(super) fn read<'a>(
         shininess_log2: shininess(table)?.unwrap_or(plain.shininess_log2),
         emissive: emissive(table)?,
         displacement: displacement(table, height_map)?,
+        alpha: alpha(table, alpha_map)?,
         ..plain
     };
-    let textured = ["texture", "normal_map", "height_map"]
+    let textured = ["texture", "normal_map", "height_map", "alpha_map"]
         .iter()
         .find_map(|key| table.get(key));
     Ok(Some(Look { material, textured }))
+}
+
+fn alpha(table: &Table<'_>, alpha_map: Option<usize>) -> Result<Option<AlphaCutout>, SceneError> {
+    match (alpha_map, table.get("alpha_cutoff")) {
+        (None, None) => Ok(None),
+        (None, Some(item)) => {
+            Err(item.fault("stands without `alpha_map`", "add alpha_map = \"leaf.png\""))
+        }
+        (Some(texture), None) => Ok(Some(AlphaCutout {
+            texture,
+            cutoff: USUAL_CUTOFF,
+        })),
+        (Some(texture), Some(item)) => {
+            let cutoff = item.number()?;
+            let fits = (0.0..=1.0).contains(&cutoff);
+            item.require(fits, &format!("is {cutoff}"), "use 0 to 1")?;
+            Ok(Some(AlphaCutout { texture, cutoff }))
+        }
+    }
 }
 
 fn displacement(

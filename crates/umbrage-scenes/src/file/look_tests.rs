@@ -102,6 +102,22 @@ fn textures_are_read_once_and_decoded_by_meaning() {
 }
 
 #[test]
+fn alpha_maps_cut_holes() {
+    let scene = scene(
+        "[[object]]\nshape = \"plane\"\nalpha_map = \"heights.png\"\n\
+         [[object]]\nshape = \"box\"\nalpha_map = \"heights.png\"\nalpha_cutoff = 0\n",
+    )
+    .unwrap();
+    let alphas: Vec<_> = scene.materials.iter().map(|m| m.alpha.unwrap()).collect();
+    let cutoffs = alphas.iter().map(|a| (a.texture, a.cutoff));
+    assert_eq!(cutoffs.collect::<Vec<_>>(), [(0, 0.5), (0, 0.0)]);
+    // Black to the left, white to the right.
+    let texels = scene.textures[0].texels[..2].iter().map(|texel| texel[3]);
+    assert_eq!(texels.collect::<Vec<_>>(), [0.0, 1.0]);
+    assert!(Geometry::bake(&scene).unwrap().has_cut_out_casters());
+}
+
+#[test]
 fn a_textured_sphere_is_the_same_sphere() {
     let corners = |look: &str| {
         let scene = scene(&format!("[[object]]\nshape = \"sphere\"\n{look}")).unwrap();
@@ -167,6 +183,10 @@ fn faults_name_the_line_and_the_key() {
             "`object.subdivisions`: stands without `height_map`",
         ),
         (
+            "alpha_cutoff = 0.3",
+            "`object.alpha_cutoff`: stands without `alpha_map`; add alpha_map = ",
+        ),
+        (
             "height_map = \"heights.png\"",
             "`object.displacement`: is missing; add `displacement = 0.05`",
         ),
@@ -190,6 +210,8 @@ fn faults_name_the_line_and_the_key() {
             "scene.toml:8: `object.subdivisions`: is 9; use a whole number from 0 to 8"
         )
     );
+    let beyond = "shape = \"box\"\nalpha_map = \"heights.png\"\nalpha_cutoff = 2";
+    assert!(message(beyond).starts_with("scene.toml:7: `object.alpha_cutoff`: is 2; use 0 to 1"));
     let bare = "mesh = \"bare.obj\"\ntexture = \"color.png\"";
     assert!(message(bare).starts_with(
         "scene.toml:6: `object.texture`: needs texture coordinates, and `bare` has none"

@@ -7,7 +7,7 @@ use super::{
     picture::{self, Pictures},
     told,
 };
-use crate::detail::Meaning;
+use crate::detail::{Meaning, USUAL_CUTOFF};
 use gltf::{
     Document, Material as FileMaterial, Primitive, Semantic, Texture as FileTexture,
     json::extensions::texture::TextureTransform,
@@ -17,9 +17,6 @@ use gltf::{
 use std::collections::HashMap;
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{AlphaCutout, Invalid, Material, Scene};
-
-/// The cut-off of masks that tell none, by the specification; and of blended surfaces: what is more than half there casts.
-const CUTOFF: f32 = 0.5;
 
 /// The materials of a file that were read.
 #[derive(Debug)]
@@ -165,8 +162,9 @@ enum Cut {
 fn cut_out(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<Cut, Invalid> {
     let cutoff = match file.alpha_mode() {
         AlphaMode::Opaque => return Ok(Cut::Nothing),
-        AlphaMode::Mask => file.alpha_cutoff().unwrap_or(CUTOFF),
-        AlphaMode::Blend => CUTOFF,
+        AlphaMode::Mask => file.alpha_cutoff().unwrap_or(USUAL_CUTOFF),
+        // What is more than half there casts.
+        AlphaMode::Blend => USUAL_CUTOFF,
     };
     let named = file.pbr_metallic_roughness().base_color_texture();
     if texture.is_none() && named.is_some() && file.alpha_mode() == AlphaMode::Mask {

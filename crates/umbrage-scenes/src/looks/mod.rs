@@ -1,15 +1,17 @@
 //! How things in built-in scenes look: linear colours, and textures made in code.
 
 mod bricks;
+mod cut_outs;
 mod patterns;
 
 pub(crate) use bricks::Bricks;
+pub(crate) use cut_outs::{chequered_holes, netting, sprig};
 pub(crate) use patterns::{checker, wood};
 
 #[cfg(test)]
 mod tests;
 
-use umbrage_core::glam::{UVec2, Vec2, Vec3};
+use umbrage_core::glam::{UVec2, Vec2, Vec3, Vec4};
 use umbrage_core::{Material, Texture};
 
 /// A material and the textures that it counts from 0.
@@ -71,11 +73,16 @@ fn textured(texture: Texture) -> Look {
 
 /// A square texture of `side` texels from what is at each texel's centre (u, v), origin top left.
 fn texture(name: &str, side: u32, at: impl Fn(Vec2) -> Vec3) -> Texture {
+    texture_with_alpha(name, side, |uv| at(uv).extend(1.0))
+}
+
+/// The same with alpha as the fourth number.
+fn texture_with_alpha(name: &str, side: u32, at: impl Fn(Vec2) -> Vec4) -> Texture {
     let center = |i: u32| (i as f32 + 0.5) / side as f32;
     let texels = (0..side).flat_map(|y| (0..side).map(move |x| Vec2::new(center(x), center(y))));
     Texture {
         name: name.to_owned(),
         size: UVec2::splat(side),
-        texels: texels.map(|uv| at(uv).extend(1.0).to_array()).collect(),
+        texels: texels.map(|uv| at(uv).to_array()).collect(),
     }
 }

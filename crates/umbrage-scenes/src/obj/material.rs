@@ -1,11 +1,11 @@
 //! Materials beside a model: `.mtl` files.
 //!
-//! Read are `Kd`, `Ks`, `Ke`, `Ns`, `map_Kd`, and `norm` or `map_Bump` for normals; the rest of the format is left
+//! Read are `Kd`, `Ks`, `Ke`, `Ns`, `map_Kd`, `map_d` for holes, and `norm` or `map_Bump` for normals; the rest of the format is left
 //! aside.
 
 use crate::{
     Files, SceneError,
-    detail::{Meaning, TextureFiles},
+    detail::{Meaning, TextureFiles, USUAL_CUTOFF},
     error::Place,
 };
 use std::{
@@ -13,7 +13,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use umbrage_core::glam::Vec3;
-use umbrage_core::{MAX_SHININESS_LOG2, Material, Texture};
+use umbrage_core::{AlphaCutout, MAX_SHININESS_LOG2, Material, Texture};
 
 /// Longest file that is read.
 const LONGEST: u64 = 16 << 20;
@@ -24,6 +24,7 @@ pub(super) struct Entry {
     pub(super) name: String,
     material: Material,
     color_map: Option<PathBuf>,
+    alpha_map: Option<PathBuf>,
     normal_map: Option<PathBuf>,
 }
 
@@ -57,6 +58,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Entry>, SceneError> {
                 name: rest.trim().to_owned(),
                 material: Material::default(),
                 color_map: None,
+                alpha_map: None,
                 normal_map: None,
             });
         } else if let Some(entry) = entries.last_mut() {
@@ -84,6 +86,7 @@ impl Entry {
             "ke" => self.material.emissive = color(rest)?,
             "ns" => self.material.shininess_log2 = shininess(numbers(rest)?[0]),
             "map_kd" => self.color_map = file(rest, folder),
+            "map_d" => self.alpha_map = file(rest, folder),
             "norm" | "map_bump" | "bump" => {
                 self.normal_map = file(rest, folder).or(self.normal_map.take())
             }
@@ -101,7 +104,14 @@ impl Entry {
     ) -> Result<Material, SceneError> {
         let mut material = self.material;
         if let Some(path) = usable_map(self.color_map.as_deref(), mapped, files.files) {
-            material.diffuse_texture = Some(files.index(path, Meaning::Color, textures)?);
+            let texture = files.index(path, Meaning::Color, textures)?;
+            material.diffuse_texture = Some(texture);
+            // Of pictures with alpha; without, it is 1 everywhere.
+            material.alpha = cut_out(texture, textures);
+        }
+        if let Some(path) = usable_map(self.alpha_map.as_deref(), mapped, files.files) {
+            let texture = files.index(path, Meaning::Alpha, textures)?;
+            material.alpha = cut_out(texture, textures);
         }
         if let Some(path) = usable_map(self.normal_map.as_deref(), mapped, files.files) {
             let map = files.index(path, Meaning::Data, textures)?;
@@ -114,6 +124,16 @@ impl Entry {
         }
         Ok(material)
     }
+}
+
+/// Returns the holes that a texture cuts at the usual cut-off; none if it cuts none.
+fn cut_out(texture: usize, textures: &[Texture]) -> Option<AlphaCutout> {
+    let mut texels = textures[texture].texels.iter();
+    let has_holes = texels.any(|texel| texel[3] < USUAL_CUTOFF);
+    has_holes.then_some(AlphaCutout {
+        texture,
+        cutoff: USUAL_CUTOFF,
+    })
 }
 
 /// Returns a texture's path, if it is named, is there, and the mesh can show it.

@@ -84,6 +84,37 @@ fn what_is_not_there_is_left_aside() {
     assert_eq!(other.materials[0].diffuse_texture, None);
 }
 
+/// Alpha of `map_Kd` counts where the picture has some, and `map_d` in its stead where it is there.
+#[test]
+fn alpha_cuts_holes() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let leaf = |alpha: [u8; 2]| {
+        image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([9, 99, 9, alpha[x as usize]]))
+    };
+    leaf([255, 0]).save(at("leaf.png")).unwrap();
+    leaf([255, 200]).save(at("full.png")).unwrap();
+    let holes = image::GrayImage::from_fn(2, 1, |x, _| image::Luma([255 * x as u8]));
+    holes.save(at("holes.png")).unwrap();
+    std::fs::write(at("m.obj"), QUADS).unwrap();
+    let alpha = |look: &str| {
+        std::fs::write(at("looks.mtl"), format!("newmtl red\n{look}\n")).unwrap();
+        let scene = read_scene(&at("m.obj"), &FilesOnDisk).unwrap();
+        let alpha = scene.materials[0].alpha?;
+        assert_eq!(alpha.cutoff, 0.5);
+        let texels = &scene.textures[alpha.texture].texels;
+        Some(texels.iter().map(|texel| texel[3]).collect::<Vec<_>>())
+    };
+    assert_eq!(alpha("map_Kd leaf.png"), Some(vec![1.0, 0.0]));
+    assert_eq!(alpha("map_Kd full.png"), None);
+    assert_eq!(
+        alpha("map_Kd full.png\nmap_d holes.png"),
+        Some(vec![0.0, 1.0])
+    );
+    assert_eq!(alpha("map_Kd leaf.png\nmap_d full.png"), None);
+    assert_eq!(alpha("map_d missing.png"), None);
+}
+
 #[test]
 fn broken_looks_are_refused_with_their_line() {
     let message = |mtl: &str| load(Some(mtl), &[]).unwrap_err().to_string();

@@ -4,6 +4,7 @@ use crate::{
     frame::{Drawable, FrameInputs, PositionFormat, VertexLayout},
     resources::{
         counters::ResourceFactory,
+        cut_outs::GpuCutOuts,
         faces::{FaceBuffer, FaceBuffers},
     },
 };
@@ -15,7 +16,8 @@ use wgpu::{Buffer, IndexFormat, RenderPass};
 /// A drawable that outlives the borrow.
 #[derive(Debug)]
 pub(crate) struct Draw {
-    vertices: Buffer,
+    /// None where the vertex shader reads the geometry's lists itself.
+    vertices: Option<Buffer>,
     indices: Option<(Buffer, IndexFormat)>,
     /// Ranges of indices, or of vertices where there are no indices.
     ranges: Vec<Range<u32>>,
@@ -35,6 +37,8 @@ pub(crate) enum Vertex {
     Instanced,
     /// Four floats in world space.
     Homogeneous,
+    /// The number of a corner in the geometry's lists, whose triangles have holes.
+    CutOut,
 }
 
 /// What each cast draws.
@@ -51,33 +55,48 @@ impl DrawList {
         faces: &mut FaceBuffers,
         casts: &[Cast],
         frame: &FrameInputs<'_>,
+        holes: Option<&GpuCutOuts>,
     ) -> Self {
         let mut draws = Vec::new();
-        let casters = append(&mut draws, frame.casters);
+        let casters = append(
+            &mut draws,
+            frame.casters,
+            |holes| holes.casters.clone(),
+            holes,
+        );
         let uses_everything = casts.iter().any(|c| matches!(c.source, Source::Everything));
         let everything = if uses_everything {
-            append(&mut draws, frame.everything)
+            append(
+                &mut draws,
+                frame.everything,
+                |holes| 0..holes.triangles,
+                holes,
+            )
         } else {
             0..0
         };
         let mut ranges = Vec::with_capacity(casts.len());
         for cast in casts {
             let first = draws.len();
-            let range = match &cast.source {
-                Source::Casters => casters.clone(),
-                Source::Everything => everything.clone(),
-                Source::SomeCasters(runs) => {
-                    draws.extend(frame.casters.iter().filter_map(|d| Draw::some(d, runs)));
-                    first..draws.len()
-                }
-                Source::Faces(drawn) => {
-                    let buffer = faces.get(factory, drawn);
-                    if !drawn.triangles.is_empty() {
-                        draws.push(Draw::faces(buffer, drawn.triangles.len()));
+            let range =
+                match &cast.source {
+                    Source::Casters => casters.clone(),
+                    Source::Everything => everything.clone(),
+                    Source::SomeCasters(runs) => {
+                        draws.extend(frame.casters.iter().filter_map(|d| Draw::some(d, runs)));
+                        draws.extend(holes.and_then(|holes| {
+                            Draw::with_holes(holes, &within(runs, &holes.casters))
+                        }));
+                        first..draws.len()
                     }
-                    first..draws.len()
-                }
-            };
+                    Source::Faces(drawn) => {
+                        let buffer = faces.get(factory, drawn);
+                        if !drawn.triangles.is_empty() {
+                            draws.push(Draw::faces(buffer, drawn.triangles.len()));
+                        }
+                        first..draws.len()
+                    }
+                };
             ranges.push(range);
         }
         Self {
@@ -94,8 +113,14 @@ impl DrawList {
     }
 }
 
-/// Appends the draws of all drawables that draw anything, and returns their part of the list.
-fn append(draws: &mut Vec<Draw>, drawables: &[Drawable<'_>]) -> Range<usize> {
+/// Appends the draws of all drawables that draw anything, and of those `triangles` of theirs that have holes. Returns their part of the
+/// list.
+fn append(
+    draws: &mut Vec<Draw>,
+    drawables: &[Drawable<'_>],
+    triangles: fn(&GpuCutOuts) -> Range<u32>,
+    holes: Option<&GpuCutOuts>,
+) -> Range<usize> {
     let first = draws.len();
     draws.extend(
         drawables
@@ -103,13 +128,16 @@ fn append(draws: &mut Vec<Draw>, drawables: &[Drawable<'_>]) -> Range<usize> {
             .filter(|d| !d.range.is_empty())
             .map(Draw::new),
     );
+    if let Some(holes) = holes {
+        draws.extend(Draw::with_holes(holes, &[triangles(holes)]));
+    }
     first..draws.len()
 }
 
 impl Draw {
     fn new(drawable: &Drawable<'_>) -> Self {
         Self {
-            vertices: drawable.vertices.clone(),
+            vertices: Some(drawable.vertices.clone()),
             indices: drawable.indices.map(|i| (i.buffer.clone(), i.format)),
             ranges: Vec::from([drawable.range.clone()]),
             layout: drawable.layout,
@@ -132,9 +160,24 @@ impl Draw {
         (!is_empty).then_some(draw)
     }
 
+    /// Returns the draw of those triangles of runs that have holes; none if none has.
+    fn with_holes(holes: &GpuCutOuts, runs: &[Range<u32>]) -> Option<Self> {
+        let [_, cut_out] = holes.cut_outs.split(runs);
+        let ranges = cut_out.iter().map(|run| 3 * run.start..3 * run.end);
+        let draw = Self {
+            vertices: None,
+            indices: None,
+            ranges: ranges.collect(),
+            layout: VertexLayout::PACKED,
+            vertex: Vertex::CutOut,
+            world_from_local: None,
+        };
+        (!draw.ranges.is_empty()).then_some(draw)
+    }
+
     fn faces(buffer: FaceBuffer, triangles: usize) -> Self {
         Self {
-            vertices: buffer.vertices,
+            vertices: Some(buffer.vertices),
             indices: Some((buffer.indices, IndexFormat::Uint32)),
             ranges: std::iter::once(0..3 * triangles as u32).collect(),
             layout: VertexLayout {
@@ -149,7 +192,9 @@ impl Draw {
     }
 
     pub(crate) fn encode(&self, pass: &mut RenderPass<'_>) {
-        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        if let Some(vertices) = &self.vertices {
+            pass.set_vertex_buffer(0, vertices.slice(..));
+        }
         if let Some((buffer, format)) = &self.indices {
             pass.set_index_buffer(buffer.slice(..), *format);
         }
@@ -160,6 +205,12 @@ impl Draw {
             }
         }
     }
+}
+
+/// Returns the parts of runs within a range.
+fn within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
+    let clipped = |run: &Range<u32>| run.start.max(range.start)..run.end.min(range.end);
+    runs.iter().map(clipped).collect()
 }
 
 /// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the

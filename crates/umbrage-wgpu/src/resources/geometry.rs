@@ -2,7 +2,7 @@
 
 use crate::{
     frame::{Drawable, Indices, VertexLayout},
-    resources::counters::ResourceFactory,
+    resources::{counters::ResourceFactory, cut_outs::GpuCutOuts},
 };
 use std::ops::Range;
 use umbrage_core::{BackendError, Geometry, Invalid};
@@ -16,6 +16,8 @@ pub(crate) struct GpuGeometry {
     pub(crate) indices: Buffer,
     pub(crate) triangles: u32,
     casters: Range<u32>,
+    /// Holes of triangles; none if nothing is cut out.
+    pub(crate) cut_outs: Option<GpuCutOuts>,
     pub(crate) receivers: Range<u32>,
 }
 
@@ -30,7 +32,16 @@ impl GpuGeometry {
         let most = limits
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size);
-        for (what, bytes) in [("vertices", positions), ("triangles", indices)] {
+        let rows: &[u8] = match geometry.cut_outs() {
+            Some(cut_outs) => bytemuck::cast_slice(cut_outs.rows()),
+            None => &[],
+        };
+        let lists = [
+            ("vertices", positions),
+            ("triangles", indices),
+            ("cut-outs", rows),
+        ];
+        for (what, bytes) in lists {
             let bytes = bytes.len() as u64;
             if bytes > most {
                 let why =
@@ -42,22 +53,44 @@ impl GpuGeometry {
         }
         let vertex_usage = BufferUsages::VERTEX;
         let index_usage = BufferUsages::INDEX;
+        let positions = upload(factory, "umbrage positions", vertex_usage, positions);
+        let indices = upload(factory, "umbrage triangles", index_usage, indices);
+        let triangles = geometry.triangles().len() as u32;
+        let cut_outs = geometry.cut_outs().map(|cut_outs| GpuCutOuts {
+            cut_outs: cut_outs.clone(),
+            positions: positions.clone(),
+            indices: indices.clone(),
+            rows: upload(factory, "umbrage cut-outs", BufferUsages::empty(), rows),
+            casters: geometry.casters(),
+            triangles,
+        });
         Ok(Self {
             fingerprint: geometry.fingerprint(),
-            positions: upload(factory, "umbrage positions", vertex_usage, positions),
-            indices: upload(factory, "umbrage triangles", index_usage, indices),
-            triangles: geometry.triangles().len() as u32,
+            positions,
+            indices,
+            triangles,
             casters: geometry.casters(),
+            cut_outs,
             receivers: geometry.receivers(),
         })
     }
 
-    pub(crate) fn casters(&self) -> Drawable<'_> {
-        self.drawable(&self.casters)
+    /// Returns the casters without holes.
+    pub(crate) fn casters(&self) -> Vec<Drawable<'_>> {
+        self.whole(&self.casters)
     }
 
-    pub(crate) fn everything(&self) -> Drawable<'_> {
-        self.drawable(&(0..self.triangles))
+    /// Returns all triangles without holes.
+    pub(crate) fn everything(&self) -> Vec<Drawable<'_>> {
+        self.whole(&(0..self.triangles))
+    }
+
+    fn whole(&self, triangles: &Range<u32>) -> Vec<Drawable<'_>> {
+        let Some(holes) = &self.cut_outs else {
+            return vec![self.drawable(triangles)];
+        };
+        let [whole, _] = holes.cut_outs.split(std::slice::from_ref(triangles));
+        whole.iter().map(|run| self.drawable(run)).collect()
     }
 
     fn drawable(&self, triangles: &Range<u32>) -> Drawable<'_> {

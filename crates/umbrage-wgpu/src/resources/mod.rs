@@ -3,6 +3,7 @@
 pub(crate) mod bindings;
 pub(crate) mod counters;
 pub(crate) mod counts;
+pub(crate) mod cut_outs;
 pub(crate) mod draws;
 pub(crate) mod faces;
 pub(crate) mod geometry;

@@ -2,7 +2,9 @@
 
 use crate::{
     frame::VertexLayout,
-    resources::{bindings::Layouts, counters::ResourceFactory, draws::Vertex},
+    resources::{
+        bindings::Layouts, counters::ResourceFactory, cut_outs::holes_wgsl, draws::Vertex,
+    },
     targets::{CastTarget, DepthState},
 };
 use std::collections::HashMap;
@@ -44,11 +46,15 @@ impl Peel {
         }
     }
 
-    const fn entry(self) -> Option<&'static str> {
-        match self {
-            Self::Nothing => None,
-            Self::Depth32 => Some("behind"),
-            Self::Depth16 => Some("behind_in_steps"),
+    /// The fragment shader that does so, of triangles without holes or with them.
+    const fn entry(self, has_holes: bool) -> Option<&'static str> {
+        match (self, has_holes) {
+            (Self::Nothing, false) => None,
+            (Self::Depth32, false) => Some("behind"),
+            (Self::Depth16, false) => Some("behind_in_steps"),
+            (Self::Nothing, true) => Some("not_in_hole"),
+            (Self::Depth32, true) => Some("behind_and_not_in_hole"),
+            (Self::Depth16, true) => Some("behind_in_steps_and_not_in_hole"),
         }
     }
 }
@@ -61,6 +67,8 @@ pub(crate) struct Pipelines {
     /// By shader text and target; the text tells the bindings.
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
     cast_shader: Option<ShaderModule>,
+    /// The same for triangles with holes.
+    cut_out_shader: Option<ShaderModule>,
     sampler: Option<Sampler>,
 }
 
@@ -74,10 +82,19 @@ impl Pipelines {
         if let Some(pipeline) = self.casts.get(&key) {
             return pipeline.clone();
         }
-        let shader = self.cast_shader.get_or_insert_with(|| {
-            let text = join(&[MATH]) + include_str!("../cast.wgsl");
-            shader(factory.device, "umbrage cast", &text)
-        });
+        let shader = if key.vertex == Vertex::CutOut {
+            self.cut_out_shader.get_or_insert_with(|| {
+                let text = holes_wgsl()
+                    + include_str!("../cast.wgsl")
+                    + include_str!("../cast_holes.wgsl");
+                shader(factory.device, "umbrage cast with holes", &text)
+            })
+        } else {
+            self.cast_shader.get_or_insert_with(|| {
+                let text = join(&[MATH]) + include_str!("../cast.wgsl");
+                shader(factory.device, "umbrage cast", &text)
+            })
+        };
         factory.counters.pipelines += 1;
         let pipeline = cast_pipeline(factory.device, shader, key, groups);
         self.casts.entry(key).insert_entry(pipeline).get().clone()
@@ -170,6 +187,7 @@ fn cast_pipeline(
         Vertex::Local => ("from_local", key.layout.format.vertex_format()),
         Vertex::Instanced => ("from_instance", key.layout.format.vertex_format()),
         Vertex::Homogeneous => ("from_homogeneous", VertexFormat::Float32x4),
+        Vertex::CutOut => ("from_list", VertexFormat::Float32x3),
     };
     let attribute = VertexAttribute {
         format,
@@ -187,16 +205,16 @@ fn cast_pipeline(
         attributes: &wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4],
     };
     let buffers = [Some(buffer), Some(instances)];
-    let is_instanced = key.vertex == Vertex::Instanced;
+    let buffers = match key.vertex {
+        Vertex::World | Vertex::Local | Vertex::Homogeneous => &buffers[..1],
+        Vertex::Instanced => &buffers,
+        Vertex::CutOut => &[],
+    };
     let vertex = VertexState {
         module,
         entry_point: Some(entry),
         compilation_options: options(),
-        buffers: if is_instanced {
-            &buffers
-        } else {
-            &buffers[..1]
-        },
+        buffers,
     };
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some("umbrage cast"),
@@ -205,12 +223,15 @@ fn cast_pipeline(
         primitive: key.depth.primitive(),
         depth_stencil: Some(key.depth.depth_stencil()),
         multisample: MultisampleState::default(),
-        fragment: key.peel.entry().map(|entry| FragmentState {
-            module,
-            entry_point: Some(entry),
-            compilation_options: options(),
-            targets: &[],
-        }),
+        fragment: key
+            .peel
+            .entry(key.vertex == Vertex::CutOut)
+            .map(|entry| FragmentState {
+                module,
+                entry_point: Some(entry),
+                compilation_options: options(),
+                targets: &[],
+            }),
         multiview_mask: None,
         cache: None,
     })

@@ -9,6 +9,7 @@ use crate::{
     resources::{
         counters::ResourceFactory,
         counts::CountingPair,
+        cut_outs::GpuCutOuts,
         faces::FaceBuffers,
         images::{GpuImage, fit_images},
         kernel_stage::Sources,
@@ -54,6 +55,7 @@ impl Resources {
         recipe: &Recipe,
         pairs: &[CountingPair],
         frame: &FrameInputs<'_>,
+        holes: Option<&GpuCutOuts>,
     ) {
         let Shared {
             pipelines,
@@ -68,6 +70,7 @@ impl Resources {
             &self.images,
             faces,
             frame,
+            holes,
         );
         self.faces = recipe.casts.iter().filter_map(faces_of).collect();
         let mut sources = Sources {

@@ -42,6 +42,8 @@ pub(super) struct CasterRun {
     shown: u64,
     /// A bit for each so near to a lamp that its edges mean nothing.
     is_anywhere: u64,
+    /// A bit for each with holes.
+    has_holes: u64,
     /// A bit for each whose outline is known.
     has_outline: u64,
     outline: OfEach<FaceOutline>,
@@ -79,6 +81,7 @@ impl CasterRun {
             reach: Reach::NOWHERE,
             shown: 0,
             is_anywhere: 0,
+            has_holes: 0,
             has_outline: 0,
             outline: [FaceOutline::default(); RUN],
         }
@@ -98,6 +101,12 @@ impl CasterRun {
         self.shown = u64::MAX >> (RUN - run.len());
         self.is_anywhere = 0;
         self.has_outline = 0;
+        self.has_holes = 0;
+        if geometry.cut_outs().is_some() {
+            for (i, id) in run.clone().enumerate() {
+                self.has_holes |= u64::from(geometry.has_holes(id)) << i;
+            }
+        }
         let triangles = geometry.run(run);
         let positions = geometry.positions();
         for (i, corners) in triangles.iter().enumerate() {
@@ -208,6 +217,12 @@ impl CasterRun {
         self.first + i as u32
     }
 
+    /// Returns whether alpha textures cut holes into caster `i`.
+    #[inline(always)]
+    pub(super) fn has_holes(&self, i: usize) -> bool {
+        self.has_holes >> i & 1 == 1
+    }
+
     /// Returns the corners of caster `i` in world space.
     #[inline(always)]
     pub(super) fn corners(&self, i: usize) -> [Vec3; 3] {
@@ -232,9 +247,14 @@ impl CasterRun {
             self.has_outline |= 1 << i;
         }
         let by_outline = boxes.met_by_outline(frame, &self.outline[i]);
+        let covered = if self.has_holes(i) {
+            0
+        } else {
+            met & by_outline.covered
+        };
         ByOutline {
             met: met & by_outline.met,
-            covered: met & by_outline.covered,
+            covered,
         }
     }
 

@@ -7,6 +7,7 @@
 use super::{
     super::{
         ExactUniforms,
+        holes::CasterHoles,
         light_frame::{FramePoint, LightFrame},
     },
     boxes::{BOXES, Boxes, FaceBox, Reach},
@@ -445,6 +446,7 @@ impl FaceRays {
         reach: &Reach,
         caster: u32,
         corners: impl Fn() -> [Vec3; 3],
+        holes: Option<CasterHoles<'_>>,
     ) {
         let near = self.open.rays(block) & self.places[block].near(reach);
         if near == 0 {
@@ -454,10 +456,31 @@ impl FaceRays {
         if wanted == 0 {
             return;
         }
-        let blocked = wanted & self.hits(block, rays, wanted, &corners());
+        let mut blocked = wanted & self.hits(block, rays, wanted, &corners());
+        if let Some(holes) = holes {
+            blocked &= !self.through_holes(block, blocked, caster, corners(), holes);
+        }
         if blocked != 0 {
             self.open.close_rays(block, blocked);
         }
+    }
+
+    /// Returns a bit for each of some rays of a block, which meet a caster, that meets it in a hole.
+    fn through_holes(
+        &self,
+        block: usize,
+        mut rays: u32,
+        caster: u32,
+        corners: [Vec3; 3],
+        holes: CasterHoles<'_>,
+    ) -> u32 {
+        let [x, y, z] = &self.blocks[block].origin;
+        let mut bits = 0;
+        while let Some(ray) = take_lowest(&mut rays) {
+            let o = Vec3::new(x[ray], y[ray], z[ray]);
+            bits |= u32::from(holes.are_met(caster, corners, o)) << ray;
+        }
+        bits
     }
 
     /// Returns a bit for each ray of a block that starts on a triangle.

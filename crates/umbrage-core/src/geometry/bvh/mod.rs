@@ -21,13 +21,14 @@ use crate::{
     Geometry,
     geometry::{
         bvh::wide::Wide,
+        cut_out::CutOuts,
         ray_box::{enters_box, slab_inverse, span},
         ray_triangle::Corners,
     },
 };
 use glam::Vec3;
 use obvhs::{bvh2::Bvh2, cwbvh::CwBvh};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// A hierarchy over the casters of a [`Geometry`].
 #[derive(Clone)]
@@ -37,6 +38,8 @@ pub struct Bvh {
     corners: Vec<Corners>,
     ids: Vec<u32>,
     narrow_order: Vec<u32>,
+    /// Holes of casters.
+    cut_outs: Option<Arc<CutOuts>>,
     /// [`Bvh::depth`], found on first use.
     depth: OnceLock<usize>,
 }
@@ -50,7 +53,7 @@ impl std::fmt::Debug for Bvh {
 }
 
 impl Bvh {
-    /// Builds the hierarchy.
+    /// Builds the hierarchy. Holes are cut out as each hit is asked: they don't change its shape.
     pub fn build(geometry: &Geometry) -> Self {
         let ids: Vec<u32> = geometry.casters().collect();
         if ids.is_empty() {
@@ -62,6 +65,7 @@ impl Bvh {
                 corners: Vec::new(),
                 ids,
                 narrow_order: Vec::new(),
+                cut_outs: None,
                 depth: OnceLock::new(),
             };
         }
@@ -84,11 +88,12 @@ impl Bvh {
                 .collect(),
             ids: order.iter().map(|&i| ids[i as usize]).collect(),
             narrow_order,
+            cut_outs: geometry.cut_outs().cloned(),
             depth: OnceLock::new(),
         }
     }
 
-    /// Returns whether any caster but triangle `skip` meets the segment from `o` to `o + d`.
+    /// Returns whether any caster but triangle `skip` meets the segment from `o` to `o + d`, elsewhere than in a hole that is cut out.
     #[inline]
     pub fn occluded(&self, o: Vec3, d: Vec3, skip: u32) -> bool {
         self.occluder(o, d, skip).is_some()
@@ -101,7 +106,8 @@ impl Bvh {
         let segment = Segment::new(o, d);
         let mut found = None;
         self.wide.search(&segment, |i, _| {
-            let hit = segment.hits(&self.corners[i]) && self.ids[i] != skip;
+            let hit =
+                segment.hits(&self.corners[i]) && self.ids[i] != skip && !self.is_hole(&segment, i);
             if hit {
                 found = Some(i as u32);
             }
@@ -115,7 +121,7 @@ impl Bvh {
         let segment = Segment::new(o, d);
         let mut nearest = None;
         self.wide.search(&segment, |i, limit| {
-            if segment.hits(&self.corners[i]) && self.ids[i] != skip {
+            if segment.hits(&self.corners[i]) && self.ids[i] != skip && !self.is_hole(&segment, i) {
                 let [a, b, c] = geometry
                     .corners(self.ids[i])
                     .map(|corner| corner.as_dvec3());
@@ -133,6 +139,15 @@ impl Bvh {
             false
         });
         nearest
+    }
+
+    /// Returns whether a segment passes through a hole of the hierarchy's triangle `i`, which it hits.
+    #[inline(always)]
+    fn is_hole(&self, segment: &Segment, i: usize) -> bool {
+        match &self.cut_outs {
+            None => false,
+            Some(cut_outs) => cut_outs.is_hole_met(self.ids[i], &self.corners[i], segment),
+        }
     }
 
     /// Appends the triangle ids of the casters that may come within `radius` of the segment from `o` to `o + d`, measured
@@ -159,7 +174,7 @@ impl Bvh {
     }
 
     /// Passes on all casters that segments of a shaft may meet, roughly from near to far, until the search has enough. Cautious: it may
-    /// pass on others, too.
+    /// pass on others, too. What is cut out of casters is not asked.
     #[inline(always)]
     pub fn in_shaft(&self, shaft: &Shaft, search: &mut impl ShaftSearch) {
         let caster = |i: usize| (self.ids[i], self.corners[i].points());
@@ -173,7 +188,8 @@ impl Bvh {
     #[inline]
     pub fn hits(&self, occluder: u32, o: Vec3, d: Vec3, skip: u32) -> bool {
         let i = occluder as usize;
-        self.ids[i] != skip && Segment::new(o, d).hits(&self.corners[i])
+        let segment = Segment::new(o, d);
+        self.ids[i] != skip && segment.hits(&self.corners[i]) && !self.is_hole(&segment, i)
     }
 
     /// Returns whether no caster reaches into the convex region `normal.dot(x) >= distance` of all these planes (normals of any
@@ -248,13 +264,17 @@ impl Bvh {
     }
 
     /// Returns the triangles in the order in which [`Bvh::node_rows`] names them, three rows each: a corner, and the id as the
-    /// fourth word. Three rows of zeros where nothing casts.
+    /// fourth word. Three rows of zeros where nothing casts. If the geometry has cut-outs, the second row's fourth word is the row of
+    /// the triangle's record in [`CutOuts::rows`], 0 for those without holes.
     pub fn triangle_rows(&self, geometry: &Geometry) -> Vec<[u32; 4]> {
         let mut rows = Vec::new();
         for &id in &self.narrow_order {
-            for corner in geometry.corners(id) {
-                rows.push(row(corner, id));
-            }
+            let [a, b, c] = geometry.corners(id);
+            let second = match geometry.cut_outs() {
+                None => id,
+                Some(cut_outs) => cut_outs.record_row(id).unwrap_or(0),
+            };
+            rows.extend([row(a, id), row(b, second), row(c, id)]);
         }
         if rows.is_empty() {
             vec![[0; 4]; 3]

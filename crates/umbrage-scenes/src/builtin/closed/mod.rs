@@ -1,6 +1,7 @@
 //! Scenes whose shadows follow from a formula; the samples were also checked against an independent ray tracer.
 
 pub(crate) mod area;
+pub(crate) mod card;
 pub(crate) mod everywhere;
 pub(crate) mod point_like;
 pub(crate) mod room;

@@ -55,6 +55,13 @@ fn ideal_lights_follow_their_formulas() {
     });
     holds("c6-slit", |x, _| lit(x > 0.49 && x < 0.51));
     holds("c6b-thick-slit", |x, _| lit(x > 0.505 && x < 0.51));
+    holds("c10-chequered-card", |x, z| {
+        // In squares from the shadow's middle.
+        let place = [(x - 0.5) / 0.4, z / 0.4];
+        let is_beside = place.iter().any(|t| t.abs() > 3.0);
+        let parity = place[0].floor() + place[1].floor();
+        lit(is_beside || parity.rem_euclid(2.0) == 0.0)
+    });
 }
 
 /// The ray from the bulb passes within a sphere's radius of its centre, exactly if its angle to the centre is less than

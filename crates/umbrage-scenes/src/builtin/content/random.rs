@@ -5,35 +5,35 @@ use umbrage_core::glam::{IVec3, Vec3};
 
 /// A sequence of numbers that its seed determines.
 #[derive(Clone, Debug)]
-pub(super) struct Random {
+pub(in crate::builtin) struct Random {
     seed: i32,
     /// How many numbers were drawn.
     drawn: i32,
 }
 
 impl Random {
-    pub(super) fn new(seed: i32) -> Self {
+    pub(in crate::builtin) fn new(seed: i32) -> Self {
         Self { seed, drawn: 0 }
     }
 
     /// Returns the next number, 0 to 1.
-    pub(super) fn unit(&mut self) -> f32 {
+    pub(in crate::builtin) fn unit(&mut self) -> f32 {
         self.drawn += 1;
         uniform(IVec3::new(self.seed, self.drawn, 11))
     }
 
     /// Returns the next number between two.
-    pub(super) fn between(&mut self, least: f32, most: f32) -> f32 {
+    pub(in crate::builtin) fn between(&mut self, least: f32, most: f32) -> f32 {
         least + (most - least) * self.unit()
     }
 
     /// Returns the next number between `-most` and `most`.
-    pub(super) fn about(&mut self, most: f32) -> f32 {
+    pub(in crate::builtin) fn about(&mut self, most: f32) -> f32 {
         self.between(-most, most)
     }
 
     /// Returns a vector whose coordinates are within -1 and 1 each.
-    pub(super) fn vector(&mut self) -> Vec3 {
+    pub(in crate::builtin) fn vector(&mut self) -> Vec3 {
         let x = self.about(1.0);
         let y = self.about(1.0);
         let z = self.about(1.0);
@@ -41,7 +41,7 @@ impl Random {
     }
 
     /// Returns whether a chance came true.
-    pub(super) fn chance(&mut self, probability: f32) -> bool {
+    pub(in crate::builtin) fn chance(&mut self, probability: f32) -> bool {
         self.unit() < probability
     }
 }

@@ -5,13 +5,14 @@ use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_core::{Geometry, Light, Scene};
 
 /// Names without `-soft`, and the least triangles.
-const SCENES: [(&str, usize); 6] = [
+const SCENES: [(&str, usize); 7] = [
     ("nave", 250_000),
     ("street", 250_000),
     ("forest", 1_000_000),
     ("valley", 1_000_000),
     ("dancer", 100_000),
     ("night-room", 100_000),
+    ("leaf-cards", 250_000),
 ];
 
 /// Rays across and down a picture whose shadow is counted.
@@ -57,6 +58,12 @@ fn each_is_as_large_and_as_shady_as_content_is() {
         let geometry = Geometry::bake(&scene).unwrap();
         let triangles = geometry.triangles().len();
         assert!(triangles >= least, "{name}: {triangles} triangles");
+        let most_if_quick = if find(name).unwrap().quick {
+            1_000_000
+        } else {
+            usize::MAX
+        };
+        assert!(triangles <= most_if_quick, "{name} is not for quick runs");
         let shade = shade(&scene, &geometry);
         assert!((0.1..=0.9).contains(&shade), "{name}: {shade} in shadow");
     }

@@ -1,6 +1,7 @@
 //! Scenes in which shadow methods are known to fail.
 
 pub(crate) mod corners;
+pub(crate) mod cut_outs;
 pub(crate) mod distant;
 pub(crate) mod facets;
 pub(crate) mod fine;

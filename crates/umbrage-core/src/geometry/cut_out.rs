@@ -1,0 +1,382 @@
+//! Holes in triangles, cut out by alpha textures: one rule for rays and for pixels.
+//!
+//! A segment's line meets a triangle's plane at a point, whose barycentric coordinates are the areas of the triangle test
+//! (`ray_triangle.rs`) over their sum. They give the point's uv, the uv its nearest texel (textures repeat), and one bit says whether the
+//! texel's alpha is less than the material's cut-off: then there is no surface, and the segment goes on.
+//!
+//! A pixel is asked in the same way, along the ray through its centre ([`CameraRays`](crate::CameraRays)). So what a rasteriser
+//! interpolates, and how it rounds that, decides nothing: CPU, GPU and truth have the same holes, to the last bit where a
+//! driver's arithmetic is that of WGSL as it is written.
+//!
+//! All of it is one table of rows of four words, the same for both backends:
+//!
+//! * Row 0: the two runs of triangles that are cut out, as first, end, first, end.
+//! * Two rows a cut-out triangle, in the order of ids: uvs of its corners as x, y, x, y and x, y; width and height of its texture
+//!   (the lower and the upper 16 bits of a word); the row at which the texture begins.
+//! * Textures: one bit a texel, in rows from the top, lowest bits first; 1 where the surface is. Each begins with a row of the table.
+
+use crate::{
+    AlphaCutout, Invalid, Module, Scene, Texture,
+    geometry::{
+        placed::PlacedMeshes,
+        ray_triangle::{Corners, Segment},
+    },
+};
+use glam::{UVec2, Vec2, Vec3, Vec4};
+use std::{collections::BTreeMap, ops::Range, sync::Arc};
+
+/// The WGSL half. It calls into [`RAY_BOX`](super::bvh::RAY_BOX) and [`RAY_TRIANGLE`](super::bvh::RAY_TRIANGLE).
+pub const CUT_OUT: Module = Module {
+    name: "cut_out",
+    text: include_str!("cut_out.wgsl"),
+};
+
+/// The WGSL of [`CutOuts::is_hole`]. It calls into [`CUT_OUT`], and into `fn cut_out_row(i: u32) -> vec4u`, which whoever has the
+/// table declares.
+pub const HOLE: Module = Module {
+    name: "hole",
+    text: include_str!("hole.wgsl"),
+};
+
+/// Greatest side of an alpha texture, texels: what 16 bits hold.
+pub const MAX_ALPHA_SIDE: u32 = 65_535;
+
+/// Texels whose bits a row of the table holds.
+const TEXELS_A_ROW: u32 = 128;
+
+/// From here on floats are whole numbers.
+const WHOLE_NUMBERS: f32 = 8_388_608.0;
+
+/// The cut-out triangles of a [`Geometry`](crate::Geometry).
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutOuts {
+    /// Ids of the triangles that are cut out: in rising order, without common ones. Either may be empty.
+    runs: [Range<u32>; 2],
+    /// The table.
+    rows: Arc<[[u32; 4]]>,
+}
+
+/// What the table holds of one triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Record {
+    uvs: [Vec2; 3],
+    /// Of the texture, texels.
+    size: UVec2,
+    /// The row at which the texture begins.
+    first_row: u32,
+}
+
+impl Record {
+    fn read(first: [u32; 4], second: [u32; 4]) -> Self {
+        let uv = |x: u32, y: u32| Vec2::new(f32::from_bits(x), f32::from_bits(y));
+        Self {
+            uvs: [
+                uv(first[0], first[1]),
+                uv(first[2], first[3]),
+                uv(second[0], second[1]),
+            ],
+            size: UVec2::new(second[2] & 0xffff, second[2] >> 16),
+            first_row: second[3],
+        }
+    }
+
+    fn rows(&self) -> [[u32; 4]; 2] {
+        let [a, b, c] = self.uvs.map(|uv| [uv.x.to_bits(), uv.y.to_bits()]);
+        let size = self.size.x | self.size.y << 16;
+        [[a[0], a[1], b[0], b[1]], [c[0], c[1], size, self.first_row]]
+    }
+}
+
+/// Returns the texel, among `n` along one axis, that holds a texture coordinate. What is not finite has no fraction, as whole numbers
+/// have none.
+#[inline(always)]
+fn nearest_texel(t: f32, n: u32) -> u32 {
+    if t.abs() < WHOLE_NUMBERS {
+        let part = t - t.floor();
+        // The part of a tiny negative number rounds to 1, and a product may round to n.
+        ((part * n as f32) as u32).min(n.wrapping_sub(1))
+    } else {
+        0
+    }
+}
+
+/// Returns the number of the texel where a segment's line meets a triangle's plane. `uv_ab` are the uvs of corners a and b, `size` is the
+/// texture's. Where the segment runs along the plane, texel 0.
+#[inline(always)]
+fn texel_met(segment: &Segment, corners: &Corners, uv_ab: Vec4, uv_c: Vec2, size: UVec2) -> u32 {
+    let areas = segment.areas(corners);
+    let whole = areas.x + areas.y + areas.z;
+    // Sums run from left to right, as in the twin.
+    let across = (uv_ab.x * areas.x + uv_ab.z * areas.y + uv_c.x * areas.z) / whole;
+    let down = (uv_ab.y * areas.x + uv_ab.w * areas.y + uv_c.y * areas.z) / whole;
+    nearest_texel(down, size.y)
+        .wrapping_mul(size.x)
+        .wrapping_add(nearest_texel(across, size.x))
+}
+
+impl CutOuts {
+    /// Returns the table, for shaders.
+    pub fn rows(&self) -> &Arc<[[u32; 4]]> {
+        &self.rows
+    }
+
+    /// Returns the ids of the triangles that are cut out: two runs, in rising order; either may be empty.
+    pub fn runs(&self) -> &[Range<u32>; 2] {
+        &self.runs
+    }
+
+    /// Returns the parts of rising runs of triangles without holes, and those that are cut out: rising, none empty.
+    pub fn split(&self, runs: &[Range<u32>]) -> [Vec<Range<u32>>; 2] {
+        let mut whole = Vec::new();
+        let mut cut_out = Vec::new();
+        for run in runs {
+            let mut start = run.start;
+            for holes in &self.runs {
+                let from = holes.start.clamp(start, run.end);
+                let to = holes.end.clamp(from, run.end);
+                whole.push(start..from);
+                cut_out.push(from..to);
+                start = to;
+            }
+            whole.push(start..run.end);
+        }
+        [whole, cut_out].map(|runs| runs.into_iter().filter(|run| !run.is_empty()).collect())
+    }
+
+    /// Returns the row at which a triangle's record begins; none if it has no holes.
+    #[inline]
+    pub fn record_row(&self, triangle: u32) -> Option<u32> {
+        let [first, second] = &self.runs;
+        if first.contains(&triangle) {
+            Some(1 + 2 * (triangle - first.start))
+        } else if second.contains(&triangle) {
+            Some(1 + 2 * (triangle - second.start + first.len() as u32))
+        } else {
+            None
+        }
+    }
+
+    /// Returns whether there is a hole where the line of the segment from `o` to `o + d` meets a triangle's plane, given its corners.
+    /// False for triangles that are not cut out. Never where a number is not finite.
+    pub fn is_hole(&self, triangle: u32, corners: [Vec3; 3], o: Vec3, d: Vec3) -> bool {
+        self.is_hole_met(triangle, &Corners::new(corners), &Segment::new(o, d))
+    }
+
+    /// The same of what is ready for many tests.
+    pub(crate) fn is_hole_met(&self, triangle: u32, corners: &Corners, segment: &Segment) -> bool {
+        let Some(record) = self.record(triangle) else {
+            return false;
+        };
+        let [a, b, c] = record.uvs;
+        let uv_ab = Vec4::new(a.x, a.y, b.x, b.y);
+        let texel = texel_met(segment, corners, uv_ab, c, record.size);
+        self.is_clear(&record, texel)
+    }
+
+    fn record(&self, triangle: u32) -> Option<Record> {
+        let row = self.record_row(triangle)? as usize;
+        Some(Record::read(self.rows[row], self.rows[row + 1]))
+    }
+
+    fn is_clear(&self, record: &Record, texel: u32) -> bool {
+        let row = self.rows[(record.first_row + texel / TEXELS_A_ROW) as usize];
+        let word = row[(texel / 32 % 4) as usize];
+        word >> (texel % 32) & 1 == 0
+    }
+
+    /// Returns whether all texels that a triangle shows within a box of barycentric uvs are alike: `Some(true)` if all are holes,
+    /// `Some(false)` if none is, as for triangles that are not cut out; none if there are both, or too many to look at. `weights`
+    /// are barycentric coordinates of points of the triangle; the box is that around their uvs.
+    pub fn is_hole_around(&self, triangle: u32, weights: &[[f64; 3]]) -> Option<bool> {
+        const MAX_TEXELS: f64 = 4096.0;
+        let Some(record) = self.record(triangle) else {
+            return Some(false);
+        };
+        let uvs = record.uvs.map(|uv| uv.as_dvec2());
+        let size = record.size.as_dvec2();
+        let mut low = glam::DVec2::INFINITY;
+        let mut high = glam::DVec2::NEG_INFINITY;
+        for &[u, v, w] in weights {
+            let place = (uvs[0] * u + uvs[1] * v + uvs[2] * w) * size;
+            low = low.min(place);
+            high = high.max(place);
+        }
+        // What 32 bits round of a uv, texels.
+        let rounding = 8.0 * f64::from(f32::EPSILON) * (size + low.abs().max(high.abs()));
+        let low = (low - rounding).floor();
+        let high = (high + rounding).floor();
+        let count = high - low + 1.0;
+        let is_near = low.abs().max(high.abs()).max_element() < f64::from(WHOLE_NUMBERS);
+        if !is_near || count.element_product() > MAX_TEXELS {
+            return None;
+        }
+        let first = low.as_i64vec2();
+        let last = high.as_i64vec2();
+        let size = record.size.as_i64vec2();
+        let mut found = None;
+        for y in first.y..=last.y {
+            for x in first.x..=last.x {
+                let texel = y.rem_euclid(size.y) * size.x + x.rem_euclid(size.x);
+                let is_clear = self.is_clear(&record, texel as u32);
+                if found.is_some_and(|known| known != is_clear) {
+                    return None;
+                }
+                found = Some(is_clear);
+            }
+        }
+        found
+    }
+
+    /// Returns the table of these runs of placed triangles; none if they are empty.
+    ///
+    /// # Errors
+    /// Errors if a texture is too large.
+    pub(super) fn new(
+        scene: &Scene,
+        placed: &PlacedMeshes,
+        runs: [Range<u32>; 2],
+    ) -> Result<Option<Arc<Self>>, Invalid> {
+        let count = runs[0].len() + runs[1].len();
+        if count == 0 {
+            return Ok(None);
+        }
+        let header = [runs[0].start, runs[0].end, runs[1].start, runs[1].end];
+        let mut rows = vec![header];
+        rows.resize(1 + 2 * count, [0; 4]);
+        // The first row of each texture, for each cut-off that is used with it.
+        let mut places: BTreeMap<(usize, u32), u32> = BTreeMap::new();
+        for (k, id) in runs.iter().cloned().flatten().enumerate() {
+            let Some(alpha) = alpha_of(scene, placed.materials.get(id as usize)) else {
+                continue;
+            };
+            let texture = &scene.textures[alpha.texture];
+            let key = (alpha.texture, alpha.cutoff.to_bits());
+            let first_row = match places.get(&key) {
+                Some(&row) => row,
+                None => {
+                    let row = append_texture(&mut rows, texture, alpha.cutoff)?;
+                    places.insert(key, row);
+                    row
+                }
+            };
+            let record = Record {
+                uvs: placed.triangles[id as usize].map(|v| placed.uvs[v as usize]),
+                size: texture.size,
+                first_row,
+            };
+            rows[1 + 2 * k..3 + 2 * k].copy_from_slice(&record.rows());
+        }
+        Ok(Some(Arc::new(Self {
+            runs,
+            rows: rows.into(),
+        })))
+    }
+
+    /// Returns the cut-outs that a table describes, of a geometry with so many triangles; none if it is empty.
+    ///
+    /// # Errors
+    /// Errors if it is not a table as [`CutOuts::rows`] returns it.
+    pub(super) fn from_rows(
+        rows: &[[u32; 4]],
+        triangles: usize,
+    ) -> Result<Option<Arc<Self>>, Invalid> {
+        let Some(&[first, first_end, second, second_end]) = rows.first() else {
+            return Ok(None);
+        };
+        let bad = |why: &str| Err(Invalid::new("geometry's cut-outs", why, "write them anew"));
+        let rise = first <= first_end && first_end <= second && second <= second_end;
+        if !rise || second_end as usize > triangles {
+            return bad("name triangles that are not there");
+        }
+        let runs = [first..first_end, second..second_end];
+        let records = runs[0].len() + runs[1].len();
+        if rows.len() < 1 + 2 * records {
+            return bad("are shorter than their list of triangles");
+        }
+        for pair in rows[1..1 + 2 * records].chunks_exact(2) {
+            let record = Record::read(pair[0], pair[1]);
+            let texels = u64::from(record.size.x) * u64::from(record.size.y);
+            let end = u64::from(record.first_row) + texels.div_ceil(u64::from(TEXELS_A_ROW));
+            if texels == 0 || end > rows.len() as u64 {
+                return bad("have a texture without texels, or one that ends beyond the table");
+            }
+        }
+        Ok(Some(Arc::new(Self {
+            runs,
+            rows: rows.into(),
+        })))
+    }
+}
+
+/// Returns the holes that a material has, given its place in the scene's list.
+fn alpha_of(scene: &Scene, material: Option<&u32>) -> Option<AlphaCutout> {
+    let material = scene.materials.get(*material? as usize)?;
+    material.alpha
+}
+
+/// Appends a texture's bits, and returns the row at which they begin.
+fn append_texture(
+    rows: &mut Vec<[u32; 4]>,
+    texture: &Texture,
+    cutoff: f32,
+) -> Result<u32, Invalid> {
+    if texture.size.max_element() > MAX_ALPHA_SIDE {
+        let why = format!("is {} x {} texels", texture.size.x, texture.size.y);
+        let help =
+            format!("use at most {MAX_ALPHA_SIDE} on each side where it is an alpha texture");
+        return Err(Invalid::new(
+            format!("texture `{}`", texture.name),
+            why,
+            help,
+        ));
+    }
+    let first_row = rows.len();
+    for texels in texture.texels.chunks(TEXELS_A_ROW as usize) {
+        let mut row = [0; 4];
+        for (i, texel) in texels.iter().enumerate() {
+            let is_there = texel[3] >= cutoff;
+            row[i / 32] |= u32::from(is_there) << (i % 32);
+        }
+        rows.push(row);
+    }
+    u32::try_from(first_row).map_err(|_| {
+        Invalid::new(
+            "alpha textures",
+            "have more texels than a table holds",
+            "use smaller ones",
+        )
+    })
+}
+
+/// The pairs, for the lockstep tests.
+#[cfg(feature = "testing")]
+pub const TWINS: &[crate::Twin] = &[
+    crate::twin!(CUT_OUT, nearest_texel(t: f32, n: u32) -> u32),
+    crate::twin!(CUT_OUT, cut_out_texel(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3, uv_ab: Vec4, uv_c: Vec2, size: UVec2) -> u32,
+        needs [super::ray_box::RAY_BOX, super::ray_triangle::RAY_TRIANGLE]),
+];
+
+#[cfg(feature = "testing")]
+#[expect(clippy::too_many_arguments, reason = "the twin's are as many")]
+fn cut_out_texel(
+    o: Vec3,
+    d: Vec3,
+    a: Vec3,
+    b: Vec3,
+    c: Vec3,
+    uv_ab: Vec4,
+    uv_c: Vec2,
+    size: UVec2,
+) -> u32 {
+    texel_met(
+        &Segment::new(o, d),
+        &Corners::new([a, b, c]),
+        uv_ab,
+        uv_c,
+        size,
+    )
+}
+
+#[cfg(test)]
+#[path = "cut_out_tests.rs"]
+mod tests;

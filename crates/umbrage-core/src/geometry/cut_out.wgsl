@@ -1,0 +1,30 @@
+// Twin of cut_out.rs: which texel of an alpha texture lies where a segment's line meets a triangle, and whether it is a hole.
+// Calls into ray_box.wgsl and ray_triangle.wgsl.
+
+fn nearest_texel(t: f32, n: u32) -> u32 {
+    if abs(t) < 8388608.0 {
+        let part = t - floor(t);
+        return min(u32(part * f32(n)), n - 1u);
+    }
+    return 0u;
+}
+
+fn cut_out_texel(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f, uv_ab: vec4f, uv_c: vec2f, size: vec2u) -> u32 {
+    let rows = shear_rows(d);
+    let a = sheared(rows, pa - o);
+    let b = sheared(rows, pb - o);
+    let c = sheared(rows, pc - o);
+    let u = b.x * c.y - b.y * c.x;
+    let v = c.x * a.y - c.y * a.x;
+    let w = a.x * b.y - a.y * b.x;
+    let whole = u + v + w;
+    let across = (uv_ab.x * u + uv_ab.z * v + uv_c.x * w) / whole;
+    let down = (uv_ab.y * u + uv_ab.w * v + uv_c.y * w) / whole;
+    return nearest_texel(down, size.y) * size.x + nearest_texel(across, size.x);
+}
+
+// `row` is the row of the table that holds the texel's bit.
+fn is_texel_clear(row: vec4u, texel: u32) -> bool {
+    let word = row[(texel >> 5u) & 3u];
+    return ((word >> (texel & 31u)) & 1u) == 0u;
+}

@@ -1,0 +1,60 @@
+//! c10: a card out of which an alpha texture cuts every second square.
+
+use super::{SIZE, exact, floor, sheet};
+use crate::{
+    ClosedForm,
+    looks::chequered_holes,
+    stage::{Stage, sun},
+};
+use umbrage_core::Scene;
+use umbrage_core::glam::Vec3;
+
+/// Squares along each side of the card.
+const SQUARES: u32 = 6;
+/// Half the card's side, metres.
+const HALF: f32 = 1.2;
+/// How far the shadow lies from below the card along x: half of its height.
+const SHIFT: f32 = 0.5;
+
+pub(crate) fn chequered_card() -> Scene {
+    Stage::new("c10-chequered-card")
+        .put(floor(4.0))
+        .put(sheet([-HALF, HALF], [-HALF, HALF], 1.0))
+        .look(chequered_holes(SQUARES))
+        .light(sun(1.0, -2.0, 0.0))
+        .shoot(
+            Vec3::new(2.9, 2.4, 3.4),
+            Vec3::new(0.5, 0.2, 0.0),
+            40.0,
+            SIZE,
+        )
+}
+
+/// In each square's shadow, or light: its middle, and points 1 cm inside of its sides.
+pub(crate) fn chequered_card_samples() -> ClosedForm {
+    const INSET: f32 = 0.01;
+    let side = 2.0 * HALF / SQUARES as f32;
+    let aside = 0.5 * side - INSET;
+    let mut points = Vec::new();
+    for k in 0..SQUARES {
+        for i in 0..SQUARES {
+            let x = SHIFT - HALF + side * (i as f32 + 0.5);
+            let z = -HALF + side * (k as f32 + 0.5);
+            // The texture's lower left is at least x and z, and there a square is missing.
+            let visibility = f32::from(u8::from((i + k).is_multiple_of(2)));
+            for (dx, dz) in [
+                (0.0, 0.0),
+                (-aside, 0.0),
+                (aside, 0.0),
+                (0.0, -aside),
+                (0.0, aside),
+            ] {
+                points.push((x + dx, z + dz, visibility));
+            }
+        }
+    }
+    let beyond = HALF + INSET;
+    points.extend([-beyond, beyond].map(|x| (x + SHIFT, 0.1, 1.0)));
+    points.extend([-beyond, beyond].map(|z| (SHIFT + 0.1, z, 1.0)));
+    exact(&points)
+}

@@ -1,0 +1,98 @@
+//! Triangles with holes on the GPU: what the shaders that leave the holes out read.
+
+use crate::resources::{
+    bindings::{Binding, Bound, Slot},
+    counters::ResourceFactory,
+    pipelines::Pipelines,
+};
+use std::{num::NonZeroU64, sync::Arc};
+use umbrage_core::{
+    CameraRays, CutOuts, MATH, Module,
+    bvh::{RAY_BOX, RAY_TRIANGLE},
+    cut_out::{CUT_OUT, HOLE},
+    join,
+    resolve::RESOLVE,
+};
+use wgpu::{BindGroupLayout, Buffer, BufferUsages, RenderPass, ShaderStages};
+
+/// A geometry's cut-outs: its lists of triangles, and the table of holes.
+#[derive(Clone, Debug)]
+pub(crate) struct GpuCutOuts {
+    pub(crate) cut_outs: Arc<CutOuts>,
+    pub(crate) positions: Buffer,
+    pub(crate) indices: Buffer,
+    pub(crate) rows: Buffer,
+    pub(crate) casters: std::ops::Range<u32>,
+    pub(crate) triangles: u32,
+}
+
+/// Bytes of the rays through an image's pixels.
+const RAYS: NonZeroU64 = NonZeroU64::new(96).unwrap();
+
+/// Returns the WGSL that tells holes, before whoever declares `cut_outs` and `corner`.
+pub(crate) fn holes_wgsl() -> String {
+    const MODULES: [Module; 6] = [MATH, RESOLVE, RAY_BOX, RAY_TRIANGLE, CUT_OUT, HOLE];
+    join(&MODULES) + include_str!("../holes.wgsl")
+}
+
+/// Returns the layout of what casts of triangles with holes read, in group 1.
+pub(crate) fn cut_out_layout(
+    factory: &ResourceFactory<'_>,
+    pipelines: &mut Pipelines,
+) -> BindGroupLayout {
+    let slots = [Slot::Window(RAYS), Slot::Table, Slot::Table, Slot::Table];
+    let stages = ShaderStages::VERTEX_FRAGMENT;
+    pipelines.layouts.get(factory, stages, &slots)
+}
+
+/// The lists, and the rays of each cast.
+#[derive(Debug, Default)]
+pub(crate) struct CutOutBinding {
+    buffer: Option<Buffer>,
+    binding: Binding,
+    /// Bytes from one cast's rays to the next.
+    stride: u32,
+}
+
+impl CutOutBinding {
+    pub(crate) fn write(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        layout: &BindGroupLayout,
+        holes: &GpuCutOuts,
+        rays: impl Iterator<Item = CameraRays>,
+    ) {
+        let limits = factory.device.limits();
+        self.stride = limits.min_uniform_buffer_offset_alignment.max(128);
+        let mut bytes = Vec::new();
+        for (i, rays) in rays.enumerate() {
+            bytes.resize(i * self.stride as usize, 0);
+            let CameraRays {
+                origin,
+                origin_dx,
+                origin_dy,
+                dir,
+                dir_dx,
+                dir_dy,
+            } = rays;
+            let rows = [origin, origin_dx, origin_dy, dir, dir_dx, dir_dy];
+            bytes.extend_from_slice(bytemuck::bytes_of(&rows));
+        }
+        if bytes.is_empty() {
+            return;
+        }
+        let usage = BufferUsages::UNIFORM;
+        let buffer = factory.write(&mut self.buffer, "umbrage texels' rays", usage, &bytes);
+        let bound = vec![
+            Bound::Window(buffer, RAYS),
+            Bound::Buffer(holes.positions.clone()),
+            Bound::Buffer(holes.indices.clone()),
+            Bound::Buffer(holes.rows.clone()),
+        ];
+        self.binding.set(factory, "umbrage cut-outs", layout, bound);
+    }
+
+    pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, group: u32, cast: usize) {
+        pass.set_bind_group(group, self.binding.group(), &[self.stride * cast as u32]);
+    }
+}

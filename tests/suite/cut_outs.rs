@@ -1,0 +1,344 @@
+//! Holes that alpha textures cut into casters and receivers, against scenes whose answer is known without any texture.
+
+use glam::{Affine3A, UVec2, Vec2, Vec3};
+use std::sync::Arc;
+use umbrage_core::{
+    AlphaCutout, Backend, Camera, Cascades, Fit, Geometry, Instance, Layout, Light, Material, Mesh,
+    NO_TRIANGLE, Recipe, RecipeError, Scene, ShadowTechnique, Shadows, Texture, View,
+};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{MapFormat, Pcf, ShadowMap, Surface, TechniquePreset, Traced};
+use umbrage_tests::gpu::gpu;
+
+/// Texels along each side of the card's texture.
+const SIDE: u32 = 6;
+
+/// Techniques that say that they don't know holes.
+const WITHOUT_HOLES: [&str; 3] = ["soft", "planar", "volumes"];
+
+/// Techniques that throw no shadow of a card: none at all, or of closed casters alone.
+const WITHOUT_SHADOW: [&str; 3] = ["none", "second_depth", "midpoint"];
+
+fn lights() -> [Light; 2] {
+    [
+        Light::Directional {
+            direction: Vec3::new(0.3, -1.0, -0.2),
+            angular_diameter: 0.0,
+        },
+        Light::Point {
+            position: Vec3::new(0.6, 3.5, 0.4),
+            radius: 0.05,
+        },
+    ]
+}
+
+fn camera() -> Camera {
+    let size = UVec2::new(96, 64);
+    let eye = Vec3::new(3.0, 5.0, 6.0);
+    Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.4, [0.5, 30.0], size).expect("a good camera")
+}
+
+/// A square of two triangles with uvs from 0 to 1.
+fn square(name: &str, half: f32) -> Mesh {
+    let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
+    let position = |(x, z): (f32, f32)| Vec3::new(half * x, 0.0, half * z);
+    let uv = |(x, z): (f32, f32)| Vec2::new(0.5 * x + 0.5, 0.5 * z + 0.5);
+    Mesh {
+        name: name.into(),
+        positions: corners.map(position).to_vec(),
+        uvs: corners.map(uv).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+/// A floor under a card, with a texture that is there where `is_there` says so.
+fn card(is_there: Option<fn(u32, u32) -> bool>) -> Scene {
+    let floor = Instance {
+        casts: false,
+        ..Instance::new(0, Affine3A::IDENTITY)
+    };
+    let place = Affine3A::from_translation(Vec3::Y * 0.8) * Affine3A::from_rotation_z(0.2);
+    let mut scene = Scene {
+        meshes: vec![square("floor", 4.0), square("card", 1.0)],
+        instances: vec![floor, Instance::new(1, place)],
+        ..Scene::default()
+    };
+    if let Some(is_there) = is_there {
+        let texels = (0..SIDE * SIDE).map(|i| {
+            let alpha = f32::from(u8::from(is_there(i % SIDE, i / SIDE)));
+            [1.0, 1.0, 1.0, alpha]
+        });
+        scene.textures = vec![Texture {
+            name: "holes".into(),
+            size: UVec2::splat(SIDE),
+            texels: texels.collect(),
+        }];
+        let alpha = AlphaCutout {
+            texture: 0,
+            cutoff: 0.5,
+        };
+        scene.materials = vec![Material {
+            alpha: Some(alpha),
+            ..Material::default()
+        }];
+        scene.instances[1].material = Some(0);
+    }
+    scene
+}
+
+fn chequered(x: u32, y: u32) -> bool {
+    (x + y).is_multiple_of(2)
+}
+
+/// The card's opaque texels, a square each.
+fn squares() -> Scene {
+    let mut scene = card(None);
+    let whole = scene.meshes[1].clone();
+    let mut pieces = Mesh {
+        name: "squares".into(),
+        ..Mesh::default()
+    };
+    for y in 0..SIDE {
+        for x in (0..SIDE).filter(|&x| chequered(x, y)) {
+            let first = pieces.positions.len() as u32;
+            for corner in &whole.uvs {
+                let uv = (Vec2::new(x as f32, y as f32) + *corner) / SIDE as f32;
+                pieces
+                    .positions
+                    .push(Vec3::new(2.0 * uv.x - 1.0, 0.0, 2.0 * uv.y - 1.0));
+            }
+            pieces.triangles.push([first, first + 1, first + 2]);
+            pieces.triangles.push([first, first + 2, first + 3]);
+        }
+    }
+    scene.meshes[1] = pieces;
+    scene
+}
+
+fn rendered(backend: &mut dyn Backend, recipe: &Recipe, view: &View<'_>) -> Shadows {
+    backend.render(view, recipe).expect("a good view")
+}
+
+/// Calls `check` with the masks and receivers of both scenes, for all default techniques that know holes, lights, and backends.
+fn for_each_pair(a: &Scene, b: &Scene, mut check: impl FnMut(&str, &Shadows, &Shadows)) {
+    let camera = camera();
+    let [a, b] = [a, b].map(|scene| Geometry::bake(scene).expect("a good scene"));
+    let mut played = 0;
+    for light in lights() {
+        for preset in TechniquePreset::defaults() {
+            let technique = preset.technique();
+            if WITHOUT_SHADOW.contains(&technique.name()) {
+                continue;
+            }
+            let views = [&a, &b].map(|geometry| View::new(&camera, &light, geometry));
+            let recipes = views.each_ref().map(|view| technique.recipe(view));
+            let [Ok(first), Ok(second)] = recipes else {
+                continue;
+            };
+            let name = technique.name();
+            let mut cpu = Cpu::new();
+            let mut gpu = gpu();
+            let backends: [&mut dyn Backend; 2] = [&mut cpu, &mut *gpu];
+            for backend in backends {
+                let one = rendered(backend, &first, &views[0]);
+                let other = rendered(backend, &second, &views[1]);
+                check(&format!("{name} on {}", backend.name()), &one, &other);
+                played += 1;
+            }
+        }
+    }
+    assert!(played >= 30, "only {played} pairs were played");
+}
+
+/// An alpha texture without holes changes no bit.
+#[test]
+fn what_has_no_holes_is_as_without_alpha() {
+    let full = card(Some(|_, _| true));
+    for_each_pair(&full, &card(None), |what, full, plain| {
+        assert!(full.mask == plain.mask, "{what}");
+        assert!(plain.mask.iter().any(|&v| v < 1.0), "{what} has no shadow");
+    });
+}
+
+/// What is all holes neither casts nor is seen.
+#[test]
+fn what_is_all_holes_is_not_there() {
+    let clear = card(Some(|_, _| false));
+    let mut nothing = card(None);
+    nothing.instances.truncate(1);
+    for_each_pair(&clear, &nothing, |what, clear, nothing| {
+        let lit = |shadows: &Shadows| shadows.mask.iter().all(|&v| v == 1.0);
+        assert!(lit(clear) && lit(nothing), "{what}");
+        let positions = |shadows: &Shadows| {
+            let receivers = shadows.receivers.as_ref().expect("the view brings none");
+            [
+                receivers.x.clone(),
+                receivers.y.clone(),
+                receivers.z.clone(),
+            ]
+        };
+        assert!(positions(clear) == positions(nothing), "{what}");
+    });
+}
+
+/// A chequered card throws the shadow of its squares, and is seen as they are, but where a pixel, a ray or a map's texel lies on
+/// their edges.
+#[test]
+fn a_chequered_card_is_its_squares() {
+    for_each_pair(
+        &card(Some(chequered)),
+        &squares(),
+        |what, chequered, squares| {
+            let pixels = chequered.mask.len();
+            let pairs = chequered.mask.iter().zip(&squares.mask);
+            let unlike = pairs.filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+            // Edges of maps' texels show along all edges of the shadow.
+            let most = if what.starts_with("traced") || what.starts_with("exact") {
+                4
+            } else {
+                pixels / 25
+            };
+            assert!(unlike <= most, "{what}: {unlike} of {pixels}");
+        },
+    );
+}
+
+/// The comparison above tells other holes apart.
+#[test]
+fn other_holes_are_told_apart() {
+    let swapped: fn(u32, u32) -> bool = |x, y| !chequered(x, y);
+    for_each_pair(
+        &card(Some(swapped)),
+        &squares(),
+        |what, swapped, squares| {
+            let pairs = swapped.mask.iter().zip(&squares.mask);
+            let unlike = pairs.filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+            assert!(unlike > swapped.mask.len() / 25, "{what}: {unlike}");
+        },
+    );
+}
+
+/// Receivers lie behind holes of what is before them, on both backends alike.
+#[test]
+fn the_camera_sees_through_holes() {
+    let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
+    let camera = camera();
+    let light = &lights()[0];
+    let view = View::new(&camera, light, &geometry);
+    let recipe = Traced { samples: 1 }
+        .recipe(&view)
+        .expect("rays are served");
+    let ids = |shadows: Shadows| shadows.receivers.expect("the view brings none").triangle;
+    let on_cpu = ids(rendered(&mut Cpu::new(), &recipe, &view));
+    let mut gpu = gpu();
+    let exact = gpu.promises_bits();
+    let on_gpu = ids(rendered(&mut *gpu, &recipe, &view));
+    if exact {
+        assert!(on_cpu == on_gpu);
+    }
+    // The card comes first in the list, as it has holes.
+    let count = |card: bool| {
+        let is_seen = |id: &&u32| **id != NO_TRIANGLE && (**id < 2) == card;
+        on_cpu.iter().filter(is_seen).count()
+    };
+    assert!(
+        count(true) > 300 && count(false) > 1000,
+        "{} {}",
+        count(true),
+        count(false)
+    );
+}
+
+/// Techniques that would take holes for surface say so.
+#[test]
+fn techniques_without_holes_refuse_them() {
+    let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
+    let uncast = geometry.without_casters();
+    let camera = camera();
+    let sun = &lights()[0];
+    for preset in TechniquePreset::defaults() {
+        let technique = preset.technique();
+        let refuses = WITHOUT_HOLES.contains(&technique.name());
+        let recipe = technique.recipe(&View::new(&camera, sun, &geometry));
+        match recipe {
+            Err(RecipeError::Unsupported(why)) => {
+                assert!(refuses, "{}: {why}", technique.name());
+                assert!(
+                    why.to_string().contains("use `traced`, `exact` or a map"),
+                    "{why}"
+                );
+            }
+            other => assert!(!refuses && other.is_ok(), "{}", technique.name()),
+        }
+        // Holes of what doesn't cast are the camera's business alone.
+        let recipe = technique.recipe(&View::new(&camera, sun, &uncast));
+        assert!(recipe.is_ok(), "{}", technique.name());
+    }
+}
+
+/// Returns the default techniques, and maps of other kinds: cascades, fits around the camera, 16 bits, peeled layers in 16 bits.
+fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
+    let defaults = TechniquePreset::defaults().into_iter();
+    let mut out: Vec<_> = defaults.map(|preset| preset.technique()).collect();
+    let cascades = ShadowMap {
+        size: 256,
+        layout: Layout::Cascades(Cascades::default()),
+        ..ShadowMap::default()
+    };
+    let steady = ShadowMap {
+        fit: Fit::Stable { range: 12.0 },
+        ..cascades
+    };
+    let coarse_depth = ShadowMap {
+        size: 300,
+        format: MapFormat::Depth16,
+        ..ShadowMap::default()
+    };
+    let peeled = ShadowMap {
+        surface: Surface::Midpoint,
+        ..coarse_depth
+    };
+    for map in [cascades, steady, coarse_depth, peeled] {
+        out.push(Arc::new(Pcf { map, radius: 1 }));
+    }
+    out
+}
+
+/// Masks of the two backends have the same bits, in all layouts of maps.
+#[test]
+fn both_backends_agree_on_holes() {
+    let geometry = Geometry::bake(&card(Some(chequered))).expect("a good scene");
+    let whole = Geometry::bake(&card(None)).expect("a good scene");
+    let camera = camera();
+    let mut gpu = gpu();
+    if !gpu.promises_bits() {
+        return;
+    }
+    let mut told = 0;
+    for light in lights() {
+        for technique in techniques() {
+            let view = View::new(&camera, &light, &geometry);
+            let Ok(recipe) = technique.recipe(&view) else {
+                continue;
+            };
+            let on_cpu = rendered(&mut Cpu::new(), &recipe, &view).mask;
+            let on_gpu = rendered(&mut *gpu, &recipe, &view).mask;
+            let name = technique.name();
+            assert_eq!(differing(&on_cpu, &on_gpu), 0, "{name} under {light:?}");
+            // The control: without holes the masks differ.
+            let view = View::new(&camera, &light, &whole);
+            let Ok(recipe) = technique.recipe(&view) else {
+                panic!("{name} serves whole casters, too");
+            };
+            let spoilt = rendered(&mut *gpu, &recipe, &view).mask;
+            told += usize::from(differing(&on_cpu, &spoilt) > 100);
+        }
+    }
+    assert!(told >= 20, "only {told} masks tell holes");
+}
+
+/// Returns how many pixels of two masks differ.
+fn differing(a: &[f32], b: &[f32]) -> usize {
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
+}
