@@ -212,6 +212,7 @@ mod tests {
             covered: mix(i, 2),
             cleared: mix(i, 3),
             filtered: mix(i, 4),
+            filter_taps: 0,
             receivers: mix(i, 5),
             taps: mix(i, 6),
             samples: mix(i, 8),
