@@ -60,6 +60,8 @@ pub fn twins() -> impl Iterator<Item = &'static umbrage_core::Twin> {
         filtering::moments::exp2::TWINS,
         filtering::moments::of_depth::TWINS,
         filtering::moments::bounds::TWINS,
+        filtering::moments::hamburger::TWINS,
+        filtering::moments::hausdorff::TWINS,
         filtering::sample_pattern::TWINS,
         filtering::light_extent::TWINS,
         filtering::horizon::TWINS,

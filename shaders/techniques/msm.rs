@@ -15,7 +15,8 @@
 
 use crate::{
     filtering::moments::{
-        bounds::{hamburger, hausdorff},
+        hamburger::{HAMBURGER, hamburger},
+        hausdorff::{HAUSDORFF, hausdorff},
         look_up::{self, Bound, look_up},
         map::{self, BleedingReduction},
         of_depth::MomentKind,
@@ -224,11 +225,11 @@ pub struct MsmKernel {
     uniforms: MsmUniforms,
 }
 
-const HAMBURGER: Module = Module {
+const THREE_DEPTHS: Module = Module {
     name: "choice: three depths",
     text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_hamburger(moments, depth); }\n",
 };
-const HAUSDORFF: Module = Module {
+const THREE_OR_FOUR: Module = Module {
     name: "choice: three depths or four",
     text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_hausdorff(moments, depth); }\n",
 };
@@ -240,10 +241,13 @@ impl Kernel for MsmKernel {
             text: include_str!("msm.wgsl"),
         };
         let choice = match self.reconstruction {
-            Reconstruction::Hamburger => HAMBURGER,
-            Reconstruction::Hausdorff => HAUSDORFF,
+            Reconstruction::Hamburger => THREE_DEPTHS,
+            Reconstruction::Hausdorff => THREE_OR_FOUR,
         };
-        look_up::modules(&self.uniforms.lookup, &[own, choice])
+        look_up::modules(
+            &self.uniforms.lookup,
+            &[HAMBURGER, HAUSDORFF, own, choice],
+        )
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

@@ -1,6 +1,8 @@
 //! The bounds against distributions that are known.
 
 use super::*;
+use crate::filtering::moments::{hamburger::hamburger, hausdorff::hausdorff};
+use glam::Vec4;
 use crate::filtering::moments::of_depth::{power_moments, variance_moments};
 use umbrage_core::light_sample::hash;
 
