@@ -21,7 +21,9 @@ use crate::{
         map::{self, BleedingReduction},
         of_depth::MomentKind,
     },
-    listing::{Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps},
+    listing::{
+        Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
+    },
     shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{Vec2, Vec3};
@@ -111,8 +113,18 @@ impl ShadowTechnique for Evsm {
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         map::check("least deviation", self.least_deviation, 0.0, MAX_DEVIATION)?;
         let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
-        map::check("positive exponent", self.positive_exponent, 0.0, MAX_EXPONENT)?;
-        map::check("negative exponent", self.negative_exponent, 0.0, MAX_EXPONENT)?;
+        map::check(
+            "positive exponent",
+            self.positive_exponent,
+            0.0,
+            MAX_EXPONENT,
+        )?;
+        map::check(
+            "negative exponent",
+            self.negative_exponent,
+            0.0,
+            MAX_EXPONENT,
+        )?;
         let rising = self.positive_exponent * LOG2_E;
         let falling = self.negative_exponent * LOG2_E;
         let kind = match self.moments {

@@ -21,7 +21,9 @@ use crate::{
         map::{self, BleedingReduction},
         of_depth::MomentKind,
     },
-    listing::{Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps},
+    listing::{
+        Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
+    },
     shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{Vec3, Vec4};
@@ -244,10 +246,7 @@ impl Kernel for MsmKernel {
             Reconstruction::Hamburger => THREE_DEPTHS,
             Reconstruction::Hausdorff => THREE_OR_FOUR,
         };
-        look_up::modules(
-            &self.uniforms.lookup,
-            &[HAMBURGER, HAUSDORFF, own, choice],
-        )
+        look_up::modules(&self.uniforms.lookup, &[HAMBURGER, HAUSDORFF, own, choice])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

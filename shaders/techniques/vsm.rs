@@ -17,7 +17,9 @@ use crate::{
         map::{self, BleedingReduction},
         of_depth::MomentKind,
     },
-    listing::{Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps},
+    listing::{
+        Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
+    },
     shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{Vec2, Vec3};
@@ -133,11 +135,16 @@ impl ListedTechnique for Vsm {
             ..Self::default()
         });
         for blur in [0, 9] {
-            out.extend(sweeps::middle(&[map_size], Fit::Tight, &[Bias::NONE], |map| Self {
-                map,
-                blur,
-                ..Self::default()
-            }));
+            out.extend(sweeps::middle(
+                &[map_size],
+                Fit::Tight,
+                &[Bias::NONE],
+                |map| Self {
+                    map,
+                    blur,
+                    ..Self::default()
+                },
+            ));
         }
         let kinds = sweeps::kinds_of_map(map_size).into_iter();
         out.extend(kinds.map(|map| Self {

@@ -190,7 +190,8 @@ fn ask(
             if let Some(got) = masks
                 .iter()
                 .map(|m| m[i])
-                .find(|&got| (got - expected).abs() > demand.tolerance) {
+                .find(|&got| (got - expected).abs() > demand.tolerance)
+            {
                 out.wrong.push(format!(
                     "{} at {}: {got} for {expected}",
                     case.name, sample.point

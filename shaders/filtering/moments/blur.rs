@@ -172,7 +172,10 @@ mod tests {
                 let mut expected = [0.0; 2];
                 for dy in -r..=r {
                     for dx in -r..=r {
-                        let at = image.view().index((x + dx).clamp(0, 8), (y + dy).clamp(0, 6), layer);
+                        let at =
+                            image
+                                .view()
+                                .index((x + dx).clamp(0, 8), (y + dy).clamp(0, 6), layer);
                         expected[0] += f64::from(image.texels[at]);
                         expected[1] += f64::from(image.texels[at + 1]);
                     }

@@ -1,9 +1,9 @@
 //! The bounds against distributions that are known.
 
 use super::*;
+use crate::filtering::moments::of_depth::{power_moments, variance_moments};
 use crate::filtering::moments::{hamburger::hamburger, hausdorff::hausdorff};
 use glam::Vec4;
-use crate::filtering::moments::of_depth::{power_moments, variance_moments};
 use umbrage_core::light_sample::hash;
 
 /// Clip depths, each with its share; shares add up to 1.
@@ -11,12 +11,16 @@ type Distribution = Vec<(f32, f32)>;
 
 /// Returns the mean of the four moments.
 fn mean_powers(distribution: &Distribution) -> Vec4 {
-    let weighed = distribution.iter().map(|&(depth, share)| power_moments(depth) * share);
+    let weighed = distribution
+        .iter()
+        .map(|&(depth, share)| power_moments(depth) * share);
     weighed.sum()
 }
 
 fn mean_pair(distribution: &Distribution) -> Vec2 {
-    let weighed = distribution.iter().map(|&(depth, share)| variance_moments(depth) * share);
+    let weighed = distribution
+        .iter()
+        .map(|&(depth, share)| variance_moments(depth) * share);
     weighed.sum()
 }
 
@@ -33,7 +37,12 @@ fn random(i: u32) -> f32 {
 /// Returns `count` random depths with random shares.
 fn random_distribution(seed: u32, count: u32) -> Distribution {
     let mut out: Distribution = (0..count)
-        .map(|i| (random(seed * 64 + 2 * i), 0.05 + random(seed * 64 + 2 * i + 1)))
+        .map(|i| {
+            (
+                random(seed * 64 + 2 * i),
+                0.05 + random(seed * 64 + 2 * i + 1),
+            )
+        })
         .collect();
     let total: f32 = out.iter().map(|&(_, share)| share).sum();
     for (_, share) in &mut out {
@@ -62,12 +71,21 @@ fn bounds_are_bounds_and_better_ones_leak_less() {
             hausdorff(moments, z),
         ];
         for (leak, lit) in leaks.iter_mut().zip(found) {
-            assert!(lit > expected - 0.01, "{lit} of {expected}: {distribution:?} at {depth}");
+            assert!(
+                lit > expected - 0.01,
+                "{lit} of {expected}: {distribution:?} at {depth}"
+            );
             *leak += f64::from(lit - expected);
         }
-        assert!(found[2] <= found[1] + 0.01, "{found:?}: {distribution:?} at {depth}");
+        assert!(
+            found[2] <= found[1] + 0.01,
+            "{found:?}: {distribution:?} at {depth}"
+        );
     }
-    assert!(leaks[0] > 2.0 * leaks[1] && leaks[1] > 1.05 * leaks[2], "{leaks:?}");
+    assert!(
+        leaks[0] > 2.0 * leaks[1] && leaks[1] > 1.05 * leaks[2],
+        "{leaks:?}"
+    );
 }
 
 /// Two depths are what four moments know without doubt; two moments don't.
@@ -81,7 +99,10 @@ fn four_moments_tell_two_depths_exactly() {
         for bound in [hamburger, hausdorff] {
             let dark = bound(moments, 2.0 * (far - 1e-3) - 1.0);
             let lit = bound(moments, 2.0 * (near - 0.01) - 1.0);
-            assert!((dark - (1.0 - share)).abs() < 0.02, "{dark}: {distribution:?}");
+            assert!(
+                (dark - (1.0 - share)).abs() < 0.02,
+                "{dark}: {distribution:?}"
+            );
             assert!(lit > 0.98, "{lit}: {distribution:?}");
         }
     }
@@ -97,7 +118,12 @@ fn impossible_moments_have_an_answer() {
             assert!((0.0..=1.0).contains(&lit), "{lit}: {moments} at {}", b(4));
         }
     }
-    for moments in [Vec4::ZERO, Vec4::ONE, Vec4::NEG_ONE, Vec4::new(1.0, 1.0, 1.0, 0.0)] {
+    for moments in [
+        Vec4::ZERO,
+        Vec4::ONE,
+        Vec4::NEG_ONE,
+        Vec4::new(1.0, 1.0, 1.0, 0.0),
+    ] {
         for depth in [-1.0, 0.0, 1.0] {
             for lit in [hamburger(moments, depth), hausdorff(moments, depth)] {
                 assert!((0.0..=1.0).contains(&lit), "{lit}: {moments} at {depth}");

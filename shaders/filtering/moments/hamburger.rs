@@ -14,11 +14,12 @@ pub(crate) const HAMBURGER: Module = Module {
 /// Least variance of depth, and of its square where depth says nothing of it: by both is divided.
 const LEAST_VARIANCE: f32 = 1e-9;
 
-/// What four moments of depth say of depths counted from their mean, w.
+/// Returns what four moments say of depths z: x is their mean, y their variance, z the slope of the line that is closest to z², and w
+/// the variance of z² around that line.
 ///
-/// x: the mean. y: the mean of w². z: what makes w² + z w - y have a mean of 0 with every line in w (so -z y is the mean of w³). w: the
-/// mean of its square. The three polynomials 1, w and w² + z w - y are orthogonal: this is the Cholesky decomposition of the matrix
-/// of moments (Peters and Klein 2015, "Moment shadow mapping", algorithm 1), with depths counted from the mean.
+/// This is the Cholesky decomposition of the matrix of moments (Peters and Klein 2015, "Moment shadow mapping", algorithm 1). With depths
+/// counted from the mean, m, three polynomials are orthogonal: 1, m, and m² + t m - y, where t, the tilt, is twice the mean
+/// less the slope; their mean squares are 1, y and w.
 #[inline(always)]
 pub(crate) fn central_moments(moments: Vec4) -> Vec4 {
     // Means of numbers from -1 to 1 are such numbers; so nothing overflows, whatever is asked.
@@ -27,7 +28,7 @@ pub(crate) fn central_moments(moments: Vec4) -> Vec4 {
     let covariance = b.z - b.x * b.y;
     let slope = covariance / variance;
     let residual = (b.w - b.y * b.y - slope * covariance).max(LEAST_VARIANCE);
-    Vec4::new(b.x, variance, 2.0 * b.x - slope, residual)
+    Vec4::new(b.x, variance, slope, residual)
 }
 
 /// Returns a number that can be divided by.
@@ -39,14 +40,14 @@ pub(crate) fn not_zero(x: f32) -> f32 {
 /// Returns the other two depths of the only distribution of three depths that has these moments and one of them at `own`: nearer first,
 /// counted from the mean like `own`.
 ///
-/// They are the zeros of the kernel polynomial 1 + own w / y + (own² + z own - y)(w² + z w - y) / w, with the last divisor
-/// [`central_moments`]' w. Each is computed by
-/// the formula in which nothing cancels.
+/// They are the zeros m of the kernel polynomial 1 + own m / y + (own² + t own - y)(m² + t m - y) / w, with the letters of
+/// [`central_moments`]. Each is computed by the formula in which nothing cancels.
 #[inline(always)]
 pub(crate) fn other_depths(central: Vec4, own: f32) -> Vec2 {
-    let square = own * (own + central.z) - central.y;
+    let tilt = 2.0 * central.x - central.z;
+    let square = own * (own + tilt) - central.y;
     let a = not_zero(square);
-    let b = square * central.z + central.w / central.y * own;
+    let b = square * tilt + central.w / central.y * own;
     let c = central.w - square * central.y;
     let root = (b * b - 4.0 * square * c).max(0.0).sqrt();
     let size = (0.5 * (b.abs() + root)).max(1e-20);
@@ -61,7 +62,8 @@ pub(crate) fn other_depths(central: Vec4, own: f32) -> Vec2 {
 /// Returns what of that distribution isn't nearer than `own`.
 #[inline(always)]
 pub(crate) fn lit_by_three(central: Vec4, own: f32, others: Vec2) -> f32 {
-    let square = own * (own + central.z) - central.y;
+    let tilt = 2.0 * central.x - central.z;
+    let square = own * (own + tilt) - central.y;
     // What lies at the receiver's own depth: one over the kernel polynomial there.
     let share = 1.0 / (1.0 + own * own / central.y + square * square / central.w);
     let span = ((own - others.x) * (others.y - others.x)).max(1e-20);

@@ -6,7 +6,7 @@ fn central_moments(moments: vec4f) -> vec4f {
     let covariance = b.z - b.x * b.y;
     let slope = covariance / variance;
     let residual = max(b.w - b.y * b.y - slope * covariance, 1e-9);
-    return vec4f(b.x, variance, 2.0 * b.x - slope, residual);
+    return vec4f(b.x, variance, slope, residual);
 }
 
 fn not_zero(x: f32) -> f32 {
@@ -14,9 +14,10 @@ fn not_zero(x: f32) -> f32 {
 }
 
 fn other_depths(central: vec4f, own: f32) -> vec2f {
-    let square = own * (own + central.z) - central.y;
+    let tilt = 2.0 * central.x - central.z;
+    let square = own * (own + tilt) - central.y;
     let a = not_zero(square);
-    let b = square * central.z + central.w / central.y * own;
+    let b = square * tilt + central.w / central.y * own;
     let c = central.w - square * central.y;
     let root = sqrt(max(b * b - 4.0 * square * c, 0.0));
     let size = max(0.5 * (abs(b) + root), 1e-20);
@@ -28,7 +29,8 @@ fn other_depths(central: vec4f, own: f32) -> vec2f {
 }
 
 fn lit_by_three(central: vec4f, own: f32, others: vec2f) -> f32 {
-    let square = own * (own + central.z) - central.y;
+    let tilt = 2.0 * central.x - central.z;
+    let square = own * (own + tilt) - central.y;
     let share = 1.0 / (1.0 + own * own / central.y + square * square / central.w);
     let span = max((own - others.x) * (others.y - others.x), 1e-20);
     let nearer = (central.y + own * others.y) / span;

@@ -15,35 +15,49 @@ pub(crate) const HAUSDORFF: Module = Module {
 /// Least distance between two depths, by which is divided.
 const LEAST_DISTANCE: f32 = 1e-9;
 
+/// Returns the depth -1, counted from the mean. The bound by 0 changes nothing, as no mean is nearer; but it keeps drivers from taking the
+/// difference apart and adding its parts to other sums.
+#[inline(always)]
+fn near_end(central: Vec4) -> f32 {
+    (-1.0 - central.x).min(0.0)
+}
+
+/// Returns the depth 1, counted from the mean, bounded likewise.
+#[inline(always)]
+fn far_end(central: Vec4) -> f32 {
+    (1.0 - central.x).max(0.0)
+}
+
 /// Returns the same of the only distribution of four depths that has these moments, with one at `own`, and one at either end of the
 /// map, -1 and 1.
 ///
-/// The fourth, `free`, follows from the mean of (1 + z)(1 - z)(w - own)(w - free), which is zero.
+/// The fourth, `free`, follows from the mean of (1 + z)(1 - z)(m - own)(m - free), which is zero.
 #[inline(always)]
 pub(crate) fn lit_by_four(central: Vec4, own: f32) -> f32 {
-    let near = -1.0 - central.x;
-    let far = 1.0 - central.x;
-    // Means of (1 + z)(1 - z), times 1, w and w². The mean of w³ is -z y, that of w⁴ is w + y (y + z²). Sums of products with one factor
-    // in common are written as one product: drivers would make that of them.
+    let near = near_end(central);
+    let far = far_end(central);
+    // Means of (1 + z)(1 - z), times 1, m and m², with the letters of `central_moments`: the mean of m³ is -t y, that of m⁴ is
+    // w + y (y + t²). Differences of which drivers know the result (t less twice the mean) are put in ready-made, and sums of products
+    // with one factor in common are one product: drivers would make that of them.
     let square = 1.0 - central.x * central.x;
     let g0 = square - central.y;
-    let g1 = central.y * (central.z - 2.0 * central.x);
-    let g2 =
-        central.y * (square - central.y - central.z * (central.z - 2.0 * central.x)) - central.w;
+    let tilt = 2.0 * central.x - central.z;
+    let g1 = -(central.y * central.z);
+    let g2 = central.y * (square - central.y + tilt * central.z) - central.w;
     let free = (g2 - own * g1) / not_zero(g1 - own * g0);
     let to_near = (own - near).max(LEAST_DISTANCE);
     if free < own {
-        // The mean of the cubic that is 1 at `far` and `own`, 0 at `free` and `near`: Newton's divided differences, in that order.
+        // The mean of the cubic that is 1 at `far` and `own`, 0 at `free` and `near`: by Newton's divided differences, in that
+        // order, of which the second and the third are -1 / (to_free to_far) and that times (to_near + to_far) / (2 to_near).
         let to_free = (own - free).max(LEAST_DISTANCE);
         let to_far = (far - free).max(LEAST_DISTANCE);
-        let second_difference = -1.0 / (to_free * to_far);
-        let third_difference = -0.5 * (1.0 / (to_free * to_near) + 1.0 / (to_free * to_far));
         let second_mean = central.y + far * own;
-        let third_mean = -(central.z + far + own + free) * central.y - far * own * free;
-        return 1.0 + second_difference * second_mean + third_difference * third_mean;
+        let third_mean = -(tilt + far + own + free) * central.y - far * own * free;
+        let cubic = (to_near + to_far) / (2.0 * to_near) * third_mean;
+        return 1.0 - (second_mean + cubic) / (to_free * to_far);
     }
     // Only what lies at `near` is nearer: the mean of the cubic that is 1 there and 0 at the others.
-    let mean = own * free * far + (own + free + far + central.z) * central.y;
+    let mean = own * free * far + (own + free + far + tilt) * central.y;
     1.0 - mean / (2.0 * to_near * (free - near).max(LEAST_DISTANCE))
 }
 
@@ -54,7 +68,7 @@ pub(crate) fn hausdorff(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
     let own = depth.max(-1.0).min(1.0) - central.x;
     let others = other_depths(central, own);
-    let lit = if others.x < -1.0 - central.x || others.y > 1.0 - central.x {
+    let lit = if others.x < near_end(central) || others.y > far_end(central) {
         lit_by_four(central, own)
     } else {
         lit_by_three(central, own, others)

@@ -9,9 +9,7 @@ use crate::{
 };
 use glam::UVec2;
 use std::sync::Arc;
-use umbrage_core::{
-    ImageDesc, Invalid, ReceiveKernel, Recipe, RecipeError, View,
-};
+use umbrage_core::{ImageDesc, Invalid, ReceiveKernel, Recipe, RecipeError, View};
 
 /// Greatest blur accepted, texels to each side: sums of 65 squares of the steepest exponential are still finite.
 pub const MAX_BLUR: u32 = 32;
@@ -41,7 +39,12 @@ impl BleedingReduction {
     /// # Errors
     /// Errors if the amount isn't within 0 to [`MAX_BLEEDING_REDUCTION`].
     pub(crate) fn new(amount: f32) -> Result<Self, Invalid> {
-        check("light-bleeding reduction", amount, 0.0, MAX_BLEEDING_REDUCTION)?;
+        check(
+            "light-bleeding reduction",
+            amount,
+            0.0,
+            MAX_BLEEDING_REDUCTION,
+        )?;
         Ok(Self {
             amount,
             scale: 1.0 / (1.0 - amount),
