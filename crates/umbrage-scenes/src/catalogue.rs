@@ -5,7 +5,7 @@ use crate::builtin::{
     closed::{area, everywhere, point_like, room, slits},
     content::{dancer, forest, nave, night_room, street, valley},
     failures::{
-        corners, distant, facets, fine, lamps, nothing, penumbrae, projection, relief, rooms,
+        bleeding, corners, distant, facets, fine, lamps, nothing, penumbrae, projection, relief, rooms,
         scale, shells, spots, stairs, sunlit, volumes,
     },
     figure::figure,
@@ -170,6 +170,7 @@ const ALL: &[SceneEntry] = &[
     failure("small-lamp", Failure::SmallLight, spots::small_lamp, "a lamp of 2 mm over a lattice").by_name_only(),
     failure("low-poly", Failure::LowPoly, facets::low_poly, "balls of 80 facets in a low sun").by_name_only(),
     failure("hills-endless", Failure::OtherProjection, projection::hills_endless, "the hills by reversed depth without a far plane").by_name_only(),
+    failure("two-plates", Failure::LightBleeding, bleeding::two_plates, "the shadow of a high plate across that of a low one").by_name_only(),
 
     speed("hall", hall::hall, "an interior of 57,000 triangles"),
     speed("statue", statue::statue, "a model of 69,000 triangles"),

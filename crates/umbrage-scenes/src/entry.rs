@@ -107,6 +107,8 @@ pub enum Failure {
     LowPoly = 34,
     /// Other renderers' projections: reversed depth, no far plane.
     OtherProjection = 35,
+    /// Blockers of two heights over one receiver: light bleeds between them where a map blends depths.
+    LightBleeding = 39,
 }
 
 impl Failure {
