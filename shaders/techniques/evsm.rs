@@ -222,7 +222,7 @@ impl ListedTechnique for Evsm {
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         let technique = Self {
-            map,
+            map: map::closed_form_map(map),
             ..Self::default()
         };
         Some(ClosedFormDemand {

@@ -10,6 +10,10 @@ struct EvsmUniforms {
     least_falling: f32,
 }
 
+fn compared_depth(l: ShadowCoord) -> f32 {
+    return l.depth;
+}
+
 fn lit_by_two(moments: vec4f, depth: f32) -> f32 {
     let receiver = power_of_two(kernel.rising * depth);
     return lit_by_rising(moments.xy, receiver, kernel.least_rising);

@@ -8,6 +8,10 @@
 //! Peters, Münstermann, Wetzstein and Klein 2017 have it ("Improved moment shadow maps for translucent occluders, soft shadows and
 //! single scattering").
 //!
+//! On a plane that slopes, the least shadow is up to half: no bound tells it from a blocker that is as near as the plane's nearest
+//! part. So the receiver counts as nearer by a standard deviation of its own plane's depths within the filter
+//! ([`Bias::ADAPTIVE`] and [`Bias::RECEIVER_PLANE`] give the plane; with other biases slopes are grey).
+//!
 //! Known failures: three and more depths in the filter bleed light, less than with two moments; fourth powers need most of a float's
 //! 24 bits, so that `moment_bias` lights what lies within some thousandths of the map's depth behind a blocker: feet and thin slices.
 //! One width for all penumbrae, light in contacts as far as the blur reaches, and every map's failures: see
@@ -24,7 +28,7 @@ use crate::{
     listing::{
         Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
     },
-    shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
+    shadow_map::{Bias, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
 };
 use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
@@ -104,6 +108,7 @@ impl ShadowTechnique for Msm {
                 bleeding: bleeding.amount,
                 bleeding_scale: bleeding.scale,
                 moment_bias: self.moment_bias,
+                plane_deviation: plane_deviation(self.blur),
             },
         };
         map::recipe(&self.map, view, self.blur, MomentKind::Powers, kernel)
@@ -168,12 +173,12 @@ impl ListedTechnique for Msm {
             .to_vec()
     }
 
-    // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
+    // The receiver's plane, which the default bias follows, is all that this needs of a bias.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         let technique = Self {
-            map,
+            map: map::closed_form_map(map),
             ..Self::default()
         };
         Some(ClosedFormDemand {
@@ -217,6 +222,8 @@ uniforms! {
         pub bleeding_scale: f32,
         /// Share of a fixed distribution that is mixed into the moments, 0..=1.
         pub moment_bias: f32,
+        /// Standard deviation of the depths of a plane within the filter, in units of the plane's slope a texel.
+        pub plane_deviation: f32,
     }
 }
 
@@ -292,6 +299,30 @@ impl MsmUniforms {
     }
 }
 
+/// Returns the standard deviation of the depths of a plane within the filter, in units of the plane's slope a texel.
+///
+/// Among the n texels of a box their places have a variance of (n² - 1) / 12 texels² along each axis, and a blend of two neighbours
+/// adds up to 1/4.
+fn plane_deviation(blur: u32) -> f32 {
+    let side = (2 * blur + 1) as f32;
+    let variance = (side * side + 2.0) / 12.0;
+    variance.sqrt()
+}
+
+impl MsmUniforms {
+    /// Returns the clip depth that is asked about: nearer than the receiver by a standard deviation of its own plane's depths.
+    ///
+    /// A plane's depths lie as far beyond their mean as before it. The distribution with their four moments and the least shadow has
+    /// depths nearer than the receiver until this is nearer than the mean by a standard deviation: there the plane starts to be lit,
+    /// where at the mean itself up to half of it is dark. (Orthogonal polynomials of a symmetric distribution: the second has its
+    /// zeros one deviation from the mean.)
+    #[inline(always)]
+    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+        let slope = (l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y).sqrt();
+        l.depth - self.plane_deviation * slope
+    }
+}
+
 struct HamburgerBound<'a>(&'a MsmUniforms);
 struct HausdorffBound<'a>(&'a MsmUniforms);
 
@@ -300,11 +331,21 @@ impl Bound<4> for HamburgerBound<'_> {
     fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
         hamburger(self.0.biased(moments), depth)
     }
+
+    #[inline(always)]
+    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+        self.0.compared_depth(l)
+    }
 }
 
 impl Bound<4> for HausdorffBound<'_> {
     #[inline(always)]
     fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
         hausdorff(self.0.biased(moments), depth)
+    }
+
+    #[inline(always)]
+    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+        self.0.compared_depth(l)
     }
 }

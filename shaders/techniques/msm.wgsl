@@ -5,6 +5,12 @@ struct MsmUniforms {
     bleeding: f32,
     bleeding_scale: f32,
     moment_bias: f32,
+    plane_deviation: f32,
+}
+
+fn compared_depth(l: ShadowCoord) -> f32 {
+    let slope = sqrt(l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y);
+    return l.depth - kernel.plane_deviation * slope;
 }
 
 // Moments, moved a little towards those of a distribution whose depths are far apart.

@@ -166,7 +166,7 @@ impl ListedTechnique for Vsm {
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         let technique = Self {
-            map,
+            map: map::closed_form_map(map),
             ..Self::default()
         };
         Some(ClosedFormDemand {

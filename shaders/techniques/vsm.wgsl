@@ -7,6 +7,10 @@ struct VsmUniforms {
     least_variance: f32,
 }
 
+fn compared_depth(l: ShadowCoord) -> f32 {
+    return l.depth;
+}
+
 fn lit_by_moments(moments: vec4f, depth: f32) -> f32 {
     return lit_by_variance(moments.xy, depth, kernel.least_variance);
 }

@@ -139,3 +139,25 @@ fn bleeding_is_cut_off_and_the_rest_stretched() {
     assert_eq!(without_bleeding(0.625, 0.25, 4.0 / 3.0), 0.5);
     assert_eq!(without_bleeding(0.3, 0.0, 1.0), 0.3);
 }
+
+/// A plane's depths, around their mean, are in shadow by half where the mean is asked about, and not at all a standard deviation nearer.
+#[test]
+fn a_plane_is_lit_from_a_standard_deviation_before_its_mean() {
+    for half_width in [0.02_f32, 0.1] {
+        let count = 64;
+        let plane: Distribution = (0..count)
+            .map(|i| {
+                let place = (2 * i + 1) as f32 / count as f32 - 1.0;
+                (0.6 + half_width * place, 1.0 / count as f32)
+            })
+            .collect();
+        let moments = mean_powers(&plane);
+        let deviation = half_width / 3.0_f32.sqrt();
+        for bound in [hamburger, hausdorff] {
+            let at_mean = bound(moments, 2.0 * 0.6 - 1.0);
+            let before = bound(moments, 2.0 * (0.6 - 1.02 * deviation) - 1.0);
+            assert!(at_mean > 0.5 && at_mean < 0.8, "{at_mean}");
+            assert!(before > 0.99, "{before}");
+        }
+    }
+}

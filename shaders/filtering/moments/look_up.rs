@@ -20,7 +20,8 @@ const LOOK_UP: Module = Module {
 };
 
 /// Returns the WGSL of a kernel that looks up moments: the map's modules, those of moments, and `own`, which declares the uniforms and
-/// `fn lit_by_moments(moments: vec4f, depth: f32) -> f32`, the share of light at a centred depth.
+/// `fn lit_by_moments(moments: vec4f, depth: f32) -> f32`, the share of light at a centred depth, and
+/// `fn compared_depth(l: ShadowCoord) -> f32`, the clip depth that is asked about.
 pub(crate) fn modules(lookup: &ShadowMapUniforms, own: &[Module]) -> Vec<Module> {
     let mut modules = lookup.modules();
     modules.extend([EXP2, MOMENTS_OF_DEPTH, BOUNDS, LOOK_UP]);
@@ -32,6 +33,12 @@ pub(crate) fn modules(lookup: &ShadowMapUniforms, own: &[Module]) -> Vec<Module>
 pub(crate) trait Bound<const CHANNELS: usize> {
     /// Returns the share of light, 0..=1, at a centred depth. WGSL's `lit_by_moments`.
     fn lit(&self, moments: [f32; CHANNELS], depth: f32) -> f32;
+
+    /// Returns the clip depth that is asked about. WGSL's `compared_depth`.
+    #[inline(always)]
+    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+        l.depth
+    }
 }
 
 /// Looks up a span of receivers in the map of moments that is the kernel's first image.
@@ -79,7 +86,8 @@ impl<const CHANNELS: usize, B: Bound<CHANNELS>> Taps for MomentLookups<'_, CHANN
         if l.depth > 1.0 {
             return 0.0;
         }
-        let lit = self.bound.lit(self.blended(l), centred(l.depth));
+        let depth = centred(self.bound.compared_depth(l));
+        let lit = self.bound.lit(self.blended(l), depth);
         without_bleeding(lit, self.bleeding.amount, self.bleeding.scale)
     }
 }

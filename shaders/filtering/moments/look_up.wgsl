@@ -1,4 +1,4 @@
-// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` is the technique's.
+// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth` are the technique's.
 
 // The kernel's first image between its texels.
 fn blended_moments(at: vec2f, layer: i32) -> vec4f {
@@ -26,6 +26,7 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     if l.depth > 1.0 {
         return 0.0;
     }
-    let lit = lit_by_moments(blended_moments(l.texel, l.layer), centred(l.depth));
+    let depth = centred(compared_depth(l));
+    let lit = lit_by_moments(blended_moments(l.texel, l.layer), depth);
     return without_bleeding(lit, kernel.bleeding, kernel.bleeding_scale);
 }

@@ -21,6 +21,15 @@ pub const MAX_BLEEDING_REDUCTION: f32 = 0.95;
 /// variance of curved surfaces leave a little of both.
 pub(crate) const CLOSED_FORM_TOLERANCE: f32 = 0.05;
 
+/// Returns the map with which closed forms are asked: of half the side, as each of its texels is averaged with 48 others, on software
+/// drivers too.
+pub(crate) fn closed_form_map(map: ShadowMap) -> ShadowMap {
+    ShadowMap {
+        size: map.size / 2,
+        ..map
+    }
+}
+
 /// How far a lookup reaches beyond the receiver's own texel, texels: as the blur does, and one more for the blend of four texels.
 pub(crate) fn reach(blur: u32) -> f32 {
     blur as f32 + 1.0
