@@ -14,6 +14,9 @@ pub use filtering::depth_in_reach::{DepthInReachKernel, DepthInReachUniforms};
 pub use filtering::horizon::Horizon;
 pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use filtering::light_extent::LightExtent;
+pub use filtering::moments::blur::{BlurKernel, BlurUniforms};
+pub use filtering::moments::map::{MAX_BLEEDING_REDUCTION, MAX_BLUR};
+pub use filtering::moments::of_depth::{MomentsKernel, MomentsUniforms};
 pub use filtering::sample_pattern::Pattern;
 pub use listing::{
     Candidate, ClosedFormDemand, ConfiguredTechniques, FrameRules, LightPreset, ListedTechnique,
@@ -24,8 +27,10 @@ pub use shading::blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms,
 pub use shadow_map::{
     BetweenKernel, BeyondFar, Bias, Border, CompareMethod, MapFormat, ShadowMap, Surface,
 };
+pub use techniques::evsm::{EvsmKernel, EvsmMoments, EvsmUniforms, MAX_EXPONENT};
 pub use techniques::exact::{AskedCell, ExactKernel, ExactUniforms};
 pub use techniques::hard::HardKernel;
+pub use techniques::msm::{MsmKernel, MsmUniforms, Reconstruction};
 pub use techniques::pcf::{MAX_RADIUS, PcfKernel, PcfUniforms};
 pub use techniques::pcf_disc::{MAX_DISC_RADIUS, PcfDiscKernel, PcfDiscUniforms};
 pub use techniques::pcf_dithered::PcfDitheredKernel;
@@ -37,6 +42,7 @@ pub use techniques::soft::{MAX_SUN_DEGREES, SOFT_ERRORS, SoftKernel, SoftUniform
 pub use techniques::traced::{MAX_SAMPLES, TracedKernel, TracedUniforms};
 pub use techniques::unshadowed::{UnshadowedKernel, UnshadowedUniforms};
 pub use techniques::volumes::{VolumesKernel, VolumesUniforms};
+pub use techniques::vsm::{VsmKernel, VsmUniforms};
 
 /// Every pair of functions that the techniques share between the languages, for the lockstep tests.
 #[cfg(feature = "testing")]
@@ -51,6 +57,11 @@ pub fn twins() -> impl Iterator<Item = &'static umbrage_core::Twin> {
         shading::interpolation::TWINS,
         shading::lighting::TWINS,
         shading::texture::TWINS,
+        filtering::moments::exp2::TWINS,
+        filtering::moments::of_depth::TWINS,
+        filtering::moments::bounds::TWINS,
+        filtering::moments::hamburger::TWINS,
+        filtering::moments::hausdorff::TWINS,
         filtering::sample_pattern::TWINS,
         filtering::light_extent::TWINS,
         filtering::horizon::TWINS,

@@ -6,5 +6,6 @@ pub(crate) mod depth_in_reach;
 pub(crate) mod horizon;
 pub(crate) mod least_depth;
 pub(crate) mod light_extent;
+pub(crate) mod moments;
 pub(crate) mod pattern_taps;
 pub mod sample_pattern;

@@ -78,6 +78,7 @@ impl TechniqueEntry {
                 Some(ClosedFormDemand {
                     technique: TechniquePreset::from(demand.technique),
                     reach: demand.reach,
+                    tolerance: demand.tolerance,
                     closed_bodies: demand.closed_bodies,
                 })
             },

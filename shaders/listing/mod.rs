@@ -222,6 +222,8 @@ pub struct ClosedFormDemand<T> {
     pub technique: T,
     /// How far its kernel reaches beyond the receiver's own texel, texels.
     pub reach: f32,
+    /// How far its answer may be from the formula's: 0 for comparisons, which know light and dark alone.
+    pub tolerance: f32,
     /// Whether it serves closed bodies alone, and neither sheets nor rooms without an outside.
     pub closed_bodies: bool,
 }
@@ -232,6 +234,7 @@ impl<T> ClosedFormDemand<T> {
         Self {
             technique,
             reach,
+            tolerance: 0.0,
             closed_bodies: false,
         }
     }

@@ -1,9 +1,11 @@
 //! The techniques, one a file in Rust beside one of the same name in WGSL.
 
+pub mod evsm;
 pub mod exact;
 pub mod hard;
 pub(crate) mod infinite_far;
 pub mod midpoint;
+pub mod msm;
 pub mod pcf;
 pub mod pcf_disc;
 pub mod pcf_dithered;
@@ -16,6 +18,7 @@ pub mod soft;
 pub mod traced;
 pub mod unshadowed;
 pub mod volumes;
+pub mod vsm;
 
 use umbrage_core::{Geometry, RecipeError};
 

@@ -12,8 +12,8 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_scenes::find;
 use umbrage_techniques::{
-    Bias, Border, Hard, MapFormat, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss,
-    ShadowMap, Surface,
+    Bias, Border, Evsm, EvsmMoments, Hard, MapFormat, Msm, Pcf, PcfDisc, PcfDithered, PcfHardware,
+    PcfMerged, Pcss, ShadowMap, Surface, Vsm,
 };
 use umbrage_tests::gpu::gpu;
 
@@ -118,6 +118,29 @@ fn both_halves_agree() {
     assert!(all_layers, "{picked:?} are looked up");
 }
 
+/// The techniques with maps of moments, in turn.
+fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
+    match turn % 4 {
+        0 => Box::new(Vsm {
+            map,
+            ..Vsm::default()
+        }),
+        1 => Box::new(Evsm {
+            map,
+            ..Evsm::default()
+        }),
+        2 => Box::new(Msm {
+            map,
+            ..Msm::default()
+        }),
+        _ => Box::new(Evsm {
+            map,
+            moments: EvsmMoments::Two,
+            ..Evsm::default()
+        }),
+    }
+}
+
 /// All techniques with every bias in turn.
 fn techniques(map: ShadowMap, turn: usize) -> Vec<Box<dyn ShadowTechnique>> {
     let biases = [
@@ -158,6 +181,7 @@ fn techniques(map: ShadowMap, turn: usize) -> Vec<Box<dyn ShadowTechnique>> {
                 ..map
             },
         }),
+        of_moments(map, turn),
     ]
 }
 

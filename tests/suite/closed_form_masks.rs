@@ -187,7 +187,11 @@ fn ask(
         {
             out.decided[usize::from(sample.visibility > 0.5)] += 1;
             let expected = spoil(sample.visibility);
-            if let Some(got) = masks.iter().map(|m| m[i]).find(|&got| got != expected) {
+            if let Some(got) = masks
+                .iter()
+                .map(|m| m[i])
+                .find(|&got| (got - expected).abs() > demand.tolerance)
+            {
                 out.wrong.push(format!(
                     "{} at {}: {got} for {expected}",
                     case.name, sample.point

@@ -5,8 +5,8 @@ use crate::builtin::{
     closed::{area, card, everywhere, point_like, room, slits},
     content::{dancer, forest, leaf_cards, nave, night_room, street, valley},
     failures::{
-        corners, cut_outs, distant, facets, fine, lamps, nothing, penumbrae, projection, relief,
-        rooms, scale, shells, spots, stairs, sunlit, volumes,
+        bleeding, corners, cut_outs, distant, facets, fine, lamps, nothing, penumbrae, projection,
+        relief, rooms, scale, shells, spots, stairs, sunlit, volumes,
     },
     figure::figure,
     speed::{hall, statue, terrain, town},
@@ -182,6 +182,7 @@ const ALL: &[SceneEntry] = &[
     failure("wire-fence", Failure::FineDetail, cut_outs::wire_fence, "a fence as one quad: an alpha texture cuts its wires out").by_name_only(),
     failure("foliage", Failure::CutOut, cut_outs::foliage, "trees of leaf cards with holes, from 5 to 500 m away").by_name_only(),
     failure("hills-endless", Failure::OtherProjection, projection::hills_endless, "the hills by reversed depth without a far plane").by_name_only(),
+    failure("two-plates", Failure::LightBleeding, bleeding::two_plates, "the shadow of a high plate across that of a low one").by_name_only(),
 
     speed("hall", hall::hall, "an interior of 57,000 triangles"),
     speed("statue", statue::statue, "a model of 69,000 triangles"),

@@ -111,6 +111,8 @@ pub enum Failure {
     OtherProjection = 35,
     /// Holes that alpha textures cut into leaves: finer than a map's texels, and than pixels far away.
     CutOut = 39,
+    /// Blockers of two heights over one receiver: light bleeds between them where a map blends depths.
+    LightBleeding = 40,
 }
 
 impl Failure {

@@ -5,7 +5,7 @@ use glam::{Affine3A, DAffine3, DVec3, EulerRot, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
 use umbrage_core::{Aabb, Anchor, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
-use umbrage_techniques::{Exact, Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
+use umbrage_techniques::{Evsm, Exact, Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
 use umbrage_tests::{
     adapter::device,
     foreign,
@@ -82,7 +82,7 @@ fn edit() -> impl Strategy<Value = Edit> {
     ]
 }
 
-const TECHNIQUES: usize = 8;
+const TECHNIQUES: usize = 9;
 /// What a model begins with.
 const FIRST_LAMP: Lamp = Lamp {
     kind: 1,
@@ -90,25 +90,27 @@ const FIRST_LAMP: Lamp = Lamp {
     technique: 0,
 };
 
-/// Maps of two sizes, filtered ones, one that is compared by the sampler, for suns cascades, which follow the camera, and lists that
-/// the device makes.
+/// Maps of two sizes, filtered ones, one that is compared by the sampler, one of moments, which is blurred, for suns cascades, which
+/// follow the camera, and lists that the device makes.
 fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let map = |size| ShadowMap {
         size,
         ..ShadowMap::default()
     };
     let is_sun = lamp.kind == 0;
-    let cascades = |fit: Fit| Pcf {
-        map: ShadowMap {
-            fit,
-            layout: Layout::Cascades(Cascades {
-                count: 3,
-                blend: 4.0,
-                ..Cascades::default()
-            }),
-            ..map(64)
-        },
-        radius: 1,
+    let cascades = |fit: Fit| ShadowMap {
+        fit,
+        layout: Layout::Cascades(Cascades {
+            count: 3,
+            blend: 4.0,
+            ..Cascades::default()
+        }),
+        ..map(64)
+    };
+    let blurred = |map| Evsm {
+        map,
+        blur: 2,
+        ..Evsm::default()
     };
     match lamp.technique {
         0 => Arc::new(Hard { map: map(96) }),
@@ -125,8 +127,16 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
             ..Midpoint::default()
         }),
         6 => Arc::new(Exact::default()),
-        4 if is_sun => Arc::new(cascades(Fit::Stable { range: 30.0 })),
-        5 if is_sun => Arc::new(cascades(Fit::AroundCamera { range: 30.0 })),
+        4 if is_sun => Arc::new(Pcf {
+            map: cascades(Fit::Stable { range: 30.0 }),
+            radius: 1,
+        }),
+        5 if is_sun => Arc::new(Pcf {
+            map: cascades(Fit::AroundCamera { range: 30.0 }),
+            radius: 1,
+        }),
+        8 if is_sun => Arc::new(blurred(cascades(Fit::Stable { range: 30.0 }))),
+        8 => Arc::new(blurred(map(96))),
         _ => Arc::new(Pcss {
             map: map(96),
             ..Pcss::default()

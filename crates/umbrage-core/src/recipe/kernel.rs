@@ -95,6 +95,11 @@ pub trait ReceiveKernel: Kernel {
 pub trait FilterKernel: Kernel {
     /// The Rust half: one row of the output, channels interleaved; `start` is the row's first texel.
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]);
+
+    /// How many texels it loads for each that it makes, for [`Work`](crate::Work). One is part of the price of any filter.
+    fn loads_per_texel(&self) -> u32 {
+        1
+    }
 }
 
 /// Colours what is seen. Its WGSL entry is `fn shade(r: Receiver, visibility: f32) -> vec4f`; what it answers is linear, not

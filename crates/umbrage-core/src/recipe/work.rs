@@ -81,6 +81,9 @@ pub struct Work {
     pub cleared: u64,
     /// Texels that filters write.
     pub filtered: u64,
+    /// Texels that filters load beyond one for each that they write.
+    #[serde(default)]
+    pub filter_taps: u64,
     /// Pixels that receive shadows.
     pub receivers: u64,
     /// Texels loaded by the receive kernel, at most.
@@ -139,8 +142,10 @@ impl Work {
         }
         for filter in &recipe.filters {
             let image = &recipe.images[filter.output];
-            work.filtered +=
-                u64::from(image.size.x) * u64::from(image.size.y) * u64::from(image.layers);
+            let texels = image.texels();
+            let more_loads = filter.kernel.loads_per_texel().saturating_sub(1);
+            work.filtered += texels;
+            work.filter_taps += texels * u64::from(more_loads);
         }
         work
     }
@@ -159,6 +164,7 @@ impl Work {
             counted: 0,
             cleared: 0,
             filtered: 0,
+            filter_taps: 0,
             ..*self
         }
     }

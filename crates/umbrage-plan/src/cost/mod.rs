@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use umbrage_core::Work;
 
 /// Kinds of work that have a price.
-pub const KINDS: usize = 11;
+pub const KINDS: usize = 12;
 
 /// Names of the kinds, in the order of [`CostModel::nanoseconds`].
 pub const KIND_NAMES: [&str; KINDS] = [
@@ -34,6 +34,7 @@ pub const KIND_NAMES: [&str; KINDS] = [
     "ray, a level of the hierarchy",
     "shadow volume's face drawn",
     "texel counted",
+    "texel loaded by a filter, beyond the first",
 ];
 
 /// The place of rays in [`KIND_NAMES`].
@@ -53,14 +54,14 @@ impl CostModel {
     /// filtered texel does here.
     pub const CPU: Self = Self {
         nanoseconds: [
-            16_100.0, 32.6, 0.392, 0.663, 0.654, 9.85, 1.83, 10.9, 5.56, 281.0, 3.47,
+            16_100.0, 32.6, 0.392, 0.663, 0.654, 9.85, 1.83, 10.9, 5.56, 281.0, 3.47, 0.5,
         ],
     };
 
     /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.2, nine of ten within 1.7.
     pub const SOFTWARE_GPU: Self = Self {
         nanoseconds: [
-            217_000.0, 138.0, 1.72, 0.286, 10.4, 16.5, 6.0, 14.6, 46.0, 380.0, 4.76,
+            217_000.0, 138.0, 1.72, 0.286, 10.4, 16.5, 6.0, 14.6, 46.0, 380.0, 4.76, 3.0,
         ],
     };
 
@@ -108,6 +109,7 @@ fn counts(work: &Work) -> [f64; KINDS] {
         work.rays,
         work.faces,
         work.counted,
+        work.filter_taps,
     ];
     let mut counts = counts.map(|count| count as f64);
     counts[RAYS] *= levels;
@@ -171,6 +173,10 @@ mod tests {
                 },
                 Work {
                     triangles: 100,
+                    ..little
+                },
+                Work {
+                    filter_taps: 1 << 20,
                     ..little
                 },
             ] {

@@ -89,6 +89,7 @@ const KEYS: [&str; KINDS] = [
     "ray_level",
     "volume_face",
     "counted_texel",
+    "filter_tap",
 ];
 
 /// [`CostModel`] in files: each price by its name.

@@ -48,6 +48,7 @@ fn recorded() -> Vec<Row> {
             covered: count("covered"),
             cleared: count("cleared"),
             filtered: count("filtered"),
+            filter_taps: count("filter_taps"),
             receivers: count("receivers"),
             taps: count("taps"),
             samples: count("samples"),

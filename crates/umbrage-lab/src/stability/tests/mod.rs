@@ -1,6 +1,7 @@
 //! Every row's measure can pass and can fail, its scene has what it is for, and known weaknesses are seen.
 
 mod backends;
+mod bleeding;
 mod moving;
 
 use super::*;
@@ -86,7 +87,7 @@ fn verdict(case: &StabilityCase, case_truth: &CaseTruth, mask: &[f32]) -> Verdic
 #[test]
 fn the_list_holds_every_row_once_and_every_scene_exists() {
     let numbers: Vec<u8> = rows().iter().map(|row| row.number).collect();
-    assert_eq!(numbers, (1..=39).collect::<Vec<u8>>());
+    assert_eq!(numbers, (1..=40).collect::<Vec<u8>>());
     let mut names = HashSet::new();
     for (_, case) in cases() {
         assert!(names.insert(case.name), "{} twice", case.name);
@@ -485,7 +486,7 @@ fn unknown_names_are_refused_with_what_there_is() {
         rows.validate()
             .expect_err("no such row")
             .to_string()
-            .contains("1 to 39")
+            .contains("1 to 40")
     );
     let techniques = StabilityOptions {
         techniques: vec!["vsm2".to_owned()],

@@ -1,5 +1,6 @@
 //! Scenes in which shadow methods are known to fail.
 
+pub(crate) mod bleeding;
 pub(crate) mod corners;
 pub(crate) mod cut_outs;
 pub(crate) mod distant;

@@ -1,0 +1,208 @@
+//! A box filter along one axis. Two of them, one after the other, make the mean of a square of texels.
+
+use glam::{IVec2, UVec2};
+use umbrage_core::{
+    FilterKernel, ImageView, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms,
+};
+
+uniforms! {
+    /// Uniforms of [`BlurKernel`].
+    pub struct BlurUniforms {
+        /// Texels to each side.
+        pub radius: i32,
+        /// (1, 0) along rows, (0, 1) along columns.
+        pub step: IVec2,
+        /// What each texel weighs: one over their number.
+        pub share: f32,
+    }
+}
+
+/// The filter from an image to one of the same size and format: each texel becomes the mean of its row's or column's texels up to
+/// `radius` away. The image's edge repeats. Sums run from left to right, or from top to bottom.
+#[derive(Clone, Copy, Debug)]
+pub struct BlurKernel {
+    uniforms: BlurUniforms,
+}
+
+impl BlurKernel {
+    /// Returns the filter along rows.
+    pub(crate) fn along_rows(radius: u32) -> Self {
+        Self::along(IVec2::X, radius)
+    }
+
+    /// Returns the filter along columns.
+    pub(crate) fn along_columns(radius: u32) -> Self {
+        Self::along(IVec2::Y, radius)
+    }
+
+    fn along(step: IVec2, radius: u32) -> Self {
+        let share = 1.0 / (2 * radius + 1) as f32;
+        Self {
+            uniforms: BlurUniforms {
+                radius: radius as i32,
+                step,
+                share,
+            },
+        }
+    }
+}
+
+impl Kernel for BlurKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![Module {
+            name: "blur",
+            text: include_str!("blur.wgsl"),
+        }]
+    }
+
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
+    }
+}
+
+impl FilterKernel for BlurKernel {
+    fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
+        let BlurUniforms {
+            radius,
+            step,
+            share,
+        } = self.uniforms;
+        let image = &inputs.images[0];
+        let y = start.y as i32;
+        out.fill(0.0);
+        if step == IVec2::X {
+            let padded = padded_row(row(image, y, layer), image.desc.format.channels(), radius);
+            let channels = image.desc.format.channels();
+            for first in (0..=2 * radius as usize).map(|i| i * channels) {
+                inputs.simd.run_task(Add {
+                    sum: out,
+                    values: &padded[first..],
+                });
+            }
+        } else {
+            let last = image.desc.size.y as i32 - 1;
+            for i in -radius..=radius {
+                inputs.simd.run_task(Add {
+                    sum: out,
+                    values: row(image, (y + i).clamp(0, last), layer),
+                });
+            }
+        }
+        inputs.simd.run_task(Scale {
+            values: out,
+            factor: share,
+        });
+    }
+
+    fn loads_per_texel(&self) -> u32 {
+        2 * self.uniforms.radius.unsigned_abs() + 1
+    }
+}
+
+/// Returns a row of a layer, channels interleaved.
+fn row<'a>(image: &ImageView<'a>, y: i32, layer: u32) -> &'a [f32] {
+    let first = image.index(0, y, layer);
+    &image.texels[first..first + image.desc.size.x as usize * image.desc.format.channels()]
+}
+
+/// Returns a row with its first and its last texel repeated `radius` times more.
+fn padded_row(row: &[f32], channels: usize, radius: i32) -> Vec<f32> {
+    let radius = radius as usize;
+    let (first, last) = (&row[..channels], &row[row.len() - channels..]);
+    [&first.repeat(radius), row, &last.repeat(radius)].concat()
+}
+
+/// Adds numbers to sums.
+struct Add<'a> {
+    sum: &'a mut [f32],
+    values: &'a [f32],
+}
+
+impl SimdTask for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (sum, value) in self.sum.iter_mut().zip(self.values) {
+            *sum += value;
+        }
+    }
+}
+
+/// Multiplies numbers.
+struct Scale<'a> {
+    values: &'a mut [f32],
+    factor: f32,
+}
+
+impl SimdTask for Scale<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for value in self.values {
+            *value *= self.factor;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::{Format, Image, ImageDesc, Simd};
+
+    /// Both passes together are the mean of a square of texels, with the edge repeated.
+    #[test]
+    fn two_passes_are_the_mean_of_a_square() {
+        let desc = ImageDesc {
+            label: "test",
+            size: UVec2::new(9, 7),
+            layers: 2,
+            format: Format::Rg32,
+        };
+        let mut image = Image::filled(desc, 0.0);
+        for (i, value) in image.texels.iter_mut().enumerate() {
+            *value = (i as f32 * 0.37).sin();
+        }
+        for radius in [0, 1, 3, 20] {
+            let rows = play(&BlurKernel::along_rows(radius), &image);
+            let both = play(&BlurKernel::along_columns(radius), &rows);
+            let r = radius as i32;
+            for (x, y, layer) in [(0, 0, 0), (4, 3, 1), (8, 6, 1), (2, 5, 0)] {
+                let mut expected = [0.0; 2];
+                for dy in -r..=r {
+                    for dx in -r..=r {
+                        let at =
+                            image
+                                .view()
+                                .index((x + dx).clamp(0, 8), (y + dy).clamp(0, 6), layer);
+                        expected[0] += f64::from(image.texels[at]);
+                        expected[1] += f64::from(image.texels[at + 1]);
+                    }
+                }
+                let count = f64::from((2 * r + 1) * (2 * r + 1));
+                let at = both.view().index(x, y, layer);
+                for (got, sum) in both.texels[at..at + 2].iter().zip(expected) {
+                    let off = f64::from(*got) - sum / count;
+                    assert!(off.abs() < 1e-6, "radius {radius} at {x}, {y}: {off}");
+                }
+            }
+        }
+    }
+
+    fn play(kernel: &BlurKernel, image: &Image) -> Image {
+        let mut out = Image::filled(image.desc, 9.0);
+        let row = image.desc.size.x as usize * image.desc.format.channels();
+        let images = [image.view()];
+        let inputs = Inputs {
+            images: &images,
+            simd: Simd::Native,
+        };
+        for (i, out) in out.texels.chunks_exact_mut(row).enumerate() {
+            let height = image.desc.size.y as usize;
+            let start = UVec2::new(0, (i % height) as u32);
+            kernel.filter(&inputs, start, (i / height) as u32, out);
+        }
+        out
+    }
+}

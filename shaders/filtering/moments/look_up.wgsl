@@ -1,0 +1,32 @@
+// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth` are the technique's.
+
+// The kernel's first image between its texels.
+fn blended_moments(at: vec2f, layer: i32) -> vec4f {
+    let last = size_0() - 1;
+    let place = at - 0.5;
+    let corner = floor(place);
+    let share = place - corner;
+    let first = clamp(vec2i(corner), vec2i(0), last);
+    let second = clamp(vec2i(corner) + 1, vec2i(0), last);
+    let top_left = load_0(first, layer);
+    let top_right = load_0(vec2i(second.x, first.y), layer);
+    let bottom_left = load_0(vec2i(first.x, second.y), layer);
+    let bottom_right = load_0(second, layer);
+    let top = top_left + (top_right - top_left) * share.x;
+    let bottom = bottom_left + (bottom_right - bottom_left) * share.x;
+    return top + (bottom - top) * share.y;
+}
+
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
+    let size = f32(size_0().x);
+    let is_inside = l.texel.x >= 0.0 && l.texel.y >= 0.0 && l.texel.x < size && l.texel.y < size;
+    if is_lit_beside(!is_inside) {
+        return 1.0;
+    }
+    if l.depth > 1.0 {
+        return 0.0;
+    }
+    let depth = centred(compared_depth(l));
+    let lit = lit_by_moments(blended_moments(l.texel, l.layer), depth);
+    return without_bleeding(lit, kernel.bleeding, kernel.bleeding_scale);
+}

@@ -1,0 +1,116 @@
+//! The settings that all maps of moments share, and the images and filters that make one.
+
+use crate::{
+    filtering::moments::{
+        blur::BlurKernel,
+        of_depth::{MomentKind, MomentsKernel},
+    },
+    shadow_map::{CompareMethod, MapFormat, ShadowMap, layers::ShadowMapUniforms},
+};
+use glam::UVec2;
+use std::sync::Arc;
+use umbrage_core::{ImageDesc, Invalid, ReceiveKernel, Recipe, RecipeError, View};
+
+/// Greatest blur accepted, texels to each side: sums of 65 squares of the steepest exponential are still finite.
+pub const MAX_BLUR: u32 = 32;
+
+/// Greatest light-bleeding reduction: beyond, nothing is left of penumbrae.
+pub const MAX_BLEEDING_REDUCTION: f32 = 0.95;
+
+/// How far from light or darkness a bound may be where a formula knows either: what is mixed into moments, the least variance, and the
+/// variance of curved surfaces leave a little of both.
+pub(crate) const CLOSED_FORM_TOLERANCE: f32 = 0.05;
+
+/// Returns the map with which closed forms are asked: of half the side, as each of its texels is averaged with 48 others, on software
+/// drivers too.
+pub(crate) fn closed_form_map(map: ShadowMap) -> ShadowMap {
+    ShadowMap {
+        size: map.size / 2,
+        ..map
+    }
+}
+
+/// How far a lookup reaches beyond the receiver's own texel, texels: as the blur does, and one more for the blend of four texels.
+pub(crate) fn reach(blur: u32) -> f32 {
+    blur as f32 + 1.0
+}
+
+/// How much of the light is taken for bleeding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BleedingReduction {
+    /// What counts as dark, 0..1.
+    pub(crate) amount: f32,
+    /// What the rest is stretched by: 1 / (1 - amount).
+    pub(crate) scale: f32,
+}
+
+impl BleedingReduction {
+    /// # Errors
+    /// Errors if the amount isn't within 0 to [`MAX_BLEEDING_REDUCTION`].
+    pub(crate) fn new(amount: f32) -> Result<Self, Invalid> {
+        check(
+            "light-bleeding reduction",
+            amount,
+            0.0,
+            MAX_BLEEDING_REDUCTION,
+        )?;
+        Ok(Self {
+            amount,
+            scale: 1.0 / (1.0 - amount),
+        })
+    }
+}
+
+/// Checks that a number of the settings is within its range.
+///
+/// # Errors
+/// Errors if it isn't, or is no number.
+pub(crate) fn check(what: &str, value: f32, least: f32, most: f32) -> Result<(), Invalid> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    let why = format!("is {value}");
+    Err(Invalid::new(what, why, format!("use {least} to {most}")))
+}
+
+/// Returns the recipe of a technique that looks up moments of the depths in `map`, blurred by `blur` texels to each side, with the
+/// kernel that `kernel` makes of the map's uniforms.
+///
+/// # Errors
+/// Errors if [`ShadowMap::spaces`] does, or the blur is too wide.
+pub(crate) fn recipe<K: ReceiveKernel + 'static>(
+    map: &ShadowMap,
+    view: &View<'_>,
+    blur: u32,
+    kind: MomentKind,
+    kernel: impl FnOnce(ShadowMapUniforms) -> K,
+) -> Result<Recipe, RecipeError> {
+    if blur > MAX_BLUR {
+        let why = format!("is {blur} texels");
+        return Err(Invalid::new("blur", why, format!("use 0 to {MAX_BLUR}")).into());
+    }
+    let spaces = map.spaces(view, reach(blur))?;
+    // A blend of blurred depths of a plane is the plane's depth at the receiver, so the blur asks for no more room than one texel.
+    let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 0.0 });
+    let desc = |label| ImageDesc {
+        label,
+        size: UVec2::splat(map.size),
+        layers: spaces.spaces.len() as u32,
+        format: kind.format(),
+    };
+    let packed = map.format == MapFormat::Rgba8;
+    let moments = maps.image(desc("moments"));
+    maps.filter(
+        Arc::new(MomentsKernel::new(kind, packed)),
+        vec![maps.map],
+        moments,
+    );
+    if blur > 0 {
+        let rows = maps.image(desc("moments blurred along rows"));
+        maps.filter(Arc::new(BlurKernel::along_rows(blur)), vec![moments], rows);
+        let columns = Arc::new(BlurKernel::along_columns(blur));
+        maps.filter(columns, vec![rows], moments);
+    }
+    maps.map = moments;
+    Ok(maps.recipe(kernel(ShadowMapUniforms::new(map, view, &spaces))))
+}

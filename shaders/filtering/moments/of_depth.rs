@@ -1,0 +1,241 @@
+//! From depths to their moments: what a map holds that is averaged before it is looked up.
+
+use crate::{
+    filtering::moments::exp2::{EXP2, power_of_two},
+    shadow_map::{choices::stored_depth, packing::unpack_depth},
+};
+use glam::{UVec2, Vec2, Vec4};
+use umbrage_core::{
+    FilterKernel, Format, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms,
+};
+
+/// The WGSL half of the functions that read nothing.
+pub(crate) const MOMENTS_OF_DEPTH: Module = Module {
+    name: "of_depth",
+    text: include_str!("of_depth.wgsl"),
+};
+
+/// Returns a clip depth as all moments count it: from -1 at the near plane to 1 at the far plane. Around 0 the squares of floats are
+/// finest, which is where variances are small differences of large squares.
+#[inline(always)]
+pub(crate) fn centred(depth: f32) -> f32 {
+    2.0 * depth.max(0.0).min(1.0) - 1.0
+}
+
+/// Returns depth and its square (Donnelly and Lauritzen 2006, "Variance shadow maps").
+#[inline(always)]
+pub(crate) fn variance_moments(depth: f32) -> Vec2 {
+    let z = centred(depth);
+    Vec2::new(z, z * z)
+}
+
+/// Returns a rising exponential of depth and its square, then a falling one and its square (Lauritzen and McCool 2008, "Layered
+/// variance shadow maps", where the falling one is negative). `rising` and `falling` are powers of two per unit of centred depth.
+#[inline(always)]
+pub(crate) fn exponential_moments(depth: f32, rising: f32, falling: f32) -> Vec4 {
+    let z = centred(depth);
+    let up = power_of_two(rising * z);
+    let down = power_of_two(-(falling * z));
+    Vec4::new(up, up * up, down, down * down)
+}
+
+/// Returns depth and its second, third and fourth power (Peters and Klein 2015, "Moment shadow mapping").
+#[inline(always)]
+pub(crate) fn power_moments(depth: f32) -> Vec4 {
+    let z = centred(depth);
+    let square = z * z;
+    Vec4::new(z, square, square * z, square * square)
+}
+
+/// Which moments of depth a map holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum MomentKind {
+    /// Depth and its square.
+    Variance,
+    /// A rising exponential of depth, and its square: powers of two per unit of centred depth.
+    OneExponential {
+        /// Of the nearer side.
+        rising: f32,
+    },
+    /// That, and a falling one with its square.
+    TwoExponentials {
+        /// As above.
+        rising: f32,
+        /// Likewise.
+        falling: f32,
+    },
+    /// The first four powers of depth.
+    Powers,
+}
+
+impl MomentKind {
+    /// Returns the format of the image that holds them.
+    pub(crate) fn format(self) -> Format {
+        match self {
+            Self::Variance | Self::OneExponential { .. } => Format::Rg32,
+            Self::TwoExponentials { .. } | Self::Powers => Format::Rgba32,
+        }
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`MomentsKernel`].
+    pub struct MomentsUniforms {
+        /// Moments a texel. It comes first since it has few values: see
+        /// [`ShadowMapUniforms::layer_count`](crate::shadow_map::layers::ShadowMapUniforms::layer_count).
+        pub channels: u32,
+        /// Powers of two per unit of centred depth, of the exponential that rises with depth.
+        pub rising: f32,
+        /// Of the one that falls.
+        pub falling: f32,
+    }
+}
+
+/// The filter from a map of depth to one of moments.
+#[derive(Clone, Copy, Debug)]
+pub struct MomentsKernel {
+    kind: MomentKind,
+    uniforms: MomentsUniforms,
+    /// Whether each depth of the input takes four channels.
+    packed: bool,
+}
+
+impl MomentsKernel {
+    /// Returns the filter that makes these moments, of depths that take four channels each if they are `packed`.
+    pub(crate) fn new(kind: MomentKind, packed: bool) -> Self {
+        let (rising, falling) = match kind {
+            MomentKind::Variance | MomentKind::Powers => (0.0, 0.0),
+            MomentKind::OneExponential { rising } => (rising, 0.0),
+            MomentKind::TwoExponentials { rising, falling } => (rising, falling),
+        };
+        Self {
+            kind,
+            uniforms: MomentsUniforms {
+                channels: kind.format().channels() as u32,
+                rising,
+                falling,
+            },
+            packed,
+        }
+    }
+}
+
+macro_rules! choice {
+    ($name:literal, $moments:literal) => {
+        Module {
+            name: $name,
+            text: concat!(
+                "fn moments_of(depth: f32) -> vec4f { return ",
+                $moments,
+                "; }\n"
+            ),
+        }
+    };
+}
+
+const VARIANCE: Module = choice!(
+    "choice: depth and its square",
+    "vec4f(variance_moments(depth), 0.0, 0.0)"
+);
+const EXPONENTIALS: Module = choice!(
+    "choice: exponentials of depth",
+    "exponential_moments(depth, kernel.rising, kernel.falling)"
+);
+const POWERS: Module = choice!("choice: four powers of depth", "power_moments(depth)");
+
+impl Kernel for MomentsKernel {
+    fn modules(&self) -> Vec<Module> {
+        let choice = match self.kind {
+            MomentKind::Variance => VARIANCE,
+            MomentKind::OneExponential { .. } | MomentKind::TwoExponentials { .. } => EXPONENTIALS,
+            MomentKind::Powers => POWERS,
+        };
+        let fill = Module {
+            name: "fill",
+            text: include_str!("fill.wgsl"),
+        };
+        let mut modules = stored_depth(self.packed).to_vec();
+        modules.extend([EXP2, MOMENTS_OF_DEPTH, fill, choice]);
+        modules
+    }
+
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
+    }
+}
+
+impl FilterKernel for MomentsKernel {
+    fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
+        let image = &inputs.images[0];
+        let first = image.index(start.x as i32, start.y as i32, layer);
+        let row = &image.texels[first..];
+        let unpacked: Vec<f32>;
+        let depths = if self.packed {
+            let (texels, _) = row.as_chunks();
+            let count = out.len() / self.uniforms.channels as usize;
+            let depth = |&channels: &[f32; 4]| unpack_depth(Vec4::from_array(channels));
+            unpacked = texels.iter().take(count).map(depth).collect();
+            &unpacked
+        } else {
+            row
+        };
+        inputs.simd.run_task(MomentsOfRow {
+            kernel: self,
+            depths,
+            out,
+        });
+    }
+}
+
+/// A row of depths, which may be longer than the row of moments.
+struct MomentsOfRow<'a> {
+    kernel: &'a MomentsKernel,
+    depths: &'a [f32],
+    out: &'a mut [f32],
+}
+
+impl SimdTask for MomentsOfRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let MomentsUniforms {
+            rising, falling, ..
+        } = self.kernel.uniforms;
+        let (pairs, _) = self.out.as_chunks_mut::<2>();
+        match self.kernel.kind {
+            MomentKind::Variance => {
+                for (pair, &depth) in pairs.iter_mut().zip(self.depths) {
+                    *pair = variance_moments(depth).to_array();
+                }
+                return;
+            }
+            MomentKind::OneExponential { .. } => {
+                for (pair, &depth) in pairs.iter_mut().zip(self.depths) {
+                    let up = power_of_two(rising * centred(depth));
+                    *pair = [up, up * up];
+                }
+                return;
+            }
+            MomentKind::TwoExponentials { .. } | MomentKind::Powers => {}
+        }
+        let (texels, _) = self.out.as_chunks_mut::<4>();
+        if self.kernel.kind == MomentKind::Powers {
+            for (texel, &depth) in texels.iter_mut().zip(self.depths) {
+                *texel = power_moments(depth).to_array();
+            }
+        } else {
+            for (texel, &depth) in texels.iter_mut().zip(self.depths) {
+                *texel = exponential_moments(depth, rising, falling).to_array();
+            }
+        }
+    }
+}
+
+/// All twins of this module, for the tests that compare them.
+#[cfg(feature = "testing")]
+pub(crate) const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(MOMENTS_OF_DEPTH, variance_moments(depth: f32) -> Vec2, needs [EXP2]),
+    umbrage_core::twin!(MOMENTS_OF_DEPTH, exponential_moments(depth: f32, rising: f32, falling: f32) -> Vec4, needs [EXP2]),
+    umbrage_core::twin!(MOMENTS_OF_DEPTH, power_moments(depth: f32) -> Vec4, needs [EXP2]),
+];

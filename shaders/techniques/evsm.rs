@@ -1,0 +1,356 @@
+//! Exponential variance shadow maps: as [`Vsm`](crate::Vsm), with exponentials of depth in depth's place.
+//!
+//! Lauritzen and McCool 2008, "Layered variance shadow maps". An exponential that rises with depth, exp(c z), pulls depths of blockers
+//! together and those of receivers apart: seen from a receiver, all that is some way nearer has nearly the same value, so that several
+//! blockers look like one, and little light bleeds. Its weakness is the other side: where what is behind the receiver spreads,
+//! its variance is huge, and the receiver is lit. An exponential that falls, exp(-c z), is good where the first is weak, so the lesser
+//! of both bounds counts (four moments, EVSM4; two moments are EVSM2).
+//!
+//! Exponents beyond 42 overflow: the square of the greatest value is a 32-bit float. The larger they are, the less bleeds between
+//! blockers that are far apart in depth, and the more light stands in contacts and on curved receivers.
+//!
+//! Known failures: with two moments light leaks around feet, where the blur finds floor behind them; between blockers at nearly one
+//! depth it still bleeds; the falling exponential darkens receivers that curve within the blur. The rest as of `vsm`, and every
+//! map's: see [`shadow_map`](crate::shadow_map). Four moments take 32 bytes a texel while they are blurred.
+
+use crate::{
+    filtering::moments::{
+        bounds::{lit_by_falling, lit_by_rising},
+        exp2::power_of_two,
+        look_up::{self, Bound, look_up},
+        map::{self, BleedingReduction},
+        of_depth::MomentKind,
+    },
+    listing::{
+        Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
+    },
+    shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
+};
+use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+use std::f32::consts::LOG2_E;
+use umbrage_core::{
+    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    ShadowTechnique, Span, UniformBlock, View, uniforms,
+};
+
+/// Greatest least deviation accepted, clip depth.
+const MAX_DEVIATION: f32 = 0.5;
+/// Greatest exponent accepted: exp(84), its greatest value's square, is a 32-bit float, and so are 65 times as much.
+pub const MAX_EXPONENT: f32 = 42.0;
+
+/// Which exponentials of depth a map holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EvsmMoments {
+    /// The one that rises with depth, and its square.
+    Two,
+    /// Also the one that falls, and its square.
+    #[default]
+    Four,
+}
+
+/// Chebyshev's bound of exponentials.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Evsm {
+    /// The map of depth that moments are made of.
+    pub map: ShadowMap,
+    /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
+    pub blur: u32,
+    /// Which exponentials.
+    pub moments: EvsmMoments,
+    /// Exponent of the rising one at the far plane, 0 to [`MAX_EXPONENT`]; at the near plane it is the negative of that.
+    pub positive_exponent: f32,
+    /// Exponent of the falling one at the near plane, likewise.
+    pub negative_exponent: f32,
+    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on even surfaces.
+    pub least_deviation: f32,
+    /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    pub bleeding_reduction: f32,
+}
+
+impl Default for Evsm {
+    fn default() -> Self {
+        Self {
+            map: ShadowMap::default(),
+            blur: 3,
+            moments: EvsmMoments::Four,
+            positive_exponent: 40.0,
+            negative_exponent: 5.0,
+            least_deviation: 5e-5,
+            bleeding_reduction: 0.1,
+        }
+    }
+}
+
+impl ShadowTechnique for Evsm {
+    fn name(&self) -> &'static str {
+        "evsm"
+    }
+
+    fn settings(&self) -> String {
+        let side = 2 * self.blur + 1;
+        let moments = match self.moments {
+            EvsmMoments::Two => 2,
+            EvsmMoments::Four => 4,
+        };
+        let mut words = format!("{moments} moments, blur {side}x{side}, ");
+        let default = Self::default();
+        let exponents = (self.positive_exponent, self.negative_exponent);
+        if exponents != (default.positive_exponent, default.negative_exponent) {
+            words += &format!("exponents {} and {}, ", exponents.0, exponents.1);
+        }
+        if self.least_deviation != default.least_deviation {
+            words += &format!("deviation {}, ", self.least_deviation);
+        }
+        if self.bleeding_reduction != default.bleeding_reduction {
+            words += &format!("bleeding {}, ", self.bleeding_reduction);
+        }
+        words + &self.map.label()
+    }
+
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        map::check("least deviation", self.least_deviation, 0.0, MAX_DEVIATION)?;
+        let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
+        map::check(
+            "positive exponent",
+            self.positive_exponent,
+            0.0,
+            MAX_EXPONENT,
+        )?;
+        map::check(
+            "negative exponent",
+            self.negative_exponent,
+            0.0,
+            MAX_EXPONENT,
+        )?;
+        let rising = self.positive_exponent * LOG2_E;
+        let falling = self.negative_exponent * LOG2_E;
+        let kind = match self.moments {
+            EvsmMoments::Two => MomentKind::OneExponential { rising },
+            EvsmMoments::Four => MomentKind::TwoExponentials { rising, falling },
+        };
+        let kernel = |lookup| EvsmKernel {
+            moments: self.moments,
+            uniforms: EvsmUniforms {
+                lookup,
+                bleeding: bleeding.amount,
+                bleeding_scale: bleeding.scale,
+                rising,
+                falling,
+                least_rising: self.least_variance(self.positive_exponent),
+                least_falling: self.least_variance(self.negative_exponent),
+            },
+        };
+        map::recipe(&self.map, view, self.blur, kind, kernel)
+    }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(map::reach(self.blur))
+    }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
+}
+
+impl Evsm {
+    /// Returns the least variance of an exponential, in units of its squared value: it changes by a factor of 1 + `exponent` d
+    /// over a small centred depth d, and centred depth has twice the range of clip depth.
+    fn least_variance(&self, exponent: f32) -> f32 {
+        let deviation = 2.0 * exponent * self.least_deviation;
+        (deviation * deviation).max(SMALLEST_VARIANCE)
+    }
+}
+
+/// What rounding leaves of the variance of equal values, in units of their square; and what keeps a division finite.
+const SMALLEST_VARIANCE: f32 = 1e-6;
+
+impl ListedTechnique for Evsm {
+    const SUMMARY: &'static str =
+        "Chebyshev's bound by blurred exponentials of depth (Lauritzen, McCool 2008)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map, ..self }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let bias = [Bias::ADAPTIVE];
+        let with_blur = |blur: u32| {
+            move |map| Self {
+                map,
+                blur,
+                ..Self::default()
+            }
+        };
+        let mut out = sweeps::sweep(map_sizes, fit, &bias, with_blur(3));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, with_blur(8)));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = Vec::new();
+        for moments in [EvsmMoments::Two, EvsmMoments::Four] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                moments,
+                ..Self::default()
+            }));
+        }
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [3, 8]
+            .map(|blur| {
+                Candidate::of(Self {
+                    map,
+                    blur,
+                    ..Self::default()
+                })
+            })
+            .to_vec()
+    }
+
+    // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
+    const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        let technique = Self {
+            map: map::closed_form_map(map),
+            ..Self::default()
+        };
+        Some(ClosedFormDemand {
+            tolerance: map::CLOSED_FORM_TOLERANCE,
+            ..ClosedFormDemand::new(technique, map::reach(technique.blur))
+        })
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Count(0..8),
+            RandomParameter::Length(0.0..0.01),
+            RandomParameter::Length(0.0..0.9),
+            RandomParameter::Switch,
+            RandomParameter::Length(0.0..42.0),
+            RandomParameter::Length(0.0..42.0),
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            blur: numbers[0] as u32,
+            least_deviation: numbers[1],
+            bleeding_reduction: numbers[2],
+            moments: if numbers[3] > 0.0 {
+                EvsmMoments::Four
+            } else {
+                EvsmMoments::Two
+            },
+            positive_exponent: numbers[4],
+            negative_exponent: numbers[5],
+        }
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`EvsmKernel`].
+    pub struct EvsmUniforms {
+        /// The map: its layers, and how it is looked up.
+        pub lookup: ShadowMapUniforms,
+        /// Light that counts as none, 0..1.
+        pub bleeding: f32,
+        /// What the rest is stretched by.
+        pub bleeding_scale: f32,
+        /// Powers of two per unit of centred depth, of the exponential that rises with depth.
+        pub rising: f32,
+        /// Of the one that falls.
+        pub falling: f32,
+        /// Least variance of the rising one, in units of its squared value.
+        pub least_rising: f32,
+        /// Of the falling one.
+        pub least_falling: f32,
+    }
+}
+
+/// The receive kernel.
+#[derive(Clone, Copy, Debug)]
+pub struct EvsmKernel {
+    moments: EvsmMoments,
+    uniforms: EvsmUniforms,
+}
+
+const TWO: Module = Module {
+    name: "choice: two moments",
+    text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_two(moments, depth); }\n",
+};
+const FOUR: Module = Module {
+    name: "choice: four moments",
+    text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_both(moments, depth); }\n",
+};
+
+impl Kernel for EvsmKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module {
+            name: "evsm",
+            text: include_str!("evsm.wgsl"),
+        };
+        let choice = match self.moments {
+            EvsmMoments::Two => TWO,
+            EvsmMoments::Four => FOUR,
+        };
+        look_up::modules(&self.uniforms.lookup, &[own, choice])
+    }
+
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
+    }
+}
+
+impl ReceiveKernel for EvsmKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let u = &self.uniforms;
+        let bleeding = BleedingReduction {
+            amount: u.bleeding,
+            scale: u.bleeding_scale,
+        };
+        match self.moments {
+            EvsmMoments::Two => look_up::<2>(inputs, &u.lookup, span, out, u, bleeding),
+            EvsmMoments::Four => look_up::<4>(inputs, &u.lookup, span, out, u, bleeding),
+        }
+    }
+
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(4)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.uniforms.lookup.layer_of(position)
+    }
+}
+
+impl Bound<2> for EvsmUniforms {
+    #[inline(always)]
+    fn lit(&self, moments: [f32; 2], depth: f32) -> f32 {
+        let receiver = power_of_two(self.rising * depth);
+        lit_by_rising(Vec2::from_array(moments), receiver, self.least_rising)
+    }
+}
+
+impl Bound<4> for EvsmUniforms {
+    #[inline(always)]
+    fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
+        let [up, up_squared, down, down_squared] = moments;
+        let receiver = power_of_two(-(self.falling * depth));
+        let falling = Vec2::new(down, down_squared);
+        let lit = lit_by_falling(falling, receiver, self.least_falling);
+        let rising: f32 = Bound::<2>::lit(self, [up, up_squared], depth);
+        rising.min(lit)
+    }
+}

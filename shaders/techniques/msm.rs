@@ -1,0 +1,351 @@
+//! Moment shadow maps: the mean of the first four powers of depth, blurred once, and the least shadow that they allow.
+//!
+//! Peters and Klein 2015, "Moment shadow mapping" (I3D). Of all distributions of depth with four given moments, the one with the least
+//! shadow has three depths, one of them the receiver's: they are the zeros of a quadratic. So two blockers and one receiver, or one
+//! blocker and two receivers, are known without doubt, where two moments ([`Vsm`](crate::Vsm)) know one and one. Where depths end at
+//! the map's near and far planes (Hausdorff's moment problem; without ends it is Hamburger's), distributions of four depths leak
+//! less still. Depths are counted from -1 to 1, and the bias mixes in the moments (0, 3/8, 0, 3/8) of depths far apart, as
+//! Peters, Münstermann, Wetzstein and Klein 2017 have it ("Improved moment shadow maps for translucent occluders, soft shadows and
+//! single scattering").
+//!
+//! On a plane that slopes, the least shadow is up to half: no bound tells it from a blocker that is as near as the plane's nearest
+//! part. So the receiver counts as nearer by a standard deviation of its own plane's depths within the filter
+//! ([`Bias::ADAPTIVE`] and [`Bias::RECEIVER_PLANE`] give the plane; with other biases slopes are grey).
+//!
+//! Known failures: three and more depths in the filter bleed light, less than with two moments; fourth powers need most of a float's
+//! 24 bits, so that `moment_bias` lights what lies within some thousandths of the map's depth behind a blocker: feet and thin slices.
+//! One width for all penumbrae, light in contacts as far as the blur reaches, and every map's failures: see
+//! [`shadow_map`](crate::shadow_map). Maps take 32 bytes a texel while they are blurred.
+
+use crate::{
+    filtering::moments::{
+        hamburger::{HAMBURGER, hamburger},
+        hausdorff::{HAUSDORFF, hausdorff},
+        look_up::{self, Bound, look_up},
+        map::{self, BleedingReduction},
+        of_depth::MomentKind,
+    },
+    listing::{
+        Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
+    },
+    shadow_map::{Bias, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
+};
+use glam::{Vec3, Vec4};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    ShadowTechnique, Span, UniformBlock, View, uniforms,
+};
+
+/// Which distributions of depth the moments may belong to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reconstruction {
+    /// Any: three depths. Somewhat cheaper.
+    Hamburger,
+    /// Those between the map's near and far plane: three depths, or four.
+    #[default]
+    Hausdorff,
+}
+
+/// The least shadow of four moments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Msm {
+    /// The map of depth that moments are made of.
+    pub map: ShadowMap,
+    /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
+    pub blur: u32,
+    /// Which distributions are allowed.
+    pub reconstruction: Reconstruction,
+    /// Share of a fixed distribution that is mixed into the moments, 0 to 1: hides rounding.
+    pub moment_bias: f32,
+    /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    pub bleeding_reduction: f32,
+}
+
+impl Default for Msm {
+    fn default() -> Self {
+        Self {
+            map: ShadowMap::default(),
+            blur: 3,
+            reconstruction: Reconstruction::Hausdorff,
+            moment_bias: 3e-6,
+            bleeding_reduction: 0.1,
+        }
+    }
+}
+
+impl ShadowTechnique for Msm {
+    fn name(&self) -> &'static str {
+        "msm"
+    }
+
+    fn settings(&self) -> String {
+        let side = 2 * self.blur + 1;
+        let reconstruction = match self.reconstruction {
+            Reconstruction::Hamburger => "hamburger",
+            Reconstruction::Hausdorff => "hausdorff",
+        };
+        let mut words = format!("{reconstruction}, blur {side}x{side}, ");
+        let default = Self::default();
+        if self.moment_bias != default.moment_bias {
+            words += &format!("moment bias {}, ", self.moment_bias);
+        }
+        if self.bleeding_reduction != default.bleeding_reduction {
+            words += &format!("bleeding {}, ", self.bleeding_reduction);
+        }
+        words + &self.map.label()
+    }
+
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        map::check("moment bias", self.moment_bias, 0.0, 1.0)?;
+        let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
+        let kernel = |lookup| MsmKernel {
+            reconstruction: self.reconstruction,
+            uniforms: MsmUniforms {
+                lookup,
+                bleeding: bleeding.amount,
+                bleeding_scale: bleeding.scale,
+                moment_bias: self.moment_bias,
+                plane_deviation: plane_deviation(self.blur),
+            },
+        };
+        map::recipe(&self.map, view, self.blur, MomentKind::Powers, kernel)
+    }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(map::reach(self.blur))
+    }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
+}
+
+impl ListedTechnique for Msm {
+    const SUMMARY: &'static str =
+        "the least shadow that four blurred powers of depth allow (Peters, Klein 2015)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map, ..self }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let bias = [Bias::ADAPTIVE];
+        let with_blur = |blur: u32| {
+            move |map| Self {
+                map,
+                blur,
+                ..Self::default()
+            }
+        };
+        let mut out = sweeps::sweep(map_sizes, fit, &bias, with_blur(3));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, with_blur(8)));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = Vec::new();
+        for reconstruction in [Reconstruction::Hamburger, Reconstruction::Hausdorff] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                reconstruction,
+                ..Self::default()
+            }));
+        }
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [3, 8]
+            .map(|blur| {
+                Candidate::of(Self {
+                    map,
+                    blur,
+                    ..Self::default()
+                })
+            })
+            .to_vec()
+    }
+
+    // The receiver's plane, which the default bias follows, is all that this needs of a bias.
+    const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        let technique = Self {
+            map: map::closed_form_map(map),
+            ..Self::default()
+        };
+        Some(ClosedFormDemand {
+            tolerance: map::CLOSED_FORM_TOLERANCE,
+            ..ClosedFormDemand::new(technique, map::reach(technique.blur))
+        })
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Count(0..8),
+            RandomParameter::Length(0.0..1e-4),
+            RandomParameter::Length(0.0..0.9),
+            RandomParameter::Switch,
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            blur: numbers[0] as u32,
+            moment_bias: numbers[1],
+            bleeding_reduction: numbers[2],
+            reconstruction: if numbers[3] > 0.0 {
+                Reconstruction::Hausdorff
+            } else {
+                Reconstruction::Hamburger
+            },
+        }
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`MsmKernel`].
+    pub struct MsmUniforms {
+        /// The map: its layers, and how it is looked up.
+        pub lookup: ShadowMapUniforms,
+        /// Light that counts as none, 0..1.
+        pub bleeding: f32,
+        /// What the rest is stretched by.
+        pub bleeding_scale: f32,
+        /// Share of a fixed distribution that is mixed into the moments, 0..=1.
+        pub moment_bias: f32,
+        /// Standard deviation of the depths of a plane within the filter, in units of the plane's slope a texel.
+        pub plane_deviation: f32,
+    }
+}
+
+/// The receive kernel.
+#[derive(Clone, Copy, Debug)]
+pub struct MsmKernel {
+    reconstruction: Reconstruction,
+    uniforms: MsmUniforms,
+}
+
+const THREE_DEPTHS: Module = Module {
+    name: "choice: three depths",
+    text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_hamburger(moments, depth); }\n",
+};
+const THREE_OR_FOUR: Module = Module {
+    name: "choice: three depths or four",
+    text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_hausdorff(moments, depth); }\n",
+};
+
+impl Kernel for MsmKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module {
+            name: "msm",
+            text: include_str!("msm.wgsl"),
+        };
+        let choice = match self.reconstruction {
+            Reconstruction::Hamburger => THREE_DEPTHS,
+            Reconstruction::Hausdorff => THREE_OR_FOUR,
+        };
+        look_up::modules(&self.uniforms.lookup, &[HAMBURGER, HAUSDORFF, own, choice])
+    }
+
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
+    }
+}
+
+impl ReceiveKernel for MsmKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let u = &self.uniforms;
+        let bleeding = BleedingReduction {
+            amount: u.bleeding,
+            scale: u.bleeding_scale,
+        };
+        match self.reconstruction {
+            Reconstruction::Hamburger => {
+                look_up(inputs, &u.lookup, span, out, &HamburgerBound(u), bleeding);
+            }
+            Reconstruction::Hausdorff => {
+                look_up(inputs, &u.lookup, span, out, &HausdorffBound(u), bleeding);
+            }
+        }
+    }
+
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(4)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.uniforms.lookup.layer_of(position)
+    }
+}
+
+/// The moments that are mixed in: of depths of which three eighths lie at the map's two ends, and the rest in its middle.
+const BIAS_MOMENTS: Vec4 = Vec4::new(0.0, 0.375, 0.0, 0.375);
+
+impl MsmUniforms {
+    /// Returns moments, moved a little towards [`BIAS_MOMENTS`].
+    #[inline(always)]
+    fn biased(&self, moments: [f32; 4]) -> Vec4 {
+        let moments = Vec4::from_array(moments);
+        moments + (BIAS_MOMENTS - moments) * self.moment_bias
+    }
+}
+
+/// Returns the standard deviation of the depths of a plane within the filter, in units of the plane's slope a texel.
+///
+/// Among the n texels of a box their places have a variance of (n² - 1) / 12 texels² along each axis, and a blend of two neighbours
+/// adds up to 1/4.
+fn plane_deviation(blur: u32) -> f32 {
+    let side = (2 * blur + 1) as f32;
+    let variance = (side * side + 2.0) / 12.0;
+    variance.sqrt()
+}
+
+impl MsmUniforms {
+    /// Returns the clip depth that is asked about: nearer than the receiver by a standard deviation of its own plane's depths.
+    ///
+    /// A plane's depths lie as far beyond their mean as before it. The distribution with their four moments and the least shadow has
+    /// depths nearer than the receiver until this is nearer than the mean by a standard deviation: there the plane starts to be lit,
+    /// where at the mean itself up to half of it is dark. (Orthogonal polynomials of a symmetric distribution: the second has its
+    /// zeros one deviation from the mean.)
+    #[inline(always)]
+    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+        let slope = (l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y).sqrt();
+        l.depth - self.plane_deviation * slope
+    }
+}
+
+struct HamburgerBound<'a>(&'a MsmUniforms);
+struct HausdorffBound<'a>(&'a MsmUniforms);
+
+impl Bound<4> for HamburgerBound<'_> {
+    #[inline(always)]
+    fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
+        hamburger(self.0.biased(moments), depth)
+    }
+
+    #[inline(always)]
+    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+        self.0.compared_depth(l)
+    }
+}
+
+impl Bound<4> for HausdorffBound<'_> {
+    #[inline(always)]
+    fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
+        hausdorff(self.0.biased(moments), depth)
+    }
+
+    #[inline(always)]
+    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+        self.0.compared_depth(l)
+    }
+}

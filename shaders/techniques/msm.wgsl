@@ -1,0 +1,27 @@
+// Twin of msm.rs: the bounds by four powers of depth. `lit_by_moments` is the kernel's choice between these.
+
+struct MsmUniforms {
+    lookup: ShadowMapUniforms,
+    bleeding: f32,
+    bleeding_scale: f32,
+    moment_bias: f32,
+    plane_deviation: f32,
+}
+
+fn compared_depth(l: ShadowCoord) -> f32 {
+    let slope = sqrt(l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y);
+    return l.depth - kernel.plane_deviation * slope;
+}
+
+// Moments, moved a little towards those of a distribution whose depths are far apart.
+fn biased_moments(moments: vec4f) -> vec4f {
+    return moments + (vec4f(0.0, 0.375, 0.0, 0.375) - moments) * kernel.moment_bias;
+}
+
+fn lit_by_hamburger(moments: vec4f, depth: f32) -> f32 {
+    return hamburger(biased_moments(moments), depth);
+}
+
+fn lit_by_hausdorff(moments: vec4f, depth: f32) -> f32 {
+    return hausdorff(biased_moments(moments), depth);
+}

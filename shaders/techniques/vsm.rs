@@ -1,0 +1,255 @@
+//! Variance shadow maps: the mean of depth and of its square, blurred once, and Chebyshev's bound of what lies beyond the receiver.
+//!
+//! Donnelly and Lauritzen 2006, "Variance shadow maps". Means of depth can be averaged further, which comparisons with depth can't:
+//! so a filter as wide as wanted is two passes over the map, whatever the number of receivers, and each receiver looks up one blend
+//! of four texels. With one blocker before one receiver the bound is exact: visibility is what filtering all comparisons gives.
+//!
+//! Known failures: where blockers of several depths meet in the filter, light bleeds into what they darken together: around the outline
+//! of a near blocker within the shadow of a far one, under stacks of thin slices, and through a hedge. `bleeding_reduction` darkens
+//! it, and narrows all penumbrae with it. Like any filter of depths it has one width for all penumbrae, and lets light into contacts
+//! as far as the blur reaches. Squares of depth have 24 bits: what is nearer to its blocker than `least_deviation` is lit in part. Every
+//! map's failures: see [`shadow_map`](crate::shadow_map). Maps take 16 bytes a texel, and as much again as they are blurred.
+
+use crate::{
+    filtering::moments::{
+        bounds::lit_by_variance,
+        look_up::{self, Bound, look_up},
+        map::{self, BleedingReduction},
+        of_depth::MomentKind,
+    },
+    listing::{
+        Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
+    },
+    shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
+};
+use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    ShadowTechnique, Span, UniformBlock, View, uniforms,
+};
+
+/// Greatest least deviation accepted, clip depth.
+const MAX_DEVIATION: f32 = 0.5;
+
+/// Chebyshev's bound.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Vsm {
+    /// The map of depth that moments are made of.
+    pub map: ShadowMap,
+    /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
+    pub blur: u32,
+    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on even surfaces.
+    pub least_deviation: f32,
+    /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    pub bleeding_reduction: f32,
+}
+
+impl Default for Vsm {
+    fn default() -> Self {
+        Self {
+            map: ShadowMap::default(),
+            blur: 3,
+            least_deviation: 3e-4,
+            bleeding_reduction: 0.2,
+        }
+    }
+}
+
+impl ShadowTechnique for Vsm {
+    fn name(&self) -> &'static str {
+        "vsm"
+    }
+
+    fn settings(&self) -> String {
+        let side = 2 * self.blur + 1;
+        let mut words = format!("blur {side}x{side}, ");
+        let default = Self::default();
+        if self.least_deviation != default.least_deviation {
+            words += &format!("deviation {}, ", self.least_deviation);
+        }
+        if self.bleeding_reduction != default.bleeding_reduction {
+            words += &format!("bleeding {}, ", self.bleeding_reduction);
+        }
+        words + &self.map.label()
+    }
+
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        map::check("least deviation", self.least_deviation, 0.0, MAX_DEVIATION)?;
+        let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
+        // Centred depth has twice the range of clip depth.
+        let deviation = 2.0 * self.least_deviation;
+        let kernel = |lookup| {
+            VsmKernel(VsmUniforms {
+                lookup,
+                bleeding: bleeding.amount,
+                bleeding_scale: bleeding.scale,
+                least_variance: (deviation * deviation).max(SMALLEST_VARIANCE),
+            })
+        };
+        map::recipe(&self.map, view, self.blur, MomentKind::Variance, kernel)
+    }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(map::reach(self.blur))
+    }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.map.follows_camera(light)
+    }
+}
+
+/// What keeps a division by a variance of 0 finite.
+const SMALLEST_VARIANCE: f32 = 1e-12;
+
+impl ListedTechnique for Vsm {
+    const SUMMARY: &'static str =
+        "Chebyshev's bound by blurred depth and its square (Donnelly, Lauritzen 2006)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map, ..self }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let bias = [Bias::ADAPTIVE];
+        let with_blur = |blur: u32| {
+            move |map| Self {
+                map,
+                blur,
+                ..Self::default()
+            }
+        };
+        let mut out = sweeps::sweep(map_sizes, fit, &bias, with_blur(3));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, with_blur(8)));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = sweeps::slope_and_adaptive(map_size, |map| Self {
+            map,
+            ..Self::default()
+        });
+        for blur in [0, 9] {
+            out.extend(sweeps::middle(
+                &[map_size],
+                Fit::Tight,
+                &[Bias::NONE],
+                |map| Self {
+                    map,
+                    blur,
+                    ..Self::default()
+                },
+            ));
+        }
+        let kinds = sweeps::kinds_of_map(map_size).into_iter();
+        out.extend(kinds.map(|map| Self {
+            map,
+            ..Self::default()
+        }));
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        vec![Candidate::of(Self {
+            map,
+            ..Self::default()
+        })]
+    }
+
+    // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
+    const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        let technique = Self {
+            map: map::closed_form_map(map),
+            ..Self::default()
+        };
+        Some(ClosedFormDemand {
+            tolerance: map::CLOSED_FORM_TOLERANCE,
+            ..ClosedFormDemand::new(technique, map::reach(technique.blur))
+        })
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Count(0..8),
+            RandomParameter::Length(0.0..0.01),
+            RandomParameter::Length(0.0..0.9),
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            blur: numbers[0] as u32,
+            least_deviation: numbers[1],
+            bleeding_reduction: numbers[2],
+        }
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`VsmKernel`].
+    pub struct VsmUniforms {
+        /// The map: its layers, and how it is looked up.
+        pub lookup: ShadowMapUniforms,
+        /// Light that counts as none, 0..1.
+        pub bleeding: f32,
+        /// What the rest is stretched by.
+        pub bleeding_scale: f32,
+        /// Least variance, squared centred depth.
+        pub least_variance: f32,
+    }
+}
+
+/// The receive kernel.
+#[derive(Clone, Copy, Debug)]
+pub struct VsmKernel(
+    /// Uniforms.
+    pub VsmUniforms,
+);
+
+impl Kernel for VsmKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module {
+            name: "vsm",
+            text: include_str!("vsm.wgsl"),
+        };
+        look_up::modules(&self.0.lookup, &[own])
+    }
+
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
+    }
+}
+
+impl ReceiveKernel for VsmKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let u = &self.0;
+        let bleeding = BleedingReduction {
+            amount: u.bleeding,
+            scale: u.bleeding_scale,
+        };
+        look_up(inputs, &u.lookup, span, out, u, bleeding);
+    }
+
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(4)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        self.0.lookup.layer_of(position)
+    }
+}
+
+impl Bound<2> for VsmUniforms {
+    #[inline(always)]
+    fn lit(&self, moments: [f32; 2], depth: f32) -> f32 {
+        lit_by_variance(Vec2::from_array(moments), depth, self.least_variance)
+    }
+}
