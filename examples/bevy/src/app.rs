@@ -1,7 +1,7 @@
 //! A program of Bevy's without a window: one scene, one sun, one picture.
 
 use crate::plugin::{Casts, MaskOf, MaskedMaterial, ReadsMask, Shadows, UmbragePlugin};
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use bevy::{
     a11y::AccessibilityPlugin,
     app::{PluginsState, TerminalCtrlCHandlerPlugin},
@@ -33,7 +33,11 @@ use umbrage::{Geometry, Light, Scene, ShadowTechnique};
 /// Triangles a mesh: parts that a renderer can leave out.
 const TRIANGLES_A_MESH: usize = 4096;
 /// Frames until shaders and meshes are loaded, at most.
-const MAX_FRAMES: usize = 400;
+const MAX_FRAMES: usize = 200;
+/// A picture is done when this many frames in turn did not change it, or after so many frames where a filter's noise is another one
+/// in each.
+const UNCHANGED_FRAMES: usize = 3;
+const MAX_DRAWN_FRAMES: usize = 16;
 
 /// Where the sun's shadows come from.
 #[derive(Clone)]
@@ -78,7 +82,8 @@ pub struct Program {
 impl Program {
     /// Starts a program that shows the scene's first camera and its first light, which must be a sun.
     pub fn start(scene: &Scene, geometry: &Geometry, source: &ShadowSource) -> Result<Self> {
-        let camera = scene.cameras.first().context("the scene has no camera")?;
+        let camera = scene.cameras.first();
+        let camera = camera.ok_or_else(|| anyhow::anyhow!("the scene has no camera"))?;
         let size = UVec2::new(camera.size.x, camera.size.y);
         let mut app = headless(source);
         ready(&mut app);
@@ -111,7 +116,7 @@ impl Program {
         Ok(start.elapsed().as_secs_f64() * 1000.0)
     }
 
-    /// Draws frames until the picture no longer changes, and returns its red channel.
+    /// Draws frames until the picture is done, and returns its red channel.
     pub fn picture(&mut self) -> Result<Vec<f32>> {
         let last = Arc::clone(&self.last);
         let reader = self
@@ -125,24 +130,23 @@ impl Program {
         });
         let mut before = Vec::new();
         let mut unchanged = 0;
+        let mut drawn_frames = 0;
         for _ in 0..MAX_FRAMES {
             self.frame()?;
             let Some(now) = self.last.lock().expect("no panic").take() else {
                 continue;
             };
-            let is_drawn = now.iter().any(|&byte| byte != 0);
-            unchanged = if is_drawn && now == before {
-                unchanged + 1
-            } else {
-                0
-            };
+            if now.iter().any(|&byte| byte != 0) {
+                drawn_frames += 1;
+                unchanged = if now == before { unchanged + 1 } else { 0 };
+            }
             before = now;
-            if unchanged == 6 {
+            if unchanged == UNCHANGED_FRAMES || drawn_frames == MAX_DRAWN_FRAMES {
                 self.app.world_mut().despawn(reader);
                 return red_channel(&before, self.size);
             }
         }
-        anyhow::bail!("the picture was not the same in any seven of {MAX_FRAMES} frames")
+        anyhow::bail!("nothing was drawn in {MAX_FRAMES} frames")
     }
 
     /// Returns the bytes of maps and masks.

@@ -50,7 +50,6 @@ fn main() -> Result<()> {
     for name in &arguments.scenes {
         let judged = Judged::new(name)?;
         for line in judged.play_all(&arguments)? {
-            println!("{line}");
             writeln!(table, "{line}")?;
         }
     }
@@ -93,6 +92,7 @@ impl Judged {
             let line = self
                 .play(&label, &source, &lit, &mut without, arguments)
                 .with_context(|| format!("{}: {label}", self.scene.name))?;
+            println!("{line}");
             lines.push(line);
         }
         Ok(lines)
