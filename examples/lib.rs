@@ -3,4 +3,5 @@
 
 pub mod contact;
 pub mod failures;
+pub mod panes;
 pub mod variance;

@@ -2,11 +2,15 @@
 
 use umbrage::{
     Backend, Geometry, Receivers, Scene, ShadowTechnique, View,
-    metrics::Errors,
+    glam::{UVec2, Vec3},
+    metrics::{Errors, Pixel},
     techniques::{Hard, ShadowMap},
 };
 use umbrage_cpu::Cpu;
-use umbrage_examples::contact::Contact;
+use umbrage_examples::{
+    contact::Contact,
+    panes::{Glass, Panes, transmitted, window},
+};
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_tests::gpu::gpu;
 
@@ -19,7 +23,10 @@ struct Judged {
 
 impl Judged {
     fn new(name: &str) -> Self {
-        let scene = umbrage::scenes::by_argument(name).expect("a built-in scene");
+        Self::of(umbrage::scenes::by_argument(name).expect("a built-in scene"))
+    }
+
+    fn of(scene: Scene) -> Self {
         let geometry = Geometry::bake(&scene).expect("valid");
         let mut cpu = Cpu::new();
         let truth = trace(
@@ -91,4 +98,64 @@ fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
     let on_gpu = judged.mask(&mut *gpu(), &walk(60, 0.01));
     let differing = walked.iter().zip(&on_gpu).filter(|(a, b)| a != b).count();
     assert_eq!(differing, 0, "pixels that differ");
+}
+
+/// Three coloured panes in the sun, and two more behind them.
+#[test]
+fn coloured_shadows_come_near_rays_through_the_panes_and_agree_on_both_backends() {
+    let judged = Judged::of(window::scene(UVec2::new(320, 180)).expect("valid"));
+    let scene = &judged.scene;
+    let through = |glass| transmitted(scene, judged.receivers(), glass).expect("valid");
+    // Rays through panes that let nothing through are those of the truth that all other techniques are compared with.
+    let of_opaque = window::GLASS.map(|glass| Glass {
+        transmittance: Vec3::ZERO,
+        ..glass
+    });
+    let pixels = &judged.truth.pixels;
+    for (i, share) in through(&of_opaque).into_iter().enumerate() {
+        if pixels[i] == Pixel::Counted {
+            assert_eq!(share, Vec3::splat(judged.truth.visibility[i]), "pixel {i}");
+        }
+    }
+    let truth = through(&window::GLASS);
+    let map = ShadowMap {
+        size: 1024,
+        ..ShadowMap::default()
+    };
+    let panes = |colour, glass, dithered| Panes {
+        map,
+        radius: 1,
+        glass,
+        colour,
+        dithered,
+    };
+    // Spoilt: each pane has the colour of its neighbour.
+    let [red, green, blue] = window::GLASS.map(|glass| glass.transmittance);
+    let mut swapped = window::GLASS;
+    for (glass, other) in swapped.iter_mut().zip([green, blue, red]) {
+        glass.transmittance = other;
+    }
+    let mut cpu = Cpu::new();
+    let mut gpu = gpu();
+    for colour in 0..3 {
+        let wanted: Vec<f32> = truth.iter().map(|share| share[colour]).collect();
+        let error = |mask: &[f32]| {
+            let errors = Errors::measure(judged.truth.size, mask, &wanted, pixels);
+            errors.expect("valid").rmse
+        };
+        let opaque = error(&judged.mask(&mut cpu, &Hard { map }));
+        let spoilt = error(&judged.mask(&mut cpu, &panes(colour, swapped, false)));
+        for dithered in [false, true] {
+            let technique = panes(colour, window::GLASS, dithered);
+            let mask = judged.mask(&mut cpu, &technique);
+            let found = error(&mask);
+            assert!(
+                found < 0.5 * opaque.min(spoilt),
+                "colour {colour}, holes {dithered}: {found}; {opaque} of opaque panes, {spoilt} of others' colours"
+            );
+            let on_gpu = judged.mask(&mut *gpu, &technique);
+            let differing = mask.iter().zip(&on_gpu).filter(|(a, b)| a != b).count();
+            assert_eq!(differing, 0, "pixels that differ, colour {colour}");
+        }
+    }
 }

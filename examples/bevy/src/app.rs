@@ -1,6 +1,8 @@
 //! A program of Bevy's without a window: one scene, one sun, one picture.
 
-use crate::plugin::{Casts, MaskOf, MaskedMaterial, ReadsMask, Shadows, UmbragePlugin};
+use crate::plugin::{
+    AngularDiameter, Casts, MaskOf, MaskedMaterial, ReadsMask, Shadows, UmbragePlugin,
+};
 use anyhow::{Result, ensure};
 use bevy::{
     a11y::AccessibilityPlugin,
@@ -230,7 +232,11 @@ fn mask_image(size: UVec2) -> Image {
 }
 
 fn spawn_sun(world: &mut World, scene: &Scene, source: &ShadowSource) -> Result<()> {
-    let Some(Light::Directional { direction, .. }) = scene.lights.first() else {
+    let Some(Light::Directional {
+        direction,
+        angular_diameter,
+    }) = scene.lights.first()
+    else {
         anyhow::bail!("scene `{}`: its first light is no sun", scene.name);
     };
     let along = Vec3::from_array(direction.to_array());
@@ -249,7 +255,12 @@ fn spawn_sun(world: &mut World, scene: &Scene, source: &ShadowSource) -> Result<
         cascades.num_cascades = bevy.cascades;
         cascades.maximum_distance = bevy.far;
     }
-    world.spawn((light, cascades.build(), place));
+    world.spawn((
+        light,
+        cascades.build(),
+        place,
+        AngularDiameter(*angular_diameter),
+    ));
     Ok(())
 }
 

@@ -8,9 +8,14 @@ use anyhow::{Context as _, Result};
 use app::{BevyShadows, Program, ShadowSource};
 use bevy::light::ShadowFilteringMethod as Filter;
 use clap::Parser;
-use std::{fmt::Write as _, fs, path::PathBuf, sync::Arc};
+use std::{
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 use umbrage::{
-    Geometry, Layout, Scene, ShadowTechnique,
+    Cascades, Fit, Geometry, Layout, Scene, ShadowTechnique,
     cpu::Cpu,
     metrics::{Pixel, ReferenceMask},
     techniques::{Exact, Pcf, Pcss, ShadowMap},
@@ -134,11 +139,11 @@ impl Judged {
             let file = format!(
                 "{}.{}.png",
                 self.scene.name,
-                label.replace([' ', ',', '/'], "-")
+                label.replace(", ", "-").replace(' ', "-")
             );
-            save(folder.join(file), truth, &mask)?;
+            save(&folder.join(file), truth, &pixels, &mask)?;
             let file = format!("{}.truth.png", self.scene.name);
-            save(folder.join(file), truth, &truth.visibility)?;
+            save(&folder.join(file), truth, &pixels, &truth.visibility)?;
         }
         Ok(format!(
             "| `{}` | {label} | {:.3} | {:.2} | {:.2} | {milliseconds:.0} | {:.0} |",
@@ -150,102 +155,145 @@ impl Judged {
         ))
     }
 
-    /// Returns the settings that are played: Bevy's default and what changes it, then the library's.
+    /// Returns the settings that are played, with their names in the table.
     fn settings(&self) -> Vec<(String, ShadowSource)> {
         let distances = self.truth.receivers.distance.iter().copied();
         let farthest = distances.fold(0.0, f32::max);
-        let default = BevyShadows {
-            size: 2048,
-            cascades: 4,
-            far: 150.0,
-            filter: Filter::Gaussian,
-            soft: None,
-            contact: false,
-        };
-        let reaching = BevyShadows {
-            far: farthest,
-            ..default
-        };
-        let bevy = |label: &str, settings| (format!("Bevy, {label}"), ShadowSource::Bevy(settings));
         let is_soft = !self.scene.lights[0].is_ideal();
-        let mut all = vec![bevy("default", default), bevy("far as seen", reaching)];
-        if is_soft {
-            for soft in [3.0, 10.0, 30.0] {
-                let settings = BevyShadows {
-                    soft: Some(soft),
-                    ..reaching
-                };
-                all.push(bevy(&format!("far as seen, soft {soft}"), settings));
-            }
-        } else {
-            let filter = |filter| BevyShadows { filter, ..reaching };
-            all.extend([
-                bevy("far as seen, hardware 2x2", filter(Filter::Hardware2x2)),
-                bevy("far as seen, temporal", filter(Filter::Temporal)),
-                bevy(
-                    "far as seen, 1024",
-                    BevyShadows {
-                        size: 1024,
-                        ..reaching
-                    },
-                ),
-                bevy(
-                    "far as seen, contact shadows",
-                    BevyShadows {
-                        contact: true,
-                        ..reaching
-                    },
-                ),
-            ]);
+        let mut all = Vec::new();
+        for (label, settings) in bevy_settings(farthest, is_soft) {
+            all.push((format!("Bevy, {label}"), ShadowSource::Bevy(settings)));
         }
-        let cascades = ShadowMap {
-            size: 2048,
-            layout: Layout::Cascades(umbrage::Cascades::default()),
-            ..ShadowMap::default()
-        };
-        let pcf = |map| -> Arc<dyn ShadowTechnique> { Arc::new(Pcf { map, radius: 1 }) };
-        let mut ours: Vec<(&str, Arc<dyn ShadowTechnique>)> = Vec::new();
-        if is_soft {
-            ours.push((
-                "pcss, 4 cascades of 2048",
-                Arc::new(Pcss {
-                    map: cascades,
-                    ..Pcss::default()
-                }),
-            ));
-        } else {
-            ours.push(("pcf 3x3, 4 cascades of 2048", pcf(cascades)));
-            ours.push((
-                "pcf 3x3, 4 cascades of 1024",
-                pcf(ShadowMap {
-                    size: 1024,
-                    ..cascades
-                }),
-            ));
-            ours.push(("exact", Arc::new(Exact::default())));
-        }
-        for (label, technique) in ours {
-            all.push((
-                format!("umbrage, {label}"),
-                ShadowSource::Umbrage(Arc::clone(&technique), true),
-            ));
-            all.push((
-                format!("umbrage, {label}, still"),
-                ShadowSource::Umbrage(technique, false),
-            ));
+        for (label, technique) in umbrage_settings(farthest, is_soft) {
+            let anew = ShadowSource::Umbrage(Arc::clone(&technique), true);
+            all.push((format!("umbrage, {label}"), anew));
+            let kept = ShadowSource::Umbrage(technique, false);
+            all.push((format!("umbrage, {label}, nothing moves"), kept));
         }
         all
     }
 }
 
-fn save(path: PathBuf, truth: &Truth, mask: &[f32]) -> Result<()> {
-    let bytes: Vec<u8> = mask.iter().map(|v| (v * 255.0).round() as u8).collect();
-    image::save_buffer(
-        path,
-        &bytes,
-        truth.size.x,
-        truth.size.y,
-        image::ColorType::L8,
-    )?;
+/// Returns Bevy's default, and the settings that might better it in a view that ends `farthest` metres away.
+fn bevy_settings(farthest: f32, is_soft: bool) -> Vec<(String, BevyShadows)> {
+    let default = BevyShadows {
+        size: 2048,
+        cascades: 4,
+        far: 150.0,
+        filter: Filter::Gaussian,
+        soft: None,
+        contact: false,
+    };
+    let reaching = BevyShadows {
+        far: farthest,
+        ..default
+    };
+    let mut all = vec![
+        ("default".to_owned(), default),
+        ("as far as is seen".to_owned(), reaching),
+    ];
+    if is_soft {
+        // The unit of Bevy's setting is none of length or angle, so several values are tried.
+        for soft in [3.0, 10.0, 30.0] {
+            let settings = BevyShadows {
+                soft: Some(soft),
+                ..reaching
+            };
+            all.push((format!("as far as is seen, soft {soft}"), settings));
+        }
+        return all;
+    }
+    let two_by_two = BevyShadows {
+        filter: Filter::Hardware2x2,
+        ..reaching
+    };
+    let temporal = BevyShadows {
+        filter: Filter::Temporal,
+        ..reaching
+    };
+    let small = BevyShadows {
+        size: 1024,
+        ..reaching
+    };
+    let contact = BevyShadows {
+        contact: true,
+        ..reaching
+    };
+    all.push(("as far as is seen, hardware 2x2".to_owned(), two_by_two));
+    all.push(("as far as is seen, temporal".to_owned(), temporal));
+    all.push(("as far as is seen, 1024".to_owned(), small));
+    all.push(("as far as is seen, contact shadows".to_owned(), contact));
+    all
+}
+
+/// Returns the library's settings: cascades as Bevy's, which don't shimmer while the camera moves, the same fitted tightly, and `exact`.
+fn umbrage_settings(farthest: f32, is_soft: bool) -> Vec<(&'static str, Arc<dyn ShadowTechnique>)> {
+    let tight = ShadowMap {
+        size: 2048,
+        layout: Layout::Cascades(Cascades::default()),
+        ..ShadowMap::default()
+    };
+    let stable = ShadowMap {
+        fit: Fit::Stable { range: farthest },
+        ..tight
+    };
+    if is_soft {
+        let pcss = |map| -> Arc<dyn ShadowTechnique> {
+            Arc::new(Pcss {
+                map,
+                ..Pcss::default()
+            })
+        };
+        return vec![
+            ("pcss, 4 stable cascades of 2048", pcss(stable)),
+            ("pcss, 4 cascades of 2048", pcss(tight)),
+        ];
+    }
+    let pcf = |map| -> Arc<dyn ShadowTechnique> { Arc::new(Pcf { map, radius: 1 }) };
+    let small = ShadowMap {
+        size: 1024,
+        ..tight
+    };
+    vec![
+        ("pcf 3x3, 4 stable cascades of 2048", pcf(stable)),
+        ("pcf 3x3, 4 cascades of 2048", pcf(tight)),
+        ("pcf 3x3, 4 cascades of 1024", pcf(small)),
+        ("exact", Arc::new(Exact::default())),
+    ]
+}
+
+/// Lit and in shadow, and where the difference lies.
+const SHADOW_TOO_MUCH: [f32; 3] = [0.0, 90.0, 220.0];
+const LIGHT_TOO_MUCH: [f32; 3] = [230.0, 120.0, 0.0];
+/// Pixels that don't count.
+const NOT_COUNTED: [u8; 3] = [150, 150, 150];
+
+/// Writes a mask, and beside it where it differs from truth: blue is shadow too much, orange light too much, grey counts nowhere.
+fn save(path: &Path, truth: &Truth, pixels: &[Pixel], mask: &[f32]) -> Result<()> {
+    let mut shown = Vec::with_capacity(3 * mask.len());
+    let mut errors = Vec::with_capacity(3 * mask.len());
+    for (i, &lit) in mask.iter().enumerate() {
+        if pixels[i] != Pixel::Counted {
+            shown.extend(NOT_COUNTED);
+            errors.extend(NOT_COUNTED);
+            continue;
+        }
+        let grey = (lit * 255.0).round() as u8;
+        shown.extend([grey; 3]);
+        let difference = lit - truth.visibility[i];
+        let colour = if difference < 0.0 {
+            SHADOW_TOO_MUCH
+        } else {
+            LIGHT_TOO_MUCH
+        };
+        let share = difference.abs();
+        for channel in colour {
+            errors.push((255.0 + (channel - 255.0) * share).round() as u8);
+        }
+    }
+    let size = truth.size;
+    image::save_buffer(path, &shown, size.x, size.y, image::ColorType::Rgb8)?;
+    let beside = path.with_extension("error.png");
+    image::save_buffer(beside, &errors, size.x, size.y, image::ColorType::Rgb8)?;
     Ok(())
 }

@@ -3,6 +3,8 @@
 //! Between the prepass and the main pass a [`LightSet`] draws the maps from the vertex buffers that Bevy has, and a mask from Bevy's
 //! depth and normals; the material reads the mask into `directional_shadow_factor`. Bevy multiplies that in only where the sun's own
 //! shadow maps are on: so they are on, and nothing is drawn into them ([`NotShadowCaster`]).
+//!
+//! It serves one sun and one camera. Casters are opaque meshes of triangle lists that no skin, morph or shader of the program's moves.
 
 use bevy::{
     asset::{AssetId, embedded_asset},
@@ -33,8 +35,9 @@ use std::{ops::Range, sync::Arc};
 use umbrage::{
     Aabb, BackendError, Camera, Light, ShadowTechnique, glam,
     wgpu::{
-        CasterMesh, DepthBuffer, LightId, LightSet, LightSetOptions, MaskFormat, MaskInputs,
-        NormalCoding, PositionFormat, SetFrame, SetLight, SetNormals, SetReceivers, VertexLayout,
+        CasterMesh, DepthBuffer, Indices, LightId, LightSet, LightSetOptions, MaskFormat,
+        MaskInputs, NormalCoding, PositionFormat, SetFrame, SetLight, SetNormals, SetReceivers,
+        VertexLayout,
     },
 };
 
@@ -58,6 +61,10 @@ pub struct Casts;
 #[derive(Component, Clone, Debug)]
 #[require(DepthPrepass, NormalPrepass)]
 pub struct MaskOf(pub Handle<Image>);
+
+/// On a sun: how wide it is in the sky, radians. Without it the sun is a point.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct AngularDiameter(pub f32);
 
 /// What the material needs besides the standard one's.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
@@ -112,8 +119,14 @@ impl Plugin for UmbragePlugin {
 #[derive(Resource, Default)]
 struct SeenScene {
     casters: Vec<SeenCaster>,
-    direction: Option<Vec3>,
+    sun: Option<SeenSun>,
     mask: Option<AssetId<Image>>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+struct SeenSun {
+    direction: Vec3,
+    angular_diameter: f32,
 }
 
 #[derive(Clone, PartialEq)]
@@ -127,7 +140,13 @@ struct SeenCaster {
 fn extract(
     mut seen: ResMut<SeenScene>,
     casters: Extract<Query<(&Mesh3d, &GlobalTransform, &BevyAabb), With<Casts>>>,
-    suns: Extract<Query<(&DirectionalLight, &GlobalTransform)>>,
+    suns: Extract<
+        Query<(
+            &DirectionalLight,
+            &GlobalTransform,
+            Option<&AngularDiameter>,
+        )>,
+    >,
     cameras: Extract<Query<&MaskOf>>,
 ) {
     seen.casters.clear();
@@ -138,8 +157,11 @@ fn extract(
             center: bounds.center.into(),
             half_extents: bounds.half_extents.into(),
         }));
-    let sun = suns.iter().find(|(sun, _)| sun.shadow_maps_enabled);
-    seen.direction = sun.map(|(_, place)| place.forward().into());
+    let sun = suns.iter().find(|(sun, ..)| sun.shadow_maps_enabled);
+    seen.sun = sun.map(|(_, place, diameter)| SeenSun {
+        direction: place.forward().into(),
+        angular_diameter: diameter.map_or(0.0, |diameter| diameter.0),
+    });
     seen.mask = cameras.iter().next().map(|mask| mask.0.id());
 }
 
@@ -154,18 +176,35 @@ pub struct Shadows {
 struct Made {
     set: LightSet,
     light: LightId,
-    direction: Vec3,
+    sun: SeenSun,
     casters: Vec<SeenCaster>,
-    /// Where the vertices of each caster lie.
-    places: Vec<Range<u32>>,
+    places: Vec<MeshPlace>,
+}
+
+/// Where a caster's vertices and indices lie in Bevy's buffers.
+#[derive(PartialEq)]
+struct MeshPlace {
+    vertices: Option<Range<u32>>,
+    indices: Option<Range<u32>>,
+}
+
+impl MeshPlace {
+    fn of(mesh: &AssetId<Mesh>, allocator: &MeshAllocator) -> Self {
+        let vertices = allocator.mesh_vertex_slice(mesh);
+        let indices = allocator.mesh_index_slice(mesh);
+        Self {
+            vertices: vertices.map(|slice| slice.range),
+            indices: indices.map(|slice| slice.range),
+        }
+    }
 }
 
 impl Shadows {
-    /// Returns the bytes of maps and mask.
+    /// Returns the bytes of maps and masks, and of what the prepass draws for them. Lists of casters are not among them.
     pub fn bytes(&self, size: UVec2) -> u64 {
         let maps = self.made.as_ref().map_or(0, |made| made.set.map_bytes());
-        // The mask, and the copy that the material reads.
-        maps + 2 * 4 * u64::from(size.x) * u64::from(size.y)
+        // Depth and normals of the prepass, the mask, and the copy of it that the material reads: four bytes each.
+        maps + 4 * 4 * u64::from(size.x) * u64::from(size.y)
     }
 }
 
@@ -174,12 +213,12 @@ impl Made {
     fn new(
         technique: &Arc<dyn ShadowTechnique>,
         seen: &SeenScene,
-        direction: Vec3,
-        places: Vec<Range<u32>>,
+        sun: SeenSun,
+        places: Vec<MeshPlace>,
         meshes: &RenderAssets<RenderMesh>,
         allocator: &MeshAllocator,
         device: &RenderDevice,
-    ) -> Result<Option<Self>, BackendError> {
+    ) -> std::result::Result<Option<Self>, BackendError> {
         let mut set = LightSet::new(device.wgpu_device(), LightSetOptions::default())?;
         for caster in &seen.casters {
             let slice = allocator.mesh_vertex_slice(&caster.mesh);
@@ -188,6 +227,18 @@ impl Made {
             };
             let corner = caster.center - caster.half_extents;
             let opposite = caster.center + caster.half_extents;
+            let index_slice = allocator.mesh_index_slice(&caster.mesh);
+            let indices = match (&index_slice, mesh.index_format()) {
+                (Some(slice), Some(format)) => Some(Indices {
+                    buffer: slice.buffer,
+                    format,
+                }),
+                _ => None,
+            };
+            let (range, base_vertex) = match index_slice {
+                Some(indexed) => (indexed.range, slice.range.start as i32),
+                None => (slice.range, 0),
+            };
             let mesh = set.add_mesh(&CasterMesh {
                 label: "mesh of Bevy's",
                 vertices: slice.buffer,
@@ -197,9 +248,9 @@ impl Made {
                     stride: mesh.layout.0.layout().array_stride,
                     position_offset: 0,
                 },
-                indices: None,
-                range: slice.range.clone(),
-                base_vertex: 0,
+                indices,
+                range,
+                base_vertex,
                 bounds: Aabb {
                     min: corner.to_array().into(),
                     max: opposite.to_array().into(),
@@ -208,24 +259,24 @@ impl Made {
             set.add_caster(mesh, affine(&caster.world_from_local))?;
         }
         let light = set.add_light(SetLight {
-            light: sun(direction),
+            light: light_of(&sun),
             technique: Arc::clone(technique),
             priority: 1.0,
         })?;
         Ok(Some(Self {
             set,
             light,
-            direction,
+            sun,
             casters: seen.casters.clone(),
             places,
         }))
     }
 }
 
-fn sun(direction: Vec3) -> Light {
+fn light_of(sun: &SeenSun) -> Light {
     Light::Directional {
-        direction: direction.to_array().into(),
-        angular_diameter: 0.0,
+        direction: sun.direction.to_array().into(),
+        angular_diameter: sun.angular_diameter,
     }
 }
 
@@ -249,44 +300,37 @@ fn draw_masks(
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
     mut ctx: RenderContext,
-) {
+) -> Result {
     let (view, prepass) = view.into_inner();
-    let (Some(direction), Some(mask)) = (seen.direction, seen.mask) else {
-        return;
+    let (Some(sun), Some(mask)) = (seen.sun, seen.mask) else {
+        return Ok(());
     };
     let (Some(depth), Some(normal)) = (prepass.depth_only_view(), prepass.normal_view()) else {
-        return;
+        return Ok(());
     };
     let Some(mask) = images.get(mask) else {
-        return;
+        return Ok(());
     };
-    let place = |caster: &SeenCaster| {
-        let slice = allocator.mesh_vertex_slice(&caster.mesh);
-        slice.map_or(0..0, |slice| slice.range)
-    };
-    let places: Vec<Range<u32>> = seen.casters.iter().map(place).collect();
+    let place = |caster: &SeenCaster| MeshPlace::of(&caster.mesh, &allocator);
+    let places: Vec<MeshPlace> = seen.casters.iter().map(place).collect();
     let moved_buffers = allocator.meshes_displaced_by_slab_growth().next().is_some();
     let is_stale = shadows.made.as_ref().is_none_or(|made| {
-        moved_buffers
-            || made.casters != seen.casters
-            || made.places != places
-            || made.direction != direction
+        moved_buffers || made.casters != seen.casters || made.places != places || made.sun != sun
     });
     if is_stale {
-        let made = Made::new(
+        shadows.made = Made::new(
             &shadows.technique,
             &seen,
-            direction,
+            sun,
             places,
             &meshes,
             &allocator,
             &device,
-        );
-        shadows.made = made.expect("meshes can be drawn from Bevy's buffers");
+        )?;
     }
     let draws_all_again = shadows.draws_all_again;
     let Some(made) = &mut shadows.made else {
-        return;
+        return Ok(());
     };
     let world_from_view = affine(&view.world_from_view);
     let projection = view.clip_from_view.to_cols_array();
@@ -296,7 +340,7 @@ fn draw_masks(
         size: glam::UVec2::new(view.viewport.z, view.viewport.w),
     };
     let encoder = ctx.command_encoder();
-    let drawn = made.draw(
+    let texture = made.draw(
         &camera,
         draws_all_again,
         depth,
@@ -304,8 +348,7 @@ fn draw_masks(
         &device,
         &queue,
         encoder,
-    );
-    let texture = drawn.expect("the mask can be drawn");
+    )?;
     encoder.copy_texture_to_texture(
         texture.as_image_copy(),
         mask.texture.as_image_copy(),
@@ -315,6 +358,7 @@ fn draw_masks(
             depth_or_array_layers: 1,
         },
     );
+    Ok(())
 }
 
 impl Made {
@@ -332,7 +376,7 @@ impl Made {
         device: &RenderDevice,
         queue: &RenderQueue,
         encoder: &mut wgpu::CommandEncoder,
-    ) -> Result<wgpu::Texture, BackendError> {
+    ) -> std::result::Result<wgpu::Texture, BackendError> {
         if draws_all_again {
             let everywhere = self.set.casters_box();
             self.set.touch(&everywhere)?;
