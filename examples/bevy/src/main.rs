@@ -31,6 +31,9 @@ struct Arguments {
     /// Frames that are timed for each setting, in turn with frames without shadows.
     #[arg(long, default_value_t = 7)]
     frames: usize,
+    /// Only settings whose names contain one of these texts; may be repeated.
+    #[arg(long)]
+    only: Vec<String>,
     /// Write masks and the table into this folder.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -94,6 +97,10 @@ impl Judged {
         let lit = without.picture()?;
         let mut lines = Vec::new();
         for (label, source) in self.settings() {
+            let is_wanted = arguments.only.iter().any(|text| label.contains(text));
+            if !arguments.only.is_empty() && !is_wanted {
+                continue;
+            }
             let line = self
                 .play(&label, &source, &lit, &mut without, arguments)
                 .with_context(|| format!("{}: {label}", self.scene.name))?;
