@@ -20,6 +20,7 @@ mod lists;
 mod maps;
 mod not_finite;
 mod order;
+mod others;
 mod penumbra;
 mod pictures;
 mod planning;

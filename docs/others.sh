@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# Makes the figures and pictures of docs/others.md again, into target/others, and the pictures that the page shows into docs/others.
+# Bevy is built first (examples/bevy, some 20 minutes of CPU time); `docs/others.sh --without-bevy` leaves it out.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+report=target/others
+mkdir -p "$report/presets" docs/others
+
+# One setting of contact shadows: how many pixels, how thick.
+contact() {
+  printf 'technique = "contact"\nradius = 1\npixels = %s\nthickness = %s\n\n[map]\nsize = 1024\nlayout = { cascades = { count = 4 } }\n' \
+    "$1" "$2" > "$report/presets/contact-$1-$2.preset.toml"
+}
+contact 0 0.005
+contact 60 0.002
+contact 60 0.005
+contact 60 0.02
+contact 60 0.1
+contact 240 0.005
+presets=()
+for file in "$report"/presets/*.preset.toml; do
+  presets+=(--preset "$file")
+done
+cargo run --release --example measure_others -- compare street forest valley hovering-feet thin-plate \
+  --technique contact,hard --map-sizes 1024 --deterministic --backend cpu "${presets[@]}" --out "$report/contact"
+
+# Cuts the place with the balconies out of a picture.
+crop() {
+  cargo run --quiet --release --example crop -- "$1" 60,170 "$2"
+}
+crop "$report/contact/street/truth.png" docs/others/contact.truth.png
+for setting in 0-0.005 60-0.005 60-0.1; do
+  for end in png error.png; do
+    crop "$report/contact/street/contact-$setting.cpu.$end" "docs/others/contact.$setting.$end"
+  done
+done
+
+if [[ "${1:-}" != --without-bevy ]]; then
+  cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street valley street-soft --out "$report/bevy"
+fi

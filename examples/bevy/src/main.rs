@@ -1,0 +1,306 @@
+//! Bevy's own shadows and this library's in the same Bevy scenes, judged by ray-traced truth:
+//! `cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street forest`.
+
+mod app;
+mod plugin;
+
+use anyhow::{Context as _, Result};
+use app::{BevyShadows, Program, ShadowSource};
+use bevy::light::ShadowFilteringMethod as Filter;
+use clap::Parser;
+use std::{
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+use umbrage::{
+    Cascades, Fit, Geometry, Layout, Scene, ShadowTechnique,
+    cpu::Cpu,
+    metrics::{Pixel, ReferenceMask},
+    techniques::{Exact, Pcf, Pcss, ShadowMap},
+};
+use umbrage_plan::truth::{Truth, TruthOptions, trace};
+
+/// Bevy's own shadows and this library's in the same scenes, judged by rays.
+#[derive(Parser)]
+struct Arguments {
+    /// Built-in scenes whose first light is a sun.
+    #[arg(required = true)]
+    scenes: Vec<String>,
+    /// Frames that are timed for each setting, in turn with frames without shadows.
+    #[arg(long, default_value_t = 7)]
+    frames: usize,
+    /// Only settings whose names contain one of these texts; may be repeated.
+    #[arg(long)]
+    only: Vec<String>,
+    /// Write masks and the table into this folder.
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// A scene with what is known of it.
+struct Judged {
+    scene: Scene,
+    geometry: Geometry,
+    truth: Truth,
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let mut table = String::from(
+        "| scene | shadows | RMSE | false shadow % | false light % | ms more | MiB |\n|---|---|--:|--:|--:|--:|--:|\n",
+    );
+    if let Some(folder) = &arguments.out {
+        fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
+    }
+    print!("{table}");
+    for name in &arguments.scenes {
+        let judged = Judged::new(name)?;
+        for line in judged.play_all(&arguments)? {
+            writeln!(table, "{line}")?;
+        }
+    }
+    if let Some(folder) = &arguments.out {
+        fs::write(folder.join("bevy.md"), table)?;
+    }
+    Ok(())
+}
+
+impl Judged {
+    fn new(name: &str) -> Result<Self> {
+        let scene = umbrage::scenes::by_argument(name)?;
+        let geometry = Geometry::bake(&scene)?;
+        let mut cpu = Cpu::new();
+        let options = TruthOptions {
+            samples: 256,
+            ..TruthOptions::default()
+        };
+        let truth = trace(
+            &scene.cameras[0],
+            &scene.lights[0],
+            &geometry,
+            &options,
+            &mut |camera, geometry| cpu.receivers(camera, geometry),
+            &|_, _| (),
+        )?;
+        Ok(Self {
+            scene,
+            geometry,
+            truth,
+        })
+    }
+
+    /// Plays all settings, and returns the table's lines.
+    fn play_all(&self, arguments: &Arguments) -> Result<Vec<String>> {
+        let mut without = Program::start(&self.scene, &self.geometry, &ShadowSource::Nothing)?;
+        let lit = without.picture()?;
+        let mut lines = Vec::new();
+        for (label, source) in self.settings() {
+            let is_wanted = arguments.only.iter().any(|text| label.contains(text));
+            if !arguments.only.is_empty() && !is_wanted {
+                continue;
+            }
+            let line = self
+                .play(&label, &source, &lit, &mut without, arguments)
+                .with_context(|| format!("{}: {label}", self.scene.name))?;
+            println!("{line}");
+            lines.push(line);
+        }
+        Ok(lines)
+    }
+
+    fn play(
+        &self,
+        label: &str,
+        source: &ShadowSource,
+        lit: &[f32],
+        without: &mut Program,
+        arguments: &Arguments,
+    ) -> Result<String> {
+        let mut program = Program::start(&self.scene, &self.geometry, source)?;
+        let shadowed = program.picture()?;
+        let mut pixels = self.truth.pixels.clone();
+        let mut mask = vec![1.0; lit.len()];
+        for i in 0..lit.len() {
+            // What the sun doesn't reach at all tells nothing of shadows.
+            if lit[i] < 1e-4 {
+                if pixels[i] == Pixel::Counted {
+                    pixels[i] = Pixel::Elsewhere;
+                }
+                continue;
+            }
+            mask[i] = (shadowed[i] / lit[i]).clamp(0.0, 1.0);
+        }
+        let truth = &self.truth;
+        let reference = ReferenceMask::new(truth.size, &truth.visibility, &truth.pixels)?;
+        let errors = reference.with_pixels(&pixels)?.errors(&mask)?;
+        let mut more = Vec::new();
+        for _ in 0..arguments.frames {
+            let bare = without.frame()?;
+            more.push(program.frame()? - bare);
+        }
+        more.sort_by(f64::total_cmp);
+        let milliseconds = more[more.len() / 2];
+        if let Some(folder) = &arguments.out {
+            let file = format!(
+                "{}.{}.png",
+                self.scene.name,
+                label.replace(", ", "-").replace(' ', "-")
+            );
+            save(&folder.join(file), truth, &pixels, &mask)?;
+            let file = format!("{}.truth.png", self.scene.name);
+            save(&folder.join(file), truth, &pixels, &truth.visibility)?;
+        }
+        Ok(format!(
+            "| `{}` | {label} | {:.3} | {:.2} | {:.2} | {milliseconds:.0} | {:.0} |",
+            self.scene.name,
+            errors.rmse,
+            errors.false_shadow,
+            errors.false_light,
+            program.bytes() as f64 / (1 << 20) as f64
+        ))
+    }
+
+    /// Returns the settings that are played, with their names in the table.
+    fn settings(&self) -> Vec<(String, ShadowSource)> {
+        let distances = self.truth.receivers.distance.iter().copied();
+        let farthest = distances.fold(0.0, f32::max);
+        let is_soft = !self.scene.lights[0].is_ideal();
+        let mut all = Vec::new();
+        for (label, settings) in bevy_settings(farthest, is_soft) {
+            all.push((format!("Bevy, {label}"), ShadowSource::Bevy(settings)));
+        }
+        for (label, technique) in umbrage_settings(farthest, is_soft) {
+            let anew = ShadowSource::Umbrage(Arc::clone(&technique), true);
+            all.push((format!("umbrage, {label}"), anew));
+            let kept = ShadowSource::Umbrage(technique, false);
+            all.push((format!("umbrage, {label}, nothing moves"), kept));
+        }
+        all
+    }
+}
+
+/// Returns Bevy's default, and the settings that might better it in a view that ends `farthest` metres away.
+fn bevy_settings(farthest: f32, is_soft: bool) -> Vec<(String, BevyShadows)> {
+    let default = BevyShadows {
+        size: 2048,
+        cascades: 4,
+        far: 150.0,
+        filter: Filter::Gaussian,
+        soft: None,
+        contact: false,
+    };
+    let reaching = BevyShadows {
+        far: farthest,
+        ..default
+    };
+    let mut all = vec![
+        ("default".to_owned(), default),
+        ("as far as is seen".to_owned(), reaching),
+    ];
+    if is_soft {
+        // The unit of Bevy's setting is none of length or angle, so several values are tried.
+        for soft in [3.0, 10.0, 30.0] {
+            let settings = BevyShadows {
+                soft: Some(soft),
+                ..reaching
+            };
+            all.push((format!("as far as is seen, soft {soft}"), settings));
+        }
+        return all;
+    }
+    let two_by_two = BevyShadows {
+        filter: Filter::Hardware2x2,
+        ..reaching
+    };
+    let temporal = BevyShadows {
+        filter: Filter::Temporal,
+        ..reaching
+    };
+    let small = BevyShadows {
+        size: 1024,
+        ..reaching
+    };
+    let contact = BevyShadows {
+        contact: true,
+        ..reaching
+    };
+    all.push(("as far as is seen, hardware 2x2".to_owned(), two_by_two));
+    all.push(("as far as is seen, temporal".to_owned(), temporal));
+    all.push(("as far as is seen, 1024".to_owned(), small));
+    all.push(("as far as is seen, contact shadows".to_owned(), contact));
+    all
+}
+
+/// Returns the library's settings: cascades as Bevy's, which don't shimmer while the camera moves, the same fitted tightly, and `exact`.
+fn umbrage_settings(farthest: f32, is_soft: bool) -> Vec<(&'static str, Arc<dyn ShadowTechnique>)> {
+    let tight = ShadowMap {
+        size: 2048,
+        layout: Layout::Cascades(Cascades::default()),
+        ..ShadowMap::default()
+    };
+    let stable = ShadowMap {
+        fit: Fit::Stable { range: farthest },
+        ..tight
+    };
+    if is_soft {
+        let pcss = |map| -> Arc<dyn ShadowTechnique> {
+            Arc::new(Pcss {
+                map,
+                ..Pcss::default()
+            })
+        };
+        return vec![
+            ("pcss, 4 stable cascades of 2048", pcss(stable)),
+            ("pcss, 4 cascades of 2048", pcss(tight)),
+        ];
+    }
+    let pcf = |map| -> Arc<dyn ShadowTechnique> { Arc::new(Pcf { map, radius: 1 }) };
+    let small = ShadowMap {
+        size: 1024,
+        ..tight
+    };
+    vec![
+        ("pcf 3x3, 4 stable cascades of 2048", pcf(stable)),
+        ("pcf 3x3, 4 cascades of 2048", pcf(tight)),
+        ("pcf 3x3, 4 cascades of 1024", pcf(small)),
+        ("exact", Arc::new(Exact::default())),
+    ]
+}
+
+/// Lit and in shadow, and where the difference lies.
+const SHADOW_TOO_MUCH: [f32; 3] = [0.0, 90.0, 220.0];
+const LIGHT_TOO_MUCH: [f32; 3] = [230.0, 120.0, 0.0];
+/// Pixels that don't count.
+const NOT_COUNTED: [u8; 3] = [150, 150, 150];
+
+/// Writes a mask, and beside it where it differs from truth: blue is shadow too much, orange light too much, grey counts nowhere.
+fn save(path: &Path, truth: &Truth, pixels: &[Pixel], mask: &[f32]) -> Result<()> {
+    let mut shown = Vec::with_capacity(3 * mask.len());
+    let mut errors = Vec::with_capacity(3 * mask.len());
+    for (i, &lit) in mask.iter().enumerate() {
+        if pixels[i] != Pixel::Counted {
+            shown.extend(NOT_COUNTED);
+            errors.extend(NOT_COUNTED);
+            continue;
+        }
+        let grey = (lit * 255.0).round() as u8;
+        shown.extend([grey; 3]);
+        let difference = lit - truth.visibility[i];
+        let colour = if difference < 0.0 {
+            SHADOW_TOO_MUCH
+        } else {
+            LIGHT_TOO_MUCH
+        };
+        let share = difference.abs();
+        for channel in colour {
+            errors.push((255.0 + (channel - 255.0) * share).round() as u8);
+        }
+    }
+    let size = truth.size;
+    image::save_buffer(path, &shown, size.x, size.y, image::ColorType::Rgb8)?;
+    let beside = path.with_extension("error.png");
+    image::save_buffer(beside, &errors, size.x, size.y, image::ColorType::Rgb8)?;
+    Ok(())
+}

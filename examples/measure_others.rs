@@ -1,0 +1,13 @@
+//! `compare`, `stability` and `plan` with the techniques that others have and the library has not, as prototypes beside its own:
+//! `cargo run --release --example measure_others -- compare street --technique contact,hard,pcf`.
+
+use std::process::ExitCode;
+use umbrage::Invalid;
+use umbrage_cli::Program;
+use umbrage_examples::contact::Contact;
+use umbrage_techniques::TechniqueEntry;
+
+fn main() -> Result<ExitCode, Invalid> {
+    let program = Program::default().with(TechniqueEntry::of::<Contact>())?;
+    Ok(program.run())
+}

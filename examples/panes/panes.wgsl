@@ -1,0 +1,49 @@
+// Twin of `PanesKernel` in mod.rs.
+
+struct PanesUniforms {
+    lookup: ShadowMapUniforms,
+    transmittance: vec4f,
+    radius: i32,
+    dithered: u32,
+}
+
+// Returns 1 if the receiver is before what is stored, else 0: `tap` for an image that is not the first.
+fn is_before(stored: f32, l: ShadowCoord, at: vec2i, is_beside: bool) -> bool {
+    let is_lit = depth_at(l, at.x, at.y) <= stored;
+    return is_lit | is_lit_beside(is_beside);
+}
+
+fn through(is_before: bool, at: vec2i, pane: u32) -> f32 {
+    if is_before {
+        return 1.0;
+    }
+    let transmittance = kernel.transmittance[pane];
+    if kernel.dithered == 0u {
+        return transmittance;
+    }
+    let bits = seed(u32(at.x), u32(at.y) + pane * 65536u);
+    let noise = f32(bits >> 8u) / 16777216.0;
+    return select(0.0, 1.0, noise < transmittance);
+}
+
+fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
+    let radius = kernel.radius;
+    let x = i32(floor(l.texel.x));
+    let y = i32(floor(l.texel.y));
+    let size = size_0().x;
+    var lit = 0.0;
+    for (var dy = -radius; dy <= radius; dy++) {
+        for (var dx = -radius; dx <= radius; dx++) {
+            let at = vec2i(x + dx, y + dy);
+            let nearest = clamp(at, vec2i(0), vec2i(size - 1));
+            let is_beside = any(at != nearest);
+            var share = tap(size, l, at.x, at.y);
+            share = share * through(is_before(load_1(nearest, l.layer).x, l, at, is_beside), at, 0u);
+            share = share * through(is_before(load_2(nearest, l.layer).x, l, at, is_beside), at, 1u);
+            share = share * through(is_before(load_3(nearest, l.layer).x, l, at, is_beside), at, 2u);
+            lit = lit + share;
+        }
+    }
+    let side = f32(2 * radius + 1);
+    return lit / (side * side);
+}
