@@ -24,7 +24,9 @@ import time
 
 from PIL import Image, ImageChops, ImageStat
 
-import goldens
+# No folder of compiled scripts beside the viewer's sources.
+sys.dont_write_bytecode = True
+import goldens  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WIDTH, HEIGHT = 1280, 720
