@@ -670,7 +670,8 @@ def main():
     kept = goldens.Goldens(options.bless, options.out)
     messages(program)
     display = f":{random.randrange(90, 990)}"
-    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "3840x2160x24"], stderr=subprocess.DEVNULL)
+    # Without a reset: as its last window closes it would begin anew, and refuse the next one meanwhile.
+    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "3840x2160x24", "-noreset"], stderr=subprocess.DEVNULL)
     os.environ["DISPLAY"] = display
     time.sleep(1)
     parts = {

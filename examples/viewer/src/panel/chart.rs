@@ -105,7 +105,7 @@ fn plot(app: &App, ui: &mut egui::Ui) {
         .y_axis_label("RMSE")
         .x_axis_formatter(powers)
         .y_axis_formatter(powers)
-        .x_grid_spacer(|_| decades(-3..=4))
+        .x_grid_spacer(|input| within(decades(-3..=4), input.bounds))
         .y_grid_spacer(|_| decades(-4..=0))
         .allow_scroll(false)
         .allow_drag(false)
@@ -178,4 +178,15 @@ fn decades(range: std::ops::RangeInclusive<i32>) -> Vec<egui_plot::GridMark> {
             step_size: 1.0,
         })
         .collect()
+}
+
+/// Keeps the grid lines whose numbers, in the middle below them, do not stick out of the chart: the panel would get wider, or cut them.
+fn within(
+    mut marks: Vec<egui_plot::GridMark>,
+    (least, most): (f64, f64),
+) -> Vec<egui_plot::GridMark> {
+    // Half of the widest number, `10000`, is 20 of the chart's 260 points.
+    let margin = 0.08 * (most - least);
+    marks.retain(|mark| least + margin < mark.value && mark.value < most - margin);
+    marks
 }
