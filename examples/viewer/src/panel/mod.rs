@@ -43,7 +43,10 @@ pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
     if is_folded(app, ui.ctx()) {
         return;
     }
+    // The window's background, which costs nothing, is the panel's: see `App::clear_color`.
+    let frame = egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT);
     let panel = egui::Panel::left("panel")
+        .frame(frame)
         .default_size(WIDTH)
         .size_range(WIDTH..=520.0)
         .show(ui, |ui| {
