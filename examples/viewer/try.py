@@ -24,7 +24,9 @@ import time
 
 from PIL import Image, ImageChops, ImageStat
 
-import goldens
+# No folder of compiled scripts beside the viewer's sources.
+sys.dont_write_bytecode = True
+import goldens  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WIDTH, HEIGHT = 1280, 720
@@ -668,7 +670,8 @@ def main():
     kept = goldens.Goldens(options.bless, options.out)
     messages(program)
     display = f":{random.randrange(90, 990)}"
-    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "3840x2160x24"], stderr=subprocess.DEVNULL)
+    # Without a reset: as its last window closes it would begin anew, and refuse the next one meanwhile.
+    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "3840x2160x24", "-noreset"], stderr=subprocess.DEVNULL)
     os.environ["DISPLAY"] = display
     time.sleep(1)
     parts = {

@@ -553,6 +553,16 @@ impl eframe::App for App {
         }
     }
 
+    /// Returns the panel's colour, as the window stores it. Painted by the panel's own shader it took a third of a frame of a large scene
+    /// on a software driver.
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        if self.render.target_format.is_srgb() {
+            egui::Rgba::from(visuals.panel_fill).to_array()
+        } else {
+            visuals.panel_fill.to_normalized_gamma_f32()
+        }
+    }
+
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         if self.stage.is_nothing() {
             // What was kept stays.

@@ -202,6 +202,9 @@ impl App {
                 self.renderer = renderer;
                 self.path = path;
                 self.figures.forget();
+                // It was of the old scene.
+                self.plan_job.cancel();
+                self.plan = None;
                 self.message = note.or_else(|| self.message.take());
                 self.touch();
             }

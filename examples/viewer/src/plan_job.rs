@@ -65,8 +65,7 @@ mod thread {
             request: PlanRequest,
             wake: impl Fn() + Send + Sync + 'static,
         ) {
-            self.cancel.cancel();
-            *self = Self::default();
+            self.cancel();
             *locked(&self.state) = PlanState::begun();
             let (state, cancel) = (self.state.clone(), self.cancel.clone());
             std::thread::spawn(move || {
@@ -83,9 +82,10 @@ mod thread {
             });
         }
 
-        /// Calls off what is being made.
+        /// Calls off what is being made: its outcome is dropped.
         pub(crate) fn cancel(&mut self) {
             self.cancel.cancel();
+            *self = Self::default();
         }
 
         /// What the planner is at, in words; none while it rests.

@@ -45,12 +45,17 @@ impl Tool<'_> {
             install.args(self.options);
             run(install.args(how).arg("--root").arg(&tools))
         };
-        // Mirrors of crates.io may lack what was locked.
-        install(&["--force", "--locked"])
-            .or_else(|_| install(&["--force"]))
-            .with_context(|| {
+        if let Err(error) = install(&["--force", "--locked"]) {
+            // Mirrors of crates.io may lack what was locked.
+            println!(
+                "{error:#}, as told above; trying again with the newest releases of what {program} depends on instead of those it was \
+                 locked to"
+            );
+            install(&["--force"]).with_context(|| {
                 format!("put {program} {version} on the PATH by hand, or connect to crates.io")
             })?;
+            println!("{program} {version} is installed");
+        }
         Ok(own)
     }
 }

@@ -91,21 +91,15 @@ fn point(milliseconds: f64, error: f64) -> [f64; 2] {
 
 fn plot(app: &App, ui: &mut egui::Ui) {
     let motion = app.settings.motion;
-    let powers = |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| {
-        let value = 10_f64.powf(mark.value);
-        if value >= 1.0 {
-            format!("{value:.0}")
-        } else {
-            format!("{value}")
-        }
-    };
+    let powers =
+        |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| power_of_ten(mark.value);
     Plot::new("speed against accuracy")
         .height(190.0)
         .x_axis_label("ms: circles by counts, crosses measured")
         .y_axis_label("RMSE")
         .x_axis_formatter(powers)
         .y_axis_formatter(powers)
-        .x_grid_spacer(|_| decades(-3..=4))
+        .x_grid_spacer(|input| within(decades(-3..=4), input.bounds))
         .y_grid_spacer(|_| decades(-4..=0))
         .allow_scroll(false)
         .allow_drag(false)
@@ -178,4 +172,28 @@ fn decades(range: std::ops::RangeInclusive<i32>) -> Vec<egui_plot::GridMark> {
             step_size: 1.0,
         })
         .collect()
+}
+
+/// Returns how the number with this logarithm is written.
+fn power_of_ten(logarithm: f64) -> String {
+    let value = 10_f64.powf(logarithm);
+    if value >= 1.0 {
+        format!("{value:.0}")
+    } else {
+        format!("{value}")
+    }
+}
+
+/// Keeps the grid lines whose numbers, which stand below their middles, do not stick out of the chart: they would be cut off.
+fn within(
+    mut marks: Vec<egui_plot::GridMark>,
+    (least, most): (f64, f64),
+) -> Vec<egui_plot::GridMark> {
+    // Half of a digit has 3.5 of the chart's 260 points.
+    let half_digit = 0.0135 * (most - least);
+    marks.retain(|mark| {
+        let half = half_digit * power_of_ten(mark.value).len() as f64;
+        least + half < mark.value && mark.value < most - half
+    });
+    marks
 }

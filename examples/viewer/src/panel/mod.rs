@@ -13,8 +13,8 @@ use crate::{
 };
 use umbrage::scenes;
 
-/// Points.
-const WIDTH: f32 = 310.0;
+/// The panel's width until the user drags its edge, and the least, points: its longest lines fit, so that no text moves the edge.
+const WIDTH: f32 = 346.0;
 /// Windows less wide than this begin with the panel folded, since it would cover the picture: pixels divided by the display's scale
 /// factor.
 const NARROW: f32 = 700.0;
@@ -33,13 +33,9 @@ pub(crate) fn fold(app: &mut App, ctx: &egui::Context) {
     app.panel_is_folded = Some(!is_folded(app, ctx));
 }
 
-/// Returns how far the picture's middle is right of the window's, points.
-fn beside(app: &App, ctx: &egui::Context) -> f32 {
-    if is_folded(app, ctx) {
-        0.0
-    } else {
-        0.5 * WIDTH
-    }
+/// Returns how far the middle of the picture is right of the window's, points.
+fn beside(picture: egui::Rect, ctx: &egui::Context) -> f32 {
+    picture.center().x - ctx.viewport_rect().center().x
 }
 
 /// Draws the panel, unless it is folded.
@@ -47,9 +43,12 @@ pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
     if is_folded(app, ui.ctx()) {
         return;
     }
+    // The window's background, which costs nothing, is the panel's: see `App::clear_color`.
+    let frame = egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT);
     let panel = egui::Panel::left("panel")
+        .frame(frame)
         .default_size(WIDTH)
-        .size_range(220.0..=520.0)
+        .size_range(WIDTH..=520.0)
         .show(ui, |ui| {
             egui::ScrollArea::vertical()
                 .auto_shrink(false)
@@ -231,7 +230,7 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
         egui::Window::new("message")
             .title_bar(false)
             .resizable(false)
-            .anchor(egui::Align2::CENTER_BOTTOM, [beside(app, ui.ctx()), up])
+            .anchor(egui::Align2::CENTER_BOTTOM, [beside(rect, ui.ctx()), up])
             .show(ui.ctx(), |ui| {
                 ui.set_max_width(0.7 * rect.width());
                 ui.horizontal(|ui| {
@@ -249,7 +248,7 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
 
 /// Shows the keys.
 fn help(app: &mut App, ui: &egui::Ui) {
-    let middle = beside(app, ui.ctx());
+    let middle = beside(ui.max_rect(), ui.ctx());
     let is_narrow = is_narrow(ui.ctx());
     let keys = |ui: &mut egui::Ui| {
         if is_narrow {
@@ -310,10 +309,11 @@ fn loading(app: &mut App, ui: &egui::Ui) -> bool {
     let Some(at) = app.loader.at() else {
         return false;
     };
+    let middle = beside(ui.max_rect(), ui.ctx());
     egui::Window::new("loading")
         .title_bar(false)
         .resizable(false)
-        .anchor(egui::Align2::CENTER_BOTTOM, [beside(app, ui.ctx()), -16.0])
+        .anchor(egui::Align2::CENTER_BOTTOM, [middle, -16.0])
         .show(ui.ctx(), |ui| {
             ui.horizontal(|ui| {
                 ui.label(at);

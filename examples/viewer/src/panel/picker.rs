@@ -172,15 +172,13 @@ pub(crate) fn show(app: &mut App, ui: &egui::Ui) {
     };
     let mut taken = None;
     let mut is_open = true;
+    let middle = super::beside(ui.max_rect(), ui.ctx());
     egui::Window::new(picker.title())
         .id(egui::Id::unique("picker"))
         .open(&mut is_open)
         .resizable(false)
         .collapsible(false)
-        .anchor(
-            egui::Align2::CENTER_TOP,
-            [super::beside(app, ui.ctx()), 40.0],
-        )
+        .anchor(egui::Align2::CENTER_TOP, [middle, 40.0])
         .show(ui.ctx(), |ui| {
             let window = ui.ctx().viewport_rect().width();
             ui.set_width((window - 32.0).min(430.0));
