@@ -4,7 +4,8 @@ use crate::Files;
 use std::path::Path;
 use umbrage_core::Invalid;
 
-/// Why there is no scene: what is wrong, where, and how to help.
+/// Why there is no scene: what is wrong, where, and how to help. Each tells all of it itself and has no source, so that reports of
+/// chains of errors don't tell it twice.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
     /// A file that can't be opened or read.
@@ -38,12 +39,12 @@ pub enum SceneError {
         help: String,
     },
     /// A file that a scene file names has an error of its own.
-    #[error("{place}: {source}")]
+    #[error("{place}: {fault}")]
     Named {
         /// Where the file is named.
         place: Place,
         /// What is wrong with it.
-        source: Box<SceneError>,
+        fault: Box<SceneError>,
     },
     /// Neither a built-in scene nor a file that could hold one.
     #[error("there is no scene `{argument}`; {help}")]
@@ -54,12 +55,12 @@ pub enum SceneError {
         help: String,
     },
     /// A scene that reads well but can't be rendered.
-    #[error("{file}: {source}")]
+    #[error("{file}: {fault}")]
     Invalid {
         /// The file's path.
         file: String,
         /// What is wrong.
-        source: Invalid,
+        fault: Invalid,
     },
 }
 

@@ -1,4 +1,6 @@
 use super::*;
+use crate::Place;
+use umbrage_core::Invalid;
 
 #[test]
 fn arguments_are_names_or_paths() {
@@ -50,4 +52,27 @@ fn text_is_read_without_a_file() {
             .to_string()
             .starts_with("inline.toml:1: ")
     );
+}
+
+/// Programs print an error and then its sources: what is told already must not be one.
+#[test]
+fn errors_are_told_once() {
+    let invalid = SceneError::Invalid {
+        file: "a.obj".into(),
+        fault: Invalid::new("mesh", "is empty", "add a triangle"),
+    };
+    let named = SceneError::Named {
+        place: Place {
+            file: "a.toml".into(),
+            line: Some(3),
+            key: None,
+        },
+        fault: Box::new(invalid.clone()),
+    };
+    let told = "a.obj: mesh: is empty; add a triangle";
+    assert_eq!(invalid.to_string(), told);
+    assert_eq!(named.to_string(), format!("a.toml:3: {told}"));
+    for error in [invalid, named] {
+        assert!(std::error::Error::source(&error).is_none(), "{error:?}");
+    }
 }

@@ -57,9 +57,9 @@ pub(super) fn read<'a>(
             &format!("is `{}`, not a .png file", path.display()),
             "name a PNG image",
         )?;
-        let named = |source| SceneError::Named {
+        let named = |fault| SceneError::Named {
             place: item.place(),
-            source: Box::new(source),
+            fault: Box::new(fault),
         };
         files
             .index(&path, meaning, &mut scene.textures)

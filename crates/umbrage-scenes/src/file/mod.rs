@@ -110,9 +110,9 @@ pub(crate) fn parse(
 }
 
 fn add_camera(root: &Table<'_>, anchor: Anchor, scene: &mut Scene) -> Result<(), SceneError> {
-    let invalid = |source| SceneError::Invalid {
+    let invalid = |fault| SceneError::Invalid {
         file: root.source.file.clone(),
-        source,
+        fault,
     };
     let geometry = Geometry::bake(scene).map_err(invalid)?;
     let camera = match root.table("camera")? {

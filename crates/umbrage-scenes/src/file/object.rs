@@ -218,9 +218,9 @@ fn make(
         }
         Source::Model(path) => {
             let has_looks = *needs == Needs::OwnLooks;
-            obj::add(path, textures, has_looks, scene).map_err(|source| SceneError::Named {
+            obj::add(path, textures, has_looks, scene).map_err(|fault| SceneError::Named {
                 place: item.place(),
-                source: Box::new(source),
+                fault: Box::new(fault),
             })?
         }
     };

@@ -46,22 +46,28 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
     }
     // What stands behind the end that the header tells is no part of the model.
     let mut rest = bytes[..length as usize].get(HEADER..).unwrap_or(&[]);
-    let (kind, json) = chunk(&mut rest)?.unwrap_or((*b"    ", &[]));
-    if kind != *b"JSON" {
-        return Err(broken("first chunk", "is not JSON"));
-    }
+    let json = match next_chunk(&mut rest)? {
+        Some(chunk) if chunk.kind == *b"JSON" => chunk.bytes,
+        _ => return Err(broken("first chunk", "is not JSON")),
+    };
     let mut binary = None;
     // Chunks of other kinds are to be passed over.
-    while let Some((kind, bytes)) = chunk(&mut rest)? {
-        if kind == *b"BIN\0" && binary.is_none() {
-            binary = Some(bytes);
+    while let Some(chunk) = next_chunk(&mut rest)? {
+        if chunk.kind == *b"BIN\0" && binary.is_none() {
+            binary = Some(chunk.bytes);
         }
     }
     Ok(Container { json, binary })
 }
 
-/// Takes the next chunk off: its kind and its bytes.
-fn chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<([u8; 4], &'a [u8])>, Invalid> {
+/// A part of a `.glb` file.
+struct Chunk<'a> {
+    kind: [u8; 4],
+    bytes: &'a [u8],
+}
+
+/// Takes the next chunk off; none at the end.
+fn next_chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<Chunk<'a>>, Invalid> {
     if rest.is_empty() {
         return Ok(None);
     }
@@ -75,7 +81,7 @@ fn chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<([u8; 4], &'a [u8])>, Invalid
         .get(..length)
         .ok_or_else(|| cut("a chunk", length as u64, after.len()))?;
     *rest = &after[length..];
-    Ok(Some((kind, bytes)))
+    Ok(Some(Chunk { kind, bytes }))
 }
 
 /// The error of a file that ends too early.

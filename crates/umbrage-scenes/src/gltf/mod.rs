@@ -73,9 +73,9 @@ pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scen
         .open(path)
         .and_then(|mut source| source.read_to_end(&mut bytes))
         .map_err(|e| SceneError::unreadable(path, &e, files))?;
-    let invalid = |source| SceneError::Invalid {
+    let invalid = |fault| SceneError::Invalid {
         file: file.clone(),
-        source,
+        fault,
     };
     let mut scene = read(&bytes, wanted, files).map_err(invalid)?;
     let geometry = Geometry::bake(&scene).map_err(invalid)?;

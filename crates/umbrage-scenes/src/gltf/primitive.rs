@@ -10,7 +10,7 @@ use super::{
 };
 use crate::detail::with_tangents;
 use gltf::{Mesh as FileMesh, Primitive, Semantic, mesh::Mode};
-use std::collections::HashMap;
+use std::collections::{HashMap, hash_map::Entry};
 use umbrage_core::glam::{Vec3, Vec4};
 use umbrage_core::{Invalid, Mesh, Scene};
 
@@ -43,22 +43,23 @@ impl Meshes {
         scene: &mut Scene,
     ) -> Result<&[MeshPart], Invalid> {
         let index = mesh.index();
-        if !self.known.contains_key(&index) {
-            let mut parts = Vec::new();
-            for primitive in mesh.primitives() {
-                let within = |e: Invalid| {
-                    let mesh = told("mesh", index, mesh.name());
-                    e.within(format!("{mesh}, primitive {}", primitive.index()))
-                };
-                let part = part(&primitive, buffers, materials, budget, scene).map_err(within)?;
-                if let Some(part) = part {
-                    scene.meshes[part.mesh].name = name_of_part(mesh, &primitive);
-                    parts.push(part);
-                }
+        let place = match self.known.entry(index) {
+            Entry::Occupied(known) => return Ok(known.into_mut()),
+            Entry::Vacant(place) => place,
+        };
+        let mut parts = Vec::new();
+        for primitive in mesh.primitives() {
+            let within = |e: Invalid| {
+                let mesh = told("mesh", index, mesh.name());
+                e.within(format!("{mesh}, primitive {}", primitive.index()))
+            };
+            let part = part(&primitive, buffers, materials, budget, scene).map_err(within)?;
+            if let Some(part) = part {
+                scene.meshes[part.mesh].name = name_of_part(mesh, &primitive);
+                parts.push(part);
             }
-            self.known.insert(index, parts);
         }
-        Ok(&self.known[&index])
+        Ok(place.insert(parts))
     }
 }
 

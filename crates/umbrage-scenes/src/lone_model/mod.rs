@@ -38,9 +38,9 @@ pub(crate) fn complete(
     geometry: &Geometry,
     place: &Place,
 ) -> Result<(), SceneError> {
-    let invalid = |source| SceneError::Invalid {
+    let invalid = |fault| SceneError::Invalid {
         file: place.file.clone(),
-        source,
+        fault,
     };
     check_size(geometry, place)?;
     let ground = ground::Ground::of(geometry);
@@ -91,9 +91,9 @@ pub(crate) fn add_missing(
             let camera = shot.camera(geometry, [None, None]);
             scene
                 .cameras
-                .push(camera.map_err(|source| SceneError::Invalid {
+                .push(camera.map_err(|fault| SceneError::Invalid {
                     file: place.file.clone(),
-                    source,
+                    fault,
                 })?);
         }
         (Some(camera), true) => {

@@ -23,9 +23,9 @@ use umbrage_core::{Camera, Geometry, Instance, Mesh, Scene};
 /// A model alone, on a floor, framed, in the sun: see [`lone_model`].
 pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
-    let invalid = |source| SceneError::Invalid {
+    let invalid = |fault| SceneError::Invalid {
         file: file.clone(),
-        source,
+        fault,
     };
     let mut scene = Scene {
         name: name_of(path),
@@ -56,9 +56,9 @@ pub(crate) fn framed(geometry: &Geometry, place: Place) -> Result<Camera, SceneE
     ) {
         Some(shot) => shot
             .camera(geometry, [None, None])
-            .map_err(|source| SceneError::Invalid {
+            .map_err(|fault| SceneError::Invalid {
                 file: place.file,
-                source,
+                fault,
             }),
         None => Err(lone_model::too(geometry, &place)),
     }

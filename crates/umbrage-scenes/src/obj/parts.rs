@@ -53,9 +53,9 @@ pub(super) fn add(
             None => None,
         };
         if material.is_some_and(|m| m.normal_map.is_some()) {
-            mesh = with_tangents(&mesh).map_err(|source| SceneError::Invalid {
+            mesh = with_tangents(&mesh).map_err(|fault| SceneError::Invalid {
                 file: path.display().to_string(),
-                source,
+                fault,
             })?;
         }
         scene.meshes.push(mesh);

@@ -43,7 +43,7 @@ impl DisplacementMap {
         let image = load_image(path, &FilesOnDisk)?.to_rgba16();
         let size = UVec2::new(image.width(), image.height());
         let file = path.display().to_string();
-        super::map::check_size(size).map_err(|source| SceneError::Invalid { file, source })?;
+        super::map::check_size(size).map_err(|fault| SceneError::Invalid { file, fault })?;
         Ok(Self {
             size,
             greys: image.pixels().map(|p| p.0[0]).collect(),
@@ -72,9 +72,9 @@ fn beside(path: &Path) -> PathBuf {
 fn read_metres(path: &Path) -> Result<[f32; 2], SceneError> {
     let text = std::fs::read_to_string(path)
         .map_err(|e| SceneError::unreadable(path, &e, &FilesOnDisk))?;
-    parse_metres(&text).map_err(|source| SceneError::Invalid {
+    parse_metres(&text).map_err(|fault| SceneError::Invalid {
         file: path.display().to_string(),
-        source,
+        fault,
     })
 }
 

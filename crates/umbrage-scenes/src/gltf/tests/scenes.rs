@@ -4,7 +4,7 @@ use super::{model::Model, said, scene_of};
 use crate::FilesInMemory;
 use serde_json::{Value, json};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
-use umbrage_core::glam::{Affine3A, DMat4, DQuat, DVec3, UVec2, Vec3, Vec4};
+use umbrage_core::glam::{Affine3A, DMat4, DQuat, DVec3, Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::light_space::Extents;
 use umbrage_core::{Camera, Light};
 
@@ -28,7 +28,7 @@ fn placements_are_the_product_of_matrices() {
     let turn = DQuat::from_array([0.1_f32, 0.2, 0.3, 0.927_361_85].map(f64::from)).normalize();
     let middle = DMat4::from_quat(turn) * DMat4::from_scale(DVec3::new(2.0, 2.0, -0.5));
     let expected = root * middle * DMat4::from_cols_array(&mirror);
-    let found = DMat4::from(umbrage_core::glam::Mat4::from(places[2]).as_dmat4());
+    let found = Mat4::from(places[2]).as_dmat4();
     assert!(
         found.abs_diff_eq(expected, 1e-5),
         "{found} instead of {expected}"
