@@ -5,8 +5,8 @@ use crate::builtin::{
     closed::{area, everywhere, point_like, room, slits},
     content::{dancer, forest, nave, night_room, street, valley},
     failures::{
-        bleeding, corners, distant, facets, fine, lamps, nothing, penumbrae, projection, relief, rooms,
-        scale, shells, spots, stairs, sunlit, volumes,
+        bleeding, corners, distant, facets, fine, lamps, nothing, penumbrae, projection, relief,
+        rooms, scale, shells, spots, stairs, sunlit, volumes,
     },
     figure::figure,
     speed::{hall, statue, terrain, town},

@@ -237,7 +237,9 @@ mod tests {
     #[test]
     fn known_prices_are_found_again() {
         let known = CostModel {
-            nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0, 90.0, 4.0, 7.0],
+            nanoseconds: [
+                900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0, 90.0, 4.0, 7.0,
+            ],
         };
         let found = fit(samples(&known));
         assert!(

@@ -75,10 +75,8 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
     // By the heights of the plates.
     assert!((of_variance - 4.0 / 9.0).abs() < 1e-3, "{of_variance}");
     assert!(of_exponential < 0.8 * of_variance, "{of_exponential}");
-    let expected: [(&dyn ShadowTechnique, f32); 2] = [
-        (&variance, of_variance),
-        (&exponential, of_exponential),
-    ];
+    let expected: [(&dyn ShadowTechnique, f32); 2] =
+        [(&variance, of_variance), (&exponential, of_exponential)];
     for (technique, expected) in expected {
         let found = brightest(&case_truth, technique);
         // Less, since pixels don't lie just where the shares are worst; more, since the light meets the plates at a slope: depths of one
