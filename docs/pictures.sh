@@ -18,6 +18,9 @@ cargo xtask stability hills-yaw hills-yaw-stable --technique hard --backend cpu 
 for half in fault:hills-yaw.hard-512 cure:hills-yaw-stable.hard-512; do
   cp "$report/shimmer/pictures/${half#*:}-4-cascades-log-from-4-m-bias-adaptive.png" "docs/failures/shimmer.${half%%:*}.png"
 done
+mkdir -p docs/moments
+cargo xtask stability two-plates --technique vsm --backend cpu --out "$report/moments"
+cp "$report/moments/pictures/two-plates.vsm-blur-7x7-bleeding-0-1024-bias-adaptive.png" docs/moments/two-plates.vsm.png
 cargo run --release --example textbook -- "$report/textbook"
 mkdir -p docs/textbook
 for name in acne soft point-light contact; do

@@ -55,6 +55,23 @@ pub fn maps<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap
     out
 }
 
+/// Blur of moment maps that are compared on maps of all sides, texels to each side: that of 3x3, which errs least in most frames of real
+/// size.
+const NARROW_BLUR: u32 = 1;
+/// Blur of what is compared at the middle side alone.
+const WIDE_BLUR: u32 = 3;
+
+/// Returns a technique that blurs its map, with both blurs and the default bias; with the narrow blur alone where there is one side only,
+/// for a quick look, as on software drivers a wide blur takes as long as ten other techniques.
+pub fn blurs<T>(sizes: &[u32], fit: Fit, make: impl Fn(ShadowMap, u32) -> T) -> Vec<T> {
+    let bias = [Bias::ADAPTIVE];
+    let mut out = sweep(sizes, fit, &bias, |map| make(map, NARROW_BLUR));
+    if sizes.len() > 1 {
+        out.extend(middle(sizes, fit, &bias, |map| make(map, WIDE_BLUR)));
+    }
+    out
+}
+
 /// Returns a technique with four cascades of half the middle map side, which take the memory of one map of that side; nothing for fits
 /// that don't follow the camera.
 pub fn cascades<T>(sizes: &[u32], fit: Fit, bias: Bias, make: impl Fn(ShadowMap) -> T) -> Vec<T> {

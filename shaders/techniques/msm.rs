@@ -10,7 +10,8 @@
 //!
 //! On a plane that slopes, the least shadow is up to half: no bound tells it from a blocker that is as near as the plane's nearest
 //! part. So the receiver counts as nearer by a standard deviation of its own plane's depths within the filter
-//! ([`Bias::ADAPTIVE`] and [`Bias::RECEIVER_PLANE`] give the plane; with other biases slopes are grey).
+//! ([`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) and [`Bias::RECEIVER_PLANE`](crate::Bias::RECEIVER_PLANE) give the plane; with other biases
+//! slopes are grey).
 //!
 //! Known failures: three and more depths in the filter bleed light, less than with two moments; fourth powers need most of a float's
 //! 24 bits, so that `moment_bias` lights what lies within some thousandths of the map's depth behind a blocker: feet and thin slices.
@@ -28,7 +29,7 @@ use crate::{
     listing::{
         Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
     },
-    shadow_map::{Bias, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
+    shadow_map::{ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
 };
 use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
@@ -136,17 +137,11 @@ impl ListedTechnique for Msm {
     }
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let bias = [Bias::ADAPTIVE];
-        let with_blur = |blur: u32| {
-            move |map| Self {
-                map,
-                blur,
-                ..Self::default()
-            }
-        };
-        let mut out = sweeps::sweep(map_sizes, fit, &bias, with_blur(3));
-        out.extend(sweeps::middle(map_sizes, fit, &bias, with_blur(8)));
-        out
+        sweeps::blurs(map_sizes, fit, |map, blur| Self {
+            map,
+            blur,
+            ..Self::default()
+        })
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {

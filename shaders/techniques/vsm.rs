@@ -116,17 +116,11 @@ impl ListedTechnique for Vsm {
     }
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let bias = [Bias::ADAPTIVE];
-        let with_blur = |blur: u32| {
-            move |map| Self {
-                map,
-                blur,
-                ..Self::default()
-            }
-        };
-        let mut out = sweeps::sweep(map_sizes, fit, &bias, with_blur(3));
-        out.extend(sweeps::middle(map_sizes, fit, &bias, with_blur(8)));
-        out
+        sweeps::blurs(map_sizes, fit, |map, blur| Self {
+            map,
+            blur,
+            ..Self::default()
+        })
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {

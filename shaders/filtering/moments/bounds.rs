@@ -21,6 +21,10 @@ pub(crate) fn chebyshev(distance: f32, variance: f32) -> f32 {
 /// Returns `lit` with all up to `amount` darkened to 0, and the rest stretched to 0..=1 by `scale`, which is 1 / (1 - `amount`)
 /// (Lauritzen 2007, "Summed-area variance shadow maps", GPU Gems 3).
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "WGSL's min and max, in this order, also for NaN"
+)]
 pub(crate) fn without_bleeding(lit: f32, amount: f32, scale: f32) -> f32 {
     ((lit - amount) * scale).max(0.0).min(1.0)
 }

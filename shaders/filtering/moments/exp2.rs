@@ -17,6 +17,10 @@ const MAX_EXPONENT: f32 = 126.0;
 /// The whole part goes into the bits of the result's exponent. The rest, -0.5 to 0.5, goes into a polynomial whose greatest relative
 /// error was made as small as degree 6 allows (2e-9, before rounding).
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "WGSL's min and max, in this order, also for NaN"
+)]
 pub(crate) fn power_of_two(exponent: f32) -> f32 {
     let t = exponent.max(-MAX_EXPONENT).min(MAX_EXPONENT);
     let whole = (t + 0.5).floor();

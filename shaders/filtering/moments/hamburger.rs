@@ -76,6 +76,10 @@ pub(crate) fn lit_by_three(central: Vec4, own: f32, others: Vec2) -> f32 {
 /// Returns the share of light at a centred depth by the first four moments of depth, whatever depths there may be: Hamburger's moment
 /// problem (Peters and Klein 2015, algorithm 2).
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "WGSL's min and max, in this order, also for NaN"
+)]
 pub(crate) fn hamburger(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
     let own = depth.max(-1.0).min(1.0) - central.x;

@@ -64,6 +64,10 @@ pub(crate) fn lit_by_four(central: Vec4, own: f32) -> f32 {
 /// Returns the same where no depth lies beyond the map's near or far plane: Hausdorff's moment problem (Peters and Klein 2015,
 /// algorithm 3), which leaks less.
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "WGSL's min and max, in this order, also for NaN"
+)]
 pub(crate) fn hausdorff(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
     let own = depth.max(-1.0).min(1.0) - central.x;

@@ -18,6 +18,10 @@ pub(crate) const MOMENTS_OF_DEPTH: Module = Module {
 /// Returns a clip depth as all moments count it: from -1 at the near plane to 1 at the far plane. Around 0 the squares of floats are
 /// finest, which is where variances are small differences of large squares.
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "WGSL's min and max, in this order, also for NaN"
+)]
 pub(crate) fn centred(depth: f32) -> f32 {
     2.0 * depth.max(0.0).min(1.0) - 1.0
 }

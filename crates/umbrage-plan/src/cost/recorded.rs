@@ -22,6 +22,11 @@ const RANKED_WORSE: [(&str, &str, f64); 3] = [
     ("night-room-soft", "cpu", 0.85),
 ];
 
+/// The kind of work that no recorded row has: they are older than filters that load many texels. Its price is the slope between blurs of
+/// 7x7 and of 17x17 texels of maps of 2048 on `cubes` (`compare cubes --map-sizes 1024,2048 --runs 30`, least times): .3 to .6 ns on the
+/// CPU, and 3.2 to 4.4 on wgpu, while other programs ran beside.
+const NOT_RECORDED: &str = "texel loaded by a filter, beyond the first";
+
 /// A row of the table.
 struct Row {
     section: String,
@@ -48,7 +53,7 @@ fn recorded() -> Vec<Row> {
             covered: count("covered"),
             cleared: count("cleared"),
             filtered: count("filtered"),
-            filter_taps: count("filter_taps"),
+            filter_taps: 0,
             receivers: count("receivers"),
             taps: count("taps"),
             samples: count("samples"),
@@ -109,6 +114,9 @@ fn built_in_prices_are_those_that_fit() {
             found.model.nanoseconds, found.typical_factor, found.factor_of_nine_in_ten
         );
         for (k, name) in KIND_NAMES.iter().enumerate() {
+            if *name == NOT_RECORDED {
+                continue;
+            }
             let fits = found.model.nanoseconds[k];
             // Built-in prices are rounded to three digits.
             let near = (built_in[k] - fits).abs() <= 0.006 * fits + 1e-3;

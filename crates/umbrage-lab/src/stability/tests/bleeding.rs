@@ -37,7 +37,9 @@ fn brightest(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> f32 {
     let mask = mask(case_truth, technique);
     let receivers = &case_truth.truth.receivers;
     let is_inside = |p: Vec3| p.y.abs() < 0.01 && p.x > -0.4 && p.x < 0.8 && p.z.abs() < 0.7;
-    let inside = (0..mask.len()).filter(|&i| is_inside(receivers.position(i)));
+    let inside = (0..mask.len())
+        .filter(|&i| case_truth.counts(i))
+        .filter(|&i| is_inside(receivers.position(i)));
     inside.map(|i| mask[i]).fold(0.0, f32::max)
 }
 
@@ -51,7 +53,7 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
     };
     let variance = Vsm {
         map,
-        blur: 8,
+        blur: 3,
         least_deviation: 0.0,
         bleeding_reduction: 0.0,
     };
@@ -59,7 +61,7 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
     let exponent = 2.0;
     let exponential = Evsm {
         map,
-        blur: 8,
+        blur: 3,
         moments: EvsmMoments::Two,
         positive_exponent: exponent,
         least_deviation: 0.0,
@@ -77,15 +79,16 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
         [(&variance, of_variance), (&exponential, of_exponential)];
     for (technique, expected) in expected {
         let found = brightest(&case_truth, technique);
-        // Pixels don't lie where the shares are worst: a bound that is flat there.
+        // Less, since pixels don't lie just where the shares are worst; more, since the light meets the plates at a slope: depths of one
+        // plate differ within the filter by up to a hundredth of the way between the plates.
         assert!(
-            found > 0.95 * expected && found < 1.001 * expected,
+            found > 0.95 * expected && found < 1.02 * expected,
             "{}: {found} for {expected}",
             technique.name()
         );
-        let mask = mask(&case_truth, technique);
-        assert_eq!(verdict(case, &case_truth, &mask), Verdict::Fails);
     }
+    let mask = mask(&case_truth, &variance);
+    assert_eq!(verdict(case, &case_truth, &mask), Verdict::Fails);
 }
 
 /// Two blockers and a receiver are three depths: what four moments tell apart.
