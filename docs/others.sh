@@ -35,6 +35,8 @@ for setting in 0-0.005 60-0.005 60-0.1; do
   done
 done
 
+cargo run --release --example panes -- docs/others
+
 if [[ "${1:-}" != --without-bevy ]]; then
   cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street valley street-soft --out "$report/bevy"
 fi
