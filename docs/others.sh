@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the figures and pictures of docs/others.md again, into target/others, and the pictures that the page shows into docs/others.
-# Bevy is built first (examples/bevy, some 20 minutes of CPU time); `docs/others.sh --without-bevy` leaves it out.
+# Bevy is built first (examples/bevy, which is long); `docs/others.sh --without-bevy` leaves it out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/others
