@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the figures and pictures of docs/others.md again, into target/others, and the pictures that the page shows into docs/others.
-# Bevy is built first (examples/bevy, some 20 minutes of CPU time); `docs/others.sh --without-bevy` leaves it out.
+# Bevy is built first (examples/bevy, which is long); `docs/others.sh --without-bevy` leaves it out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/others
@@ -35,6 +35,11 @@ for setting in 0-0.005 60-0.005 60-0.1; do
   done
 done
 
+cargo run --release --example panes -- docs/others
+
 if [[ "${1:-}" != --without-bevy ]]; then
-  cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street valley street-soft --out "$report/bevy"
+  cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street thin-plate --out "$report/bevy"
+  for setting in truth Bevy-as-far-as-is-seen Bevy-as-far-as-is-seen-contact-shadows umbrage-pcf-3x3-4-cascades-of-2048 umbrage-exact; do
+    crop "$report/bevy/street.$setting.png" "docs/others/bevy.$setting.png"
+  done
 fi

@@ -4,10 +4,10 @@
 use std::process::ExitCode;
 use umbrage::Invalid;
 use umbrage_cli::Program;
-use umbrage_examples::contact::Contact;
+use umbrage_examples::contact::ContactShadows;
 use umbrage_techniques::TechniqueEntry;
 
 fn main() -> Result<ExitCode, Invalid> {
-    let program = Program::default().with(TechniqueEntry::of::<Contact>())?;
+    let program = Program::default().with(TechniqueEntry::of::<ContactShadows>())?;
     Ok(program.run())
 }

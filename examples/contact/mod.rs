@@ -41,7 +41,7 @@ const LEAST_DEPTH: f32 = 1.0 / 32.0;
 /// A shadow map, and a walk over the camera's depth image.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Contact {
+pub struct ContactShadows {
     /// The map looked up.
     pub map: ShadowMap,
     /// Comparisons with the map: texels to each side, 0 to [`MAX_RADIUS`].
@@ -52,7 +52,7 @@ pub struct Contact {
     pub thickness: f32,
 }
 
-impl Default for Contact {
+impl Default for ContactShadows {
     fn default() -> Self {
         Self {
             map: ShadowMap::default(),
@@ -64,7 +64,7 @@ impl Default for Contact {
 }
 
 /// With this, `compare`, `stability`, `plan` and presets take it like one of the library's own.
-impl ListedTechnique for Contact {
+impl ListedTechnique for ContactShadows {
     const SUMMARY: &'static str = "a map, and a walk over the camera's depth image (Aldridge 2023)";
 
     fn map(&self) -> Option<&ShadowMap> {
@@ -99,7 +99,7 @@ impl ListedTechnique for Contact {
     }
 }
 
-impl ShadowTechnique for Contact {
+impl ShadowTechnique for ContactShadows {
     fn name(&self) -> &'static str {
         "contact"
     }
@@ -161,7 +161,7 @@ impl ShadowTechnique for Contact {
     }
 }
 
-impl Contact {
+impl ContactShadows {
     fn validate(&self) -> Result<(), Invalid> {
         let what = "contact shadows";
         if self.pixels > MAX_PIXELS || self.radius > MAX_RADIUS {

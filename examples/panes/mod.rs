@@ -11,9 +11,9 @@
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage::{
-    Cast, CastMode, Faces, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel,
-    KernelCost, Light, Module, NO_MATERIAL, NO_TRIANGLE, ReceiveKernel, Receivers, Recipe, RecipeError,
-    Scene, ShadowTechnique, Source, Span, UniformBlock, View,
+    Cast, CastMode, Faces, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, KernelCost, Light,
+    Module, NO_MATERIAL, NO_TRIANGLE, ReceiveKernel, Receivers, Recipe, RecipeError, Scene,
+    ShadowTechnique, Source, Span, UniformBlock, View,
     glam::{UVec2, Vec2, Vec3, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler, ray_origin, seed, segment},
     math::dot3,

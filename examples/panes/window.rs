@@ -75,12 +75,8 @@ pub fn scene(size: UVec2) -> Result<Scene, Invalid> {
 }
 
 /// Adds a rectangle.
-fn put(
-    scene: &mut Scene,
-    corner: Vec3,
-    [along, across]: [Vec3; 2],
-    material: usize,
-) -> Result<(), Invalid> {
+fn put(scene: &mut Scene, corner: Vec3, sides: [Vec3; 2], material: usize) -> Result<(), Invalid> {
+    let [along, across] = sides;
     let corners = vec![
         corner,
         corner + along,

@@ -8,7 +8,7 @@ use umbrage::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_examples::{
-    contact::Contact,
+    contact::ContactShadows,
     panes::{Glass, Panes, transmitted, window},
 };
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
@@ -71,7 +71,7 @@ fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
         size: 64,
         ..ShadowMap::default()
     };
-    let walk = |pixels, thickness| Contact {
+    let walk = |pixels, thickness| ContactShadows {
         map,
         radius: 0,
         pixels,

@@ -1,7 +1,7 @@
 //! A program of Bevy's without a window: one scene, one sun, one picture.
 
 use crate::plugin::{
-    AngularDiameter, Casts, MaskOf, MaskedMaterial, ReadsMask, Shadows, UmbragePlugin,
+    AngularDiameter, Casts, MaskOf, MaskedMaterial, ReadsMask, SunShadows, UmbragePlugin,
 };
 use anyhow::{Result, ensure};
 use bevy::{
@@ -73,7 +73,7 @@ pub struct BevyShadows {
 type LastPicture = Arc<Mutex<Option<Vec<u8>>>>;
 
 /// The running program.
-pub struct Program {
+pub struct BevyProgram {
     app: App,
     size: UVec2,
     source: ShadowSource,
@@ -81,7 +81,7 @@ pub struct Program {
     picture: Handle<Image>,
 }
 
-impl Program {
+impl BevyProgram {
     /// Starts a program that shows the scene's first camera and its first light, which must be a sun.
     pub fn start(scene: &Scene, geometry: &Geometry, source: &ShadowSource) -> Result<Self> {
         let camera = scene.cameras.first();
@@ -158,7 +158,7 @@ impl Program {
             ShadowSource::Bevy(bevy) => 4 * (bevy.size * bevy.size * bevy.cascades) as u64,
             ShadowSource::Umbrage(..) => {
                 let render_app = self.app.sub_app(RenderApp);
-                render_app.world().resource::<Shadows>().bytes(self.size)
+                render_app.world().resource::<SunShadows>().bytes(self.size)
             }
         }
     }

@@ -5,7 +5,7 @@ mod app;
 mod plugin;
 
 use anyhow::{Context as _, Result};
-use app::{BevyShadows, Program, ShadowSource};
+use app::{BevyProgram, BevyShadows, ShadowSource};
 use bevy::light::ShadowFilteringMethod as Filter;
 use clap::Parser;
 use std::{
@@ -93,7 +93,7 @@ impl Judged {
 
     /// Plays all settings, and returns the table's lines.
     fn play_all(&self, arguments: &Arguments) -> Result<Vec<String>> {
-        let mut without = Program::start(&self.scene, &self.geometry, &ShadowSource::Nothing)?;
+        let mut without = BevyProgram::start(&self.scene, &self.geometry, &ShadowSource::Nothing)?;
         let lit = without.picture()?;
         let mut lines = Vec::new();
         for (label, source) in self.settings() {
@@ -115,10 +115,10 @@ impl Judged {
         label: &str,
         source: &ShadowSource,
         lit: &[f32],
-        without: &mut Program,
+        without: &mut BevyProgram,
         arguments: &Arguments,
     ) -> Result<String> {
-        let mut program = Program::start(&self.scene, &self.geometry, source)?;
+        let mut program = BevyProgram::start(&self.scene, &self.geometry, source)?;
         let shadowed = program.picture()?;
         let mut pixels = self.truth.pixels.clone();
         let mut mask = vec![1.0; lit.len()];

@@ -88,7 +88,7 @@ impl Plugin for UmbragePlugin {
             return;
         };
         render_app
-            .insert_resource(Shadows {
+            .insert_resource(SunShadows {
                 technique: Arc::clone(&self.technique),
                 draws_all_again: self.draws_all_again,
                 made: None,
@@ -167,7 +167,7 @@ fn extract(
 
 /// The light set, and what it was made from.
 #[derive(Resource)]
-pub struct Shadows {
+pub struct SunShadows {
     technique: Arc<dyn ShadowTechnique>,
     draws_all_again: bool,
     made: Option<Made>,
@@ -199,7 +199,7 @@ impl MeshPlace {
     }
 }
 
-impl Shadows {
+impl SunShadows {
     /// Returns the bytes of maps and masks, and of what the prepass draws for them. Lists of casters are not among them.
     pub fn bytes(&self, size: UVec2) -> u64 {
         let maps = self.made.as_ref().map_or(0, |made| made.set.map_bytes());
@@ -293,7 +293,7 @@ fn affine(place: &GlobalTransform) -> glam::Affine3A {
 fn draw_masks(
     view: ViewQuery<(&ExtractedView, &ViewPrepassTextures)>,
     seen: Res<SeenScene>,
-    mut shadows: ResMut<Shadows>,
+    mut shadows: ResMut<SunShadows>,
     meshes: Res<RenderAssets<RenderMesh>>,
     allocator: Res<MeshAllocator>,
     images: Res<RenderAssets<GpuImage>>,
