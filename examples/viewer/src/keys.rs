@@ -406,8 +406,10 @@ impl App {
             }
             Action::Screenshot => self.ask_for_screenshot(ctx),
             Action::Zoom(by) => {
+                // The window's own follows with the next frame, and a key may be pressed twice before.
+                let before = settings.zoom.unwrap_or_else(|| ctx.zoom_factor());
                 // Whole tenths, whatever the automatic zoom was.
-                let zoom = (10.0 * (ctx.zoom_factor() + by)).round() / 10.0;
+                let zoom = (10.0 * (before + by)).round() / 10.0;
                 settings.zoom = Some(zoom.clamp(0.5, 5.0));
             }
             Action::AutomaticZoom => settings.zoom = None,

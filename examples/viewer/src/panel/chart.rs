@@ -185,10 +185,8 @@ fn power_of_ten(logarithm: f64) -> String {
 }
 
 /// Keeps the grid lines whose numbers, which stand below their middles, do not stick out of the chart: they would be cut off.
-fn within(
-    mut marks: Vec<egui_plot::GridMark>,
-    (least, most): (f64, f64),
-) -> Vec<egui_plot::GridMark> {
+fn within(mut marks: Vec<egui_plot::GridMark>, bounds: (f64, f64)) -> Vec<egui_plot::GridMark> {
+    let (least, most) = bounds;
     // Half of a digit has 3.5 of the chart's 260 points.
     let half_digit = 0.0135 * (most - least);
     marks.retain(|mark| {
