@@ -18,6 +18,7 @@ use crate::{
     resources::{
         counters::{Counters, ResourceFactory},
         counts::COUNTING,
+        cut_outs::FrameWithHoles,
         geometry::{Geometries, GpuGeometry},
         images::GpuImage,
     },
@@ -200,8 +201,12 @@ impl Gpu {
             everything: &everything,
             receivers,
         };
+        let frame = FrameWithHoles {
+            inputs: &frame,
+            holes,
+        };
         self.renderer
-            .prepare_with_holes(&self.device, &self.queue, recipe, &frame, holes)?;
+            .prepare_with_holes(&self.device, &self.queue, recipe, frame)?;
         match view.receivers {
             Some(_) => Ok(None),
             None => Ok(geometry.map(|g| g.triangles)),

@@ -2,11 +2,10 @@
 
 use crate::{
     filter::clear,
-    frame::FrameInputs,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
-        cut_outs::{CutOutBinding, GpuCutOuts, cut_out_layout},
+        cut_outs::{CutOutBinding, FrameWithHoles, cut_out_layout},
         draws::{DrawList, Vertex},
         faces::FaceBuffers,
         images::GpuImage,
@@ -51,8 +50,7 @@ impl CastStage {
         casts: &[Cast],
         images: &[GpuImage],
         faces: &mut FaceBuffers,
-        frame: &FrameInputs<'_>,
-        holes: Option<&GpuCutOuts>,
+        frame: FrameWithHoles<'_>,
     ) {
         self.targets = (0..casts.len())
             .map(|i| CastTarget::new(casts, i, images))
@@ -61,7 +59,7 @@ impl CastStage {
             .iter()
             .map(|c| matches!(c.source, Source::Faces(_)))
             .collect();
-        self.list = DrawList::new(factory, faces, casts, frame, holes);
+        self.list = DrawList::new(factory, faces, casts, frame);
         self.clears = read_unwritten(casts, images);
         self.spaces.write(
             factory,
@@ -70,7 +68,7 @@ impl CastStage {
         );
         self.places.write(factory, pipelines, self.list.places());
         let mut layouts = Layouts::new(factory, pipelines);
-        if let Some(holes) = holes {
+        if let Some(holes) = frame.holes {
             let layout = cut_out_layout(factory, pipelines);
             let rays = casts
                 .iter()

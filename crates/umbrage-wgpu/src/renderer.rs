@@ -9,7 +9,7 @@ use crate::{
     resources::{
         counters::{Counters, ResourceFactory},
         counts::{check_counting, pairs},
-        cut_outs::GpuCutOuts,
+        cut_outs::FrameWithHoles,
         faces::check_faces,
         images::GpuImage,
         renderer_state::{Resources, Shared},
@@ -115,17 +115,20 @@ impl ShadowRenderer {
         recipe: &Recipe,
         frame: &FrameInputs<'_>,
     ) -> Result<(), BackendError> {
-        self.prepare_with_holes(device, queue, recipe, frame, None)
+        let frame = FrameWithHoles {
+            inputs: frame,
+            holes: None,
+        };
+        self.prepare_with_holes(device, queue, recipe, frame)
     }
 
-    /// The same where triangles with holes are drawn, too; the frame lists the others.
+    /// The same where triangles with holes are drawn, too; the frame's inputs list the others.
     pub(crate) fn prepare_with_holes(
         &mut self,
         device: &Device,
         queue: &Queue,
         recipe: &Recipe,
-        frame: &FrameInputs<'_>,
-        holes: Option<&GpuCutOuts>,
+        frame: FrameWithHoles<'_>,
     ) -> Result<(), BackendError> {
         self.prepared = None;
         check_device(device, self.submissions.device())?;
@@ -133,10 +136,11 @@ impl ShadowRenderer {
         recipe.validate(&self.limits)?;
         check_counting(recipe, device.features())?;
         check_faces(recipe, device.limits().max_buffer_size)?;
-        check_size(frame.size, self.limits.image_side)?;
-        frame.validate(recipe, &device.limits())?;
+        let inputs = frame.inputs;
+        check_size(inputs.size, self.limits.image_side)?;
+        inputs.validate(recipe, &device.limits())?;
         let pairs = pairs(recipe)?;
-        let light = self.free_resources(recipe, frame);
+        let light = self.free_resources(recipe, inputs);
         self.shared.tables.forget_unreachable();
         self.shared.faces.forget_unreachable();
         let scopes = Scopes::open(device);
@@ -152,7 +156,6 @@ impl ShadowRenderer {
             recipe,
             &pairs,
             frame,
-            holes,
         );
         if let Err(e) = self.errors.close(scopes, self.options.errors) {
             (self.shared, self.lights) = Default::default();

@@ -1,9 +1,12 @@
 //! Triangles with holes on the GPU: what the shaders that leave the holes out read.
 
-use crate::resources::{
-    bindings::{Binding, Bound, Slot},
-    counters::ResourceFactory,
-    pipelines::Pipelines,
+use crate::{
+    frame::FrameInputs,
+    resources::{
+        bindings::{Binding, Bound, Slot},
+        counters::ResourceFactory,
+        pipelines::Pipelines,
+    },
 };
 use std::{num::NonZeroU64, sync::Arc};
 use umbrage_core::{
@@ -24,6 +27,14 @@ pub(crate) struct GpuCutOuts {
     pub(crate) rows: Buffer,
     pub(crate) casters: std::ops::Range<u32>,
     pub(crate) triangles: u32,
+}
+
+/// What a frame draws: the drawables of its inputs, and triangles with holes beside them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameWithHoles<'a> {
+    pub(crate) inputs: &'a FrameInputs<'a>,
+    /// None where nothing has holes.
+    pub(crate) holes: Option<&'a GpuCutOuts>,
 }
 
 /// Bytes of the rays through an image's pixels.

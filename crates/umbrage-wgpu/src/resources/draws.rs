@@ -1,10 +1,10 @@
 //! All that a recipe's casts draw, in the order of one list.
 
 use crate::{
-    frame::{Drawable, FrameInputs, PositionFormat, VertexLayout},
+    frame::{Drawable, PositionFormat, VertexLayout},
     resources::{
         counters::ResourceFactory,
-        cut_outs::GpuCutOuts,
+        cut_outs::{FrameWithHoles, GpuCutOuts},
         faces::{FaceBuffer, FaceBuffers},
     },
 };
@@ -54,24 +54,23 @@ impl DrawList {
         factory: &mut ResourceFactory<'_>,
         faces: &mut FaceBuffers,
         casts: &[Cast],
-        frame: &FrameInputs<'_>,
-        holes: Option<&GpuCutOuts>,
+        frame: FrameWithHoles<'_>,
     ) -> Self {
-        let mut draws = Vec::new();
-        let casters = append(
-            &mut draws,
-            frame.casters,
-            |holes| holes.casters.clone(),
+        let FrameWithHoles {
+            inputs: frame,
             holes,
-        );
+        } = frame;
+        let mut draws = Vec::new();
+        let casters_with_holes =
+            holes.and_then(|holes| Draw::with_holes(holes, std::slice::from_ref(&holes.casters)));
+        let casters = append(&mut draws, frame.casters, casters_with_holes);
         let uses_everything = casts.iter().any(|c| matches!(c.source, Source::Everything));
         let everything = if uses_everything {
-            append(
-                &mut draws,
-                frame.everything,
-                |holes| 0..holes.triangles,
-                holes,
-            )
+            let all_with_holes = holes.and_then(|holes| {
+                let everything = 0..holes.triangles;
+                Draw::with_holes(holes, std::slice::from_ref(&everything))
+            });
+            append(&mut draws, frame.everything, all_with_holes)
         } else {
             0..0
         };
@@ -113,13 +112,11 @@ impl DrawList {
     }
 }
 
-/// Appends the draws of all drawables that draw anything, and of those `triangles` of theirs that have holes. Returns their part of the
-/// list.
+/// Appends the draws of all drawables that draw anything, and that of triangles with holes. Returns their part of the list.
 fn append(
     draws: &mut Vec<Draw>,
     drawables: &[Drawable<'_>],
-    triangles: fn(&GpuCutOuts) -> Range<u32>,
-    holes: Option<&GpuCutOuts>,
+    with_holes: Option<Draw>,
 ) -> Range<usize> {
     let first = draws.len();
     draws.extend(
@@ -128,9 +125,7 @@ fn append(
             .filter(|d| !d.range.is_empty())
             .map(Draw::new),
     );
-    if let Some(holes) = holes {
-        draws.extend(Draw::with_holes(holes, &[triangles(holes)]));
-    }
+    draws.extend(with_holes);
     first..draws.len()
 }
 

@@ -3,13 +3,12 @@
 use crate::{
     cast::CastStage,
     filter::FilterStage,
-    frame::FrameInputs,
     receive::ReceiveStage,
     renderer::RendererOptions,
     resources::{
         counters::ResourceFactory,
         counts::CountingPair,
-        cut_outs::GpuCutOuts,
+        cut_outs::FrameWithHoles,
         faces::FaceBuffers,
         images::{GpuImage, fit_images},
         kernel_stage::Sources,
@@ -54,8 +53,7 @@ impl Resources {
         options: RendererOptions,
         recipe: &Recipe,
         pairs: &[CountingPair],
-        frame: &FrameInputs<'_>,
-        holes: Option<&GpuCutOuts>,
+        frame: FrameWithHoles<'_>,
     ) {
         let Shared {
             pipelines,
@@ -70,8 +68,8 @@ impl Resources {
             &self.images,
             faces,
             frame,
-            holes,
         );
+        let inputs = frame.inputs;
         self.faces = recipe.casts.iter().filter_map(faces_of).collect();
         let mut sources = Sources {
             recipe,
@@ -81,9 +79,9 @@ impl Resources {
         self.filters.prepare(factory, pipelines, &mut sources);
         let mask = self
             .receive
-            .prepare(factory, pipelines, &mut sources, options, frame);
+            .prepare(factory, pipelines, &mut sources, options, inputs);
         self.shading
-            .prepare(factory, pipelines, &mut sources, options, frame, mask);
+            .prepare(factory, pipelines, &mut sources, options, inputs, mask);
     }
 
     /// Drops the faces, if no encoder that draws them waits to be submitted.

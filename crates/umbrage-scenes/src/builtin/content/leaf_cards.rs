@@ -22,7 +22,7 @@ use umbrage_core::{Light, Scene};
 const HALF: f32 = 70.0;
 const CELLS: u32 = 200;
 /// Radius of the clearing around the origin, metres: the ground is level there.
-const CLEARING: f32 = 8.0;
+const CLEARING: f32 = 6.0;
 /// Where the camera stands, z in metres.
 const EYE: f32 = 8.5;
 
@@ -31,6 +31,7 @@ const BARK: [f32; 3] = [0.22, 0.16, 0.11];
 const STEEL: [f32; 3] = [0.30, 0.31, 0.33];
 const LEAVES: [[f32; 3]; 3] = [[0.15, 0.32, 0.06], [0.20, 0.36, 0.08], [0.34, 0.34, 0.08]];
 const BUSHES: [f32; 3] = [0.12, 0.27, 0.09];
+const WEEDS: [f32; 3] = [0.22, 0.36, 0.09];
 
 pub(crate) fn leaf_cards() -> Scene {
     lit_by("leaf-cards", 0.0)
@@ -62,8 +63,9 @@ fn height(x: f32, z: f32) -> f32 {
     2.2 * outside * fractal(Vec3::new(x, 0.0, z) / 16.0, 3)
 }
 
-/// Returns places around the clearing, one in each cell of a grid over the square of this half side, turned and scaled at random.
-fn scattered(seed: i32, half: f32, pitch: f32, sizes: [f32; 2]) -> Vec<Affine3A> {
+/// Returns places, one in each cell of a grid over the square of this half side, turned and scaled at random; none of them is within
+/// `clear` of the middle of the clearing.
+fn scattered(seed: i32, half: f32, pitch: f32, sizes: [f32; 2], clear: f32) -> Vec<Affine3A> {
     let mut random = Random::new(seed);
     let cells = (2.0 * half / pitch) as u32;
     let mut out = Vec::new();
@@ -73,8 +75,8 @@ fn scattered(seed: i32, half: f32, pitch: f32, sizes: [f32; 2]) -> Vec<Affine3A>
             let z = pitch * (k as f32 + random.between(0.1, 0.9)) - half;
             let scale = Vec3::splat(random.between(sizes[0], sizes[1]));
             let turn = random.about(3.1);
-            let is_clear = x.hypot(z) < CLEARING + 0.5 || (x - 1.2).hypot(z - EYE) < 4.0;
-            if !is_clear {
+            let at_eye = (x - 1.2).hypot(z - EYE) < 2.0 + 0.4 * clear;
+            if x.hypot(z) >= clear && !at_eye {
                 out.push(scaled(Vec3::new(x, height(x, z), z), turn, scale));
             }
         }
@@ -83,8 +85,9 @@ fn scattered(seed: i32, half: f32, pitch: f32, sizes: [f32; 2]) -> Vec<Affine3A>
 }
 
 fn trees(mut stage: Stage) -> Stage {
+    let places = scattered(31, 60.0, 7.5, [0.8, 1.2], CLEARING + 0.5);
     let mut stands: [Vec<Affine3A>; LEAVES.len()] = Default::default();
-    for (i, place) in scattered(31, 60.0, 7.5, [0.8, 1.2]).into_iter().enumerate() {
+    for (i, place) in places.into_iter().enumerate() {
         stands[i % LEAVES.len()].push(place);
     }
     for (kind, places) in stands.into_iter().enumerate() {
@@ -116,6 +119,7 @@ fn trees(mut stage: Stage) -> Stage {
     stage
 }
 
+/// Puts bushes around the clearing, and weeds all over it.
 fn bushes(stage: Stage) -> Stage {
     let leaves = Crown {
         seed: 80,
@@ -124,16 +128,28 @@ fn bushes(stage: Stage) -> Stage {
         cards: 70,
         side: 0.45,
     };
-    let places = scattered(32, 24.0, 3.1, [0.6, 1.4]);
-    stage.put_many(crown(&leaves), places).look(sprig(BUSHES))
+    let weeds = Crown {
+        seed: 81,
+        middle: Vec3::new(0.0, 0.06, 0.0),
+        half: Vec3::new(0.3, 0.1, 0.3),
+        cards: 14,
+        side: 0.24,
+    };
+    let bush_places = scattered(32, 24.0, 3.1, [0.6, 1.4], CLEARING);
+    let weed_places = scattered(33, 12.0, 0.8, [0.5, 1.3], 0.0);
+    stage
+        .put_many(crown(&leaves), bush_places)
+        .look(sprig(BUSHES))
+        .put_many(crown(&weeds), weed_places)
+        .look(sprig(WEEDS))
 }
 
 /// Puts a fence across the clearing: netting with meshes of 6 cm, one quad, between posts.
 fn fence(stage: Stage) -> Stage {
     const LENGTH: f32 = 12.0;
-    const HEIGHT: f32 = 1.6;
+    const HEIGHT: f32 = 1.3;
     const MESH: f32 = 0.06;
-    let from = Vec3::new(-6.4, 0.0, 0.6);
+    let from = Vec3::new(-6.4, 0.0, 4.4);
     let along = Vec3::new(0.96, 0.0, -0.28) * LENGTH;
     let up = HEIGHT * Vec3::Y;
     let netting_corners = [from, from + along, from + along + up, from + up];
