@@ -385,16 +385,26 @@ fn what_is_not_supported_is_told_with_its_reason() {
         let rows: Vec<_> = comparison.scenes[0]
             .rows
             .iter()
-            .filter_map(CompareRow::measured)
+            .filter_map(|row| Some((row.technique.as_str(), row.measured()?)))
             .collect();
         let nothing = comparison.scenes[0].nothing_compared.as_deref();
         assert!(
             !rows.is_empty() && comparison.faults().is_empty(),
             "{scene}"
         );
-        // All that is compared is right; where nothing is, that is told, and not as an error of 0.
-        let right = if nothing.is_none() { Some(0.0) } else { None };
-        assert!(rows.iter().all(|m| m.rmse() == right), "{scene}");
+        for (technique, measured) in rows {
+            // The bound by four moments is a sum of fractions: what is whole in numbers without end is off by their rounding here.
+            let rounding = if technique == "msm" { 4e-6 } else { 0.0 };
+            match measured.rmse() {
+                // All that is compared is right.
+                Some(rmse) => {
+                    assert!(nothing.is_none(), "{scene}, {technique}");
+                    assert!(rmse <= rounding, "{scene}, {technique}: {rmse}");
+                }
+                // Where nothing is compared, that is told, and not as an error of 0.
+                None => assert!(nothing.is_some(), "{scene}, {technique}"),
+            }
+        }
         assert_eq!(nothing.is_some(), scene != "no-casters", "{scene}");
     }
 }

@@ -142,11 +142,11 @@ mod tests {
     fn wrong_prices_are_refused_by_name() {
         let text = PriceList::default().to_toml().expect("finite");
         for (from, to, word) in [
-            ("tap = ", "tape = ", "`tap` is missing"),
-            ("tap = ", "tape = 1.0\ntap = ", "no price `tape`"),
-            ("tap = ", "tap = -", "cpu.tap"),
-            ("tap = ", "tap = nan # ", "cpu.tap"),
-            ("tap = ", "# ", "`tap` is missing"),
+            ("\ntap = ", "\ntape = ", "`tap` is missing"),
+            ("\ntap = ", "\ntape = 1.0\ntap = ", "no price `tape`"),
+            ("\ntap = ", "\ntap = -", "cpu.tap"),
+            ("\ntap = ", "\ntap = nan # ", "cpu.tap"),
+            ("\ntap = ", "\n# ", "`tap` is missing"),
         ] {
             let spoilt = text.replacen(from, to, 1);
             assert_ne!(spoilt, text, "{from}");
