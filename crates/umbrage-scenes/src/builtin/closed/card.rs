@@ -22,9 +22,10 @@ pub(crate) fn chequered_card() -> Scene {
         .put(sheet([-HALF, HALF], [-HALF, HALF], 1.0))
         .look(chequered_holes(SQUARES))
         .light(sun(1.0, -2.0, 0.0))
+        // From below the card, so that it hides nothing of its shadow.
         .shoot(
-            Vec3::new(2.9, 2.4, 3.4),
-            Vec3::new(0.5, 0.2, 0.0),
+            Vec3::new(SHIFT, 0.8, 4.2),
+            Vec3::new(SHIFT, 0.0, 0.0),
             40.0,
             SIZE,
         )
