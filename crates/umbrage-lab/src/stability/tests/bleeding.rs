@@ -9,7 +9,7 @@ use umbrage_techniques::{Evsm, EvsmMoments, Msm, Reconstruction, Vsm};
 ///
 /// With b = `middle` - `near`, a = `receiver` - `middle`, and a share p of the nearer blocker, the variance is p (1 - p) b², and the
 /// receiver is a + p b from the mean. So the bound is p (1 - p) b² / (p (1 - p) b² + (a + p b)²), whose maximum, at
-/// p = a / (2 a + b), is b² / (b + 2 a)² (from Donnelly and Lauritzen 2006, "Variance shadow maps", equation 6).
+/// p = a / (2 a + b), is b² / (b + 2 a)² (the bound is that of Donnelly and Lauritzen 2006, "Variance shadow maps").
 fn most_bleeding(depths: [f32; 3]) -> f32 {
     let [near, middle, receiver] = depths;
     let between = middle - near;
