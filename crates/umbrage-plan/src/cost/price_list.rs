@@ -89,7 +89,7 @@ const KEYS: [&str; KINDS] = [
     "ray_level",
     "volume_face",
     "counted_texel",
-    "filter_tap",
+    "filter_load",
 ];
 
 /// [`CostModel`] in files: each price by its name.

@@ -4,13 +4,14 @@ use super::*;
 use glam::Vec3;
 use umbrage_techniques::{Evsm, EvsmMoments, Msm, Reconstruction, Vsm};
 
-/// Returns the most light that Chebyshev's bound lets through where a filter finds two blockers alone, at `near` and `middle` before a
-/// receiver at `receiver`, whatever their shares.
+/// Returns the most light that Chebyshev's bound lets through where a filter finds two blockers alone, before a receiver, whatever their
+/// shares; `depths` are the nearer blocker's, the other's and the receiver's.
 ///
 /// With b = `middle` - `near`, a = `receiver` - `middle`, and a share p of the nearer blocker, the variance is p (1 - p) b², and the
 /// receiver is a + p b from the mean. So the bound is p (1 - p) b² / (p (1 - p) b² + (a + p b)²), whose maximum, at
-/// p = a / (2 a + b), is b² / (b + 2 a)² (from Donnelly and Lauritzen 2006, "Variance shadow maps", equation 6).
-fn most_bleeding([near, middle, receiver]: [f32; 3]) -> f32 {
+/// p = a / (2 a + b), is b² / (b + 2 a)² (the bound is that of Donnelly and Lauritzen 2006, "Variance shadow maps").
+fn most_bleeding(depths: [f32; 3]) -> f32 {
+    let [near, middle, receiver] = depths;
     let between = middle - near;
     let behind = receiver - middle;
     (between / (between + 2.0 * behind)).powi(2)
