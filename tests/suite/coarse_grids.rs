@@ -140,6 +140,8 @@ fn most_excess(scene: &str, light: &Light, technique: &str) -> f64 {
         ("stairs-lamp", "point", "pcf_dithered") => 0.01,
         // Three pixels of 6,934, on an edge: 5 are wrong instead of 2.
         ("textbook-room", "spot", "second_depth" | "midpoint") => 0.01,
+        // Leaf cards cross each other, and their holes are finer than texels: which leaf is the second from the light hangs on roundings.
+        ("foliage", _, "midpoint") => 0.01,
         _ => MAX_EXCESS_RMSE,
     }
 }

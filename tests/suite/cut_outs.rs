@@ -168,7 +168,13 @@ fn what_is_all_holes_is_not_there() {
     let mut nothing = card(None);
     nothing.instances.truncate(1);
     for_each_pair(&clear, &nothing, |what, clear, nothing| {
-        let lit = |shadows: &Shadows| shadows.mask.iter().all(|&v| v == 1.0);
+        // The bound by four moments is a sum of fractions, which is whole but for their roundings.
+        let least = if what.starts_with("msm") {
+            1.0 - 1e-5
+        } else {
+            1.0
+        };
+        let lit = |shadows: &Shadows| shadows.mask.iter().all(|&v| v >= least && v <= 1.0);
         assert!(lit(clear) && lit(nothing), "{what}");
         let positions = |shadows: &Shadows| {
             let receivers = shadows.receivers.as_ref().expect("the view brings none");
