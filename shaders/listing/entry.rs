@@ -44,6 +44,8 @@ pub struct TechniqueEntry {
     pub random: fn(map: ShadowMap, numbers: &[f32]) -> TechniquePreset,
     /// Whether any of its shaders branches on a uniform.
     pub branches_on_uniforms: bool,
+    /// As [`ListedTechnique::IS_PREVIEWED`].
+    pub is_previewed: bool,
     /// Reads its settings.
     pub(super) read: fn(toml::Table) -> Result<TechniquePreset, toml::de::Error>,
 }
@@ -86,6 +88,7 @@ impl TechniqueEntry {
             random_parameters: T::random_parameters,
             random: |map, numbers| TechniquePreset::from(T::random(map, numbers)),
             branches_on_uniforms: T::BRANCHES_ON_UNIFORMS,
+            is_previewed: T::IS_PREVIEWED,
             read: |table| T::deserialize(table).map(TechniquePreset::from),
         }
     }

@@ -169,6 +169,9 @@ pub trait ListedTechnique:
     /// Whether any of its shaders branches on a uniform. Mesa's lavapipe 22.3 compiles such shaders anew for every value
     /// of the uniform buffer's first word, so that word must not follow the light; tests see to it.
     const BRANCHES_ON_UNIFORMS: bool = true;
+
+    /// Whether quick comparisons of all techniques play it. They leave out what takes long and seldom wins; by its name it is always played.
+    const IS_PREVIEWED: bool = true;
 }
 
 /// What a planner tries of one technique and kernel.

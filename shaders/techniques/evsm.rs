@@ -170,6 +170,8 @@ const SMALLEST_VARIANCE: f32 = 1e-6;
 impl ListedTechnique for Evsm {
     const SUMMARY: &'static str =
         "Chebyshev's bound by blurred exponentials of depth (Lauritzen, McCool 2008)";
+    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    const IS_PREVIEWED: bool = false;
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)

@@ -127,6 +127,8 @@ impl ShadowTechnique for Msm {
 impl ListedTechnique for Msm {
     const SUMMARY: &'static str =
         "the least shadow that four blurred powers of depth allow (Peters, Klein 2015)";
+    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    const IS_PREVIEWED: bool = false;
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)

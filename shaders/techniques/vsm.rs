@@ -106,6 +106,8 @@ const SMALLEST_VARIANCE: f32 = 1e-12;
 impl ListedTechnique for Vsm {
     const SUMMARY: &'static str =
         "Chebyshev's bound by blurred depth and its square (Donnelly, Lauritzen 2006)";
+    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    const IS_PREVIEWED: bool = false;
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)

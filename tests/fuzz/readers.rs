@@ -2,6 +2,7 @@
 //! hang or a wrong number is a fault. The tests play the kept corpus with the same functions (`tests/suite/fuzz_corpus.rs`).
 
 #[path = "../../crates/umbrage-scenes/src/gltf/tests/model.rs"]
+#[expect(dead_code, reason = "the reader's own tests use more of it")]
 mod gltf_model;
 
 use std::{cell::RefCell, fs, path::PathBuf};

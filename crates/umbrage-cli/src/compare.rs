@@ -296,6 +296,11 @@ fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneIn
     let is_content = |entry: &&SceneEntry| entry.kind == Kind::Content;
     let all = umbrage_scenes::all().iter();
     let checks = all.clone().filter(|entry| entry.suite);
+    if let Some(techniques) = left_out(program, arguments) {
+        println!(
+            "{techniques} are left out of quick looks at the suite: name them by --technique, or name a scene"
+        );
+    }
     let mut suite = Vec::new();
     for entry in all.filter(is_content).chain(checks) {
         // However small the image is, volumes of millions of triangles take minutes.
@@ -324,6 +329,19 @@ fn scene(
             ..SceneInput::new(scene, "")
         },
     })
+}
+
+/// Returns the techniques that quick looks at the suite leave out; none if they are named, or nothing is left out.
+fn left_out(program: &Program, arguments: &CompareArguments) -> Option<String> {
+    if !arguments.quick || !arguments.techniques.is_empty() {
+        return None;
+    }
+    let all = program.techniques.all().iter();
+    let names: Vec<&str> = all
+        .filter(|entry| !entry.is_previewed)
+        .map(|entry| entry.name)
+        .collect();
+    (!names.is_empty()).then(|| names.join(", "))
 }
 
 /// Returns a built-in scene with what its entry says of it. Frames of real size have options of their own.
@@ -395,6 +413,8 @@ fn set_common(
 ) -> Result<()> {
     out.registry = program.techniques.clone();
     out.techniques.clone_from(&arguments.techniques);
+    // Whoever names a scene wants to see all techniques in it.
+    out.is_preview &= arguments.scenes.is_empty();
     out.presets = presets::read(program, &arguments.presets)?;
     if let Some(error) = arguments.max_error {
         presets::add_soft(&mut out.presets, error)?;

@@ -70,6 +70,9 @@ pub struct CompareOptions {
     pub registry: Techniques,
     /// Names of those that are compared; all when empty.
     pub techniques: Vec<String>,
+    /// Whether techniques that are not named are left out if they take too long for a preview: see
+    /// [`ListedTechnique::IS_PREVIEWED`](umbrage_techniques::ListedTechnique::IS_PREVIEWED).
+    pub is_preview: bool,
     /// Settings of the user's, played before the others; they are neither cut by [`max_settings`](Self::max_settings) nor put on other
     /// maps.
     pub presets: Vec<NamedPreset>,
@@ -183,6 +186,7 @@ impl Default for CompareOptions {
         Self {
             registry: Techniques::built_in(),
             techniques: Vec::new(),
+            is_preview: false,
             presets: Vec::new(),
             map_sizes: vec![512, 1024, 2048],
             max_settings: None,
@@ -199,9 +203,11 @@ impl Default for CompareOptions {
 }
 
 impl CompareOptions {
-    /// Returns options for a quick preview: small images, one map size, few settings, few samples, few runs.
+    /// Returns options for a quick preview: small images, one map size, few settings, few samples, few runs, and only techniques that don't
+    /// take long.
     pub fn quick() -> Self {
         Self {
+            is_preview: true,
             map_sizes: vec![512],
             max_settings: Some(3),
             size: Some(UVec2::new(160, 120)),
@@ -262,7 +268,10 @@ impl CompareOptions {
     /// # Errors
     /// Errors if a name is unknown or a map size is missing.
     pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
-        let chosen = self.registry.select(&self.techniques)?;
+        let mut chosen = self.registry.select(&self.techniques)?;
+        if self.is_preview && self.techniques.is_empty() {
+            chosen.retain(|entry| entry.is_previewed);
+        }
         if self.map_sizes.is_empty() {
             return Err(Invalid::new(
                 "map sizes",

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::faulty_backend::{FaultyBackend, darken_one};
-use umbrage_core::{Geometry, Shadows, Snapping, View, glam::UVec2, metrics::Pixel};
+use std::collections::BTreeSet;
+use umbrage_core::{Fit, Geometry, Shadows, Snapping, View, glam::UVec2, metrics::Pixel};
 use umbrage_cpu::Cpu;
 use umbrage_plan::{footprint::measure, truth::TruthOptions};
 
@@ -407,6 +408,25 @@ fn what_is_not_supported_is_told_with_its_reason() {
         }
         assert_eq!(nothing.is_some(), scene != "no-casters", "{scene}");
     }
+}
+
+/// Previews leave moment maps out, but not for who asks for one.
+#[test]
+fn dear_techniques_are_previewed_by_name_alone() {
+    let names = |options: &CompareOptions| {
+        let settings = options.settings(Fit::Tight).expect("all are known");
+        let names: BTreeSet<&str> = settings.iter().map(|technique| technique.name()).collect();
+        names
+    };
+    let all = names(&CompareOptions::default());
+    let previewed = names(&CompareOptions::quick());
+    let left_out: Vec<&str> = all.difference(&previewed).copied().collect();
+    assert_eq!(left_out, ["evsm", "msm", "vsm"]);
+    let named = CompareOptions {
+        techniques: vec!["vsm".to_owned()],
+        ..CompareOptions::quick()
+    };
+    assert_eq!(names(&named), BTreeSet::from(["vsm"]));
 }
 
 #[test]
