@@ -351,7 +351,8 @@ fn append_texture(
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::Twin] = &[
-    crate::twin!(CUT_OUT, nearest_texel(t: f32, n: u32) -> u32),
+    crate::twin!(CUT_OUT, nearest_texel(t: f32, n: u32) -> u32,
+        needs [super::ray_box::RAY_BOX, super::ray_triangle::RAY_TRIANGLE]),
     crate::twin!(CUT_OUT, cut_out_texel(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3, uv_ab: Vec4, uv_c: Vec2, size: UVec2) -> u32,
         needs [super::ray_box::RAY_BOX, super::ray_triangle::RAY_TRIANGLE]),
 ];
