@@ -168,9 +168,9 @@ fn what_is_all_holes_is_not_there() {
     let mut nothing = card(None);
     nothing.instances.truncate(1);
     for_each_pair(&clear, &nothing, |what, clear, nothing| {
-        // The bound by four moments is a sum of fractions, which is whole but for their roundings.
+        // Its bias mixes millionths of other depths into the moments, and the bound makes the most of them.
         let least = if what.starts_with("msm") {
-            1.0 - 3e-5
+            1.0 - 1e-4
         } else {
             1.0
         };

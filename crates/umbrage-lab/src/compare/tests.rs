@@ -394,13 +394,13 @@ fn what_is_not_supported_is_told_with_its_reason() {
             "{scene}"
         );
         for (technique, measured) in rows {
-            // The bound by four moments is a sum of fractions: what is whole in numbers without end is off by their rounding here.
-            let rounding = if technique == "msm" { 4e-6 } else { 0.0 };
+            // Its bias mixes millionths of other depths into the moments, and the bound makes the most of them.
+            let allowed = if technique == "msm" { 4e-6 } else { 0.0 };
             match measured.rmse() {
                 // All that is compared is right.
                 Some(rmse) => {
                     assert!(nothing.is_none(), "{scene}, {technique}");
-                    assert!(rmse <= rounding, "{scene}, {technique}: {rmse}");
+                    assert!(rmse <= allowed, "{scene}, {technique}: {rmse}");
                 }
                 // Where nothing is compared, that is told, and not as an error of 0.
                 None => assert!(nothing.is_some(), "{scene}, {technique}"),
