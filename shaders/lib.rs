@@ -14,7 +14,7 @@ pub use filtering::depth_in_reach::{DepthInReachKernel, DepthInReachUniforms};
 pub use filtering::horizon::Horizon;
 pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use filtering::light_extent::LightExtent;
-pub use filtering::moments::blur::{BlurKernel, BlurUniforms};
+pub use filtering::moments::blur::{BoxBlurKernel, BoxBlurUniforms};
 pub use filtering::moments::map::{MAX_BLEEDING_REDUCTION, MAX_BLUR};
 pub use filtering::moments::of_depth::{MomentsKernel, MomentsUniforms};
 pub use filtering::sample_pattern::Pattern;

@@ -221,10 +221,7 @@ impl ListedTechnique for Evsm {
             map: map::closed_form_map(map),
             ..Self::default()
         };
-        Some(ClosedFormDemand {
-            tolerance: map::CLOSED_FORM_TOLERANCE,
-            ..ClosedFormDemand::new(technique, map::reach(technique.blur))
-        })
+        Some(map::closed_form_demand(technique, technique.blur))
     }
 
     fn random_parameters() -> Vec<RandomParameter> {

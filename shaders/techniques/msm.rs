@@ -178,10 +178,7 @@ impl ListedTechnique for Msm {
             map: map::closed_form_map(map),
             ..Self::default()
         };
-        Some(ClosedFormDemand {
-            tolerance: map::CLOSED_FORM_TOLERANCE,
-            ..ClosedFormDemand::new(technique, map::reach(technique.blur))
-        })
+        Some(map::closed_form_demand(technique, technique.blur))
     }
 
     fn random_parameters() -> Vec<RandomParameter> {

@@ -6,8 +6,8 @@ use umbrage_core::{
 };
 
 uniforms! {
-    /// Uniforms of [`BlurKernel`].
-    pub struct BlurUniforms {
+    /// Uniforms of [`BoxBlurKernel`].
+    pub struct BoxBlurUniforms {
         /// Texels to each side.
         pub radius: i32,
         /// (1, 0) along rows, (0, 1) along columns.
@@ -20,11 +20,11 @@ uniforms! {
 /// The filter from an image to one of the same size and format: each texel becomes the mean of its row's or column's texels up to
 /// `radius` away. The image's edge repeats. Sums run from left to right, or from top to bottom.
 #[derive(Clone, Copy, Debug)]
-pub struct BlurKernel {
-    uniforms: BlurUniforms,
+pub struct BoxBlurKernel {
+    uniforms: BoxBlurUniforms,
 }
 
-impl BlurKernel {
+impl BoxBlurKernel {
     /// Returns the filter along rows.
     pub(crate) fn along_rows(radius: u32) -> Self {
         Self::along(IVec2::X, radius)
@@ -38,7 +38,7 @@ impl BlurKernel {
     fn along(step: IVec2, radius: u32) -> Self {
         let share = 1.0 / (2 * radius + 1) as f32;
         Self {
-            uniforms: BlurUniforms {
+            uniforms: BoxBlurUniforms {
                 radius: radius as i32,
                 step,
                 share,
@@ -47,7 +47,7 @@ impl BlurKernel {
     }
 }
 
-impl Kernel for BlurKernel {
+impl Kernel for BoxBlurKernel {
     fn modules(&self) -> Vec<Module> {
         vec![Module {
             name: "blur",
@@ -60,9 +60,9 @@ impl Kernel for BlurKernel {
     }
 }
 
-impl FilterKernel for BlurKernel {
+impl FilterKernel for BoxBlurKernel {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
-        let BlurUniforms {
+        let BoxBlurUniforms {
             radius,
             step,
             share,
@@ -165,8 +165,8 @@ mod tests {
             *value = (i as f32 * 0.37).sin();
         }
         for radius in [0, 1, 3, 20] {
-            let rows = play(&BlurKernel::along_rows(radius), &image);
-            let both = play(&BlurKernel::along_columns(radius), &rows);
+            let rows = play(&BoxBlurKernel::along_rows(radius), &image);
+            let both = play(&BoxBlurKernel::along_columns(radius), &rows);
             let r = radius as i32;
             for (x, y, layer) in [(0, 0, 0), (4, 3, 1), (8, 6, 1), (2, 5, 0)] {
                 let mut expected = [0.0; 2];
@@ -190,7 +190,7 @@ mod tests {
         }
     }
 
-    fn play(kernel: &BlurKernel, image: &Image) -> Image {
+    fn play(kernel: &BoxBlurKernel, image: &Image) -> Image {
         let mut out = Image::filled(image.desc, 9.0);
         let row = image.desc.size.x as usize * image.desc.format.channels();
         let images = [image.view()];

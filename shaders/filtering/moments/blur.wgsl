@@ -1,6 +1,6 @@
 // Twin of blur.rs: the mean of the texels along a row or a column.
 
-struct BlurUniforms {
+struct BoxBlurUniforms {
     radius: i32,
     step: vec2i,
     share: f32,

@@ -2,9 +2,10 @@
 
 use crate::{
     filtering::moments::{
-        blur::BlurKernel,
+        blur::BoxBlurKernel,
         of_depth::{MomentKind, MomentsKernel},
     },
+    listing::ClosedFormDemand,
     shadow_map::{CompareMethod, MapFormat, ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::UVec2;
@@ -19,7 +20,7 @@ pub const MAX_BLEEDING_REDUCTION: f32 = 0.95;
 
 /// How far from light or darkness a bound may be where a formula knows either: what is mixed into moments, the least variance, and the
 /// variance of curved surfaces leave a little of both.
-pub(crate) const CLOSED_FORM_TOLERANCE: f32 = 0.05;
+const CLOSED_FORM_TOLERANCE: f32 = 0.05;
 
 /// Returns the map with which closed forms are asked: of half the side, as each of its texels is averaged with 48 others, on software
 /// drivers too.
@@ -58,6 +59,14 @@ impl BleedingReduction {
             amount,
             scale: 1.0 / (1.0 - amount),
         })
+    }
+}
+
+/// Returns what closed forms demand of a technique that blurs by `blur` texels to each side.
+pub(crate) fn closed_form_demand<T>(technique: T, blur: u32) -> ClosedFormDemand<T> {
+    ClosedFormDemand {
+        tolerance: CLOSED_FORM_TOLERANCE,
+        ..ClosedFormDemand::new(technique, reach(blur))
     }
 }
 
@@ -107,8 +116,12 @@ pub(crate) fn recipe<K: ReceiveKernel + 'static>(
     );
     if blur > 0 {
         let rows = maps.image(desc("moments blurred along rows"));
-        maps.filter(Arc::new(BlurKernel::along_rows(blur)), vec![moments], rows);
-        let columns = Arc::new(BlurKernel::along_columns(blur));
+        maps.filter(
+            Arc::new(BoxBlurKernel::along_rows(blur)),
+            vec![moments],
+            rows,
+        );
+        let columns = Arc::new(BoxBlurKernel::along_columns(blur));
         maps.filter(columns, vec![rows], moments);
     }
     maps.map = moments;
