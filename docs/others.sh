@@ -38,7 +38,7 @@ done
 cargo run --release --example panes -- docs/others
 
 if [[ "${1:-}" != --without-bevy ]]; then
-  cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street thin-plate --out "$report/bevy"
+  cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street thin-plate street-soft --out "$report/bevy"
   for setting in truth Bevy-as-far-as-is-seen Bevy-as-far-as-is-seen-contact-shadows umbrage-pcf-3x3-4-cascades-of-2048 umbrage-exact; do
     crop "$report/bevy/street.$setting.png" "docs/others/bevy.$setting.png"
   done

@@ -105,7 +105,7 @@ impl ShadowTechnique for ContactShadows {
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.radius + 1;
+        let side = 2 * u64::from(self.radius) + 1;
         let walk = format!("{} pixels", self.pixels);
         format!("{walk}, {side}x{side}, {}", self.map.label())
     }

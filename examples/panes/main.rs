@@ -16,7 +16,7 @@ use umbrage::{
     metrics::{Errors, Pixel},
     techniques::{Pcf, ShadowMap},
 };
-use umbrage_examples::panes::{GLASS_IS_NOT_THERE, Glass, Panes, transmitted, window};
+use umbrage_examples::panes::{FULLY_TRANSPARENT, Glass, Panes, transmitted, window};
 
 const SIZE: UVec2 = UVec2::new(1280, 720);
 /// Pictures show every second pixel of the part with the shadows.
@@ -69,7 +69,7 @@ fn ways<'a>(map: ShadowMap) -> Vec<(&'static str, OfColour<'a>)> {
     };
     let glass = window::GLASS;
     let gone = glass.map(|glass| Glass {
-        transmittance: GLASS_IS_NOT_THERE,
+        transmittance: FULLY_TRANSPARENT,
         ..glass
     });
     vec![

@@ -33,7 +33,7 @@ pub mod window;
 /// How many materials let light through, at most.
 pub const MATERIALS: usize = 3;
 /// What lets all light through.
-pub const GLASS_IS_NOT_THERE: Vec3 = Vec3::ONE;
+pub const FULLY_TRANSPARENT: Vec3 = Vec3::ONE;
 /// Greatest radius of the square of comparisons.
 pub const MAX_RADIUS: u32 = 8;
 
@@ -67,7 +67,7 @@ impl ShadowTechnique for Panes {
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.radius + 1;
+        let side = 2 * u64::from(self.radius) + 1;
         let kind = if self.dithered { "holes" } else { "shares" };
         format!("{kind}, {side}x{side}, {}", self.map.label())
     }

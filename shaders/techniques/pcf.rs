@@ -51,7 +51,7 @@ impl ShadowTechnique for Pcf {
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.radius + 1;
+        let side = 2 * u64::from(self.radius) + 1;
         format!("{side}x{side}, {}", self.map.label())
     }
 

@@ -60,7 +60,7 @@ impl ShadowTechnique for PcfMerged {
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.radius + 1;
+        let side = 2 * u64::from(self.radius) + 1;
         format!("{side}x{side}, {}", self.map.label())
     }
 

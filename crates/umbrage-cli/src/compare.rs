@@ -297,8 +297,13 @@ fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneIn
     let all = umbrage_scenes::all().iter();
     let checks = all.clone().filter(|entry| entry.suite);
     if let Some(techniques) = left_out(program, arguments) {
+        let of_what = if arguments.quick {
+            "quick looks at the suite"
+        } else {
+            "the suite's checks"
+        };
         println!(
-            "{techniques} are left out of quick looks at the suite: name them by --technique, or name a scene"
+            "{techniques} are left out of {of_what}: name them by --technique, or name a scene"
         );
     }
     let mut suite = Vec::new();
@@ -331,9 +336,9 @@ fn scene(
     })
 }
 
-/// Returns the techniques that quick looks at the suite leave out; none if they are named, or nothing is left out.
+/// Returns the techniques that quick looks at the suite and its checks leave out; none if they are named, or nothing is left out.
 fn left_out(program: &Program, arguments: &CompareArguments) -> Option<String> {
-    if !arguments.quick || !arguments.techniques.is_empty() {
+    if arguments.full || !arguments.techniques.is_empty() {
         return None;
     }
     let all = program.techniques.all().iter();

@@ -14,7 +14,7 @@ pub struct SceneEntry {
     pub kind: Kind,
     /// Whether it is compared when nobody names a scene: neither heavy nor nearly the same as another.
     pub suite: bool,
-    /// Whether quick runs over all scenes play it. Frames of over a million triangles, and one with holes, are left to longer runs.
+    /// Whether quick runs over all scenes play it. Frames of over a million triangles, and those with holes, are left to longer runs.
     pub quick: bool,
     /// Makes the scene, always the same.
     pub build: fn() -> Scene,

@@ -9,7 +9,10 @@ use bevy::{
     app::{PluginsState, TerminalCtrlCHandlerPlugin},
     asset::RenderAssetUsages,
     camera::{Hdr, RenderTarget},
-    core_pipeline::tonemapping::{DebandDither, Tonemapping},
+    core_pipeline::{
+        prepass::{DepthPrepass, NormalPrepass},
+        tonemapping::{DebandDither, Tonemapping},
+    },
     light::{
         CascadeShadowConfigBuilder, DirectionalLightShadowMap, GlobalAmbientLight, NotShadowCaster,
         NotShadowReceiver, ShadowFilteringMethod,
@@ -46,6 +49,8 @@ const MAX_DRAWN_FRAMES: usize = 16;
 pub enum ShadowSource {
     /// There are none.
     Nothing,
+    /// There are none, but depth and normals are drawn first, as the plug-in needs them.
+    NothingButPrepass,
     /// Bevy's own maps.
     Bevy(BevyShadows),
     /// This library's technique, and whether its maps are drawn in every frame.
@@ -155,6 +160,8 @@ impl BevyProgram {
     pub fn bytes(&mut self) -> u64 {
         match &self.source {
             ShadowSource::Nothing => 0,
+            // Depth and normals, four bytes each.
+            ShadowSource::NothingButPrepass => 2 * 4 * u64::from(self.size.x * self.size.y),
             ShadowSource::Bevy(bevy) => 4 * (bevy.size * bevy.size * bevy.cascades) as u64,
             ShadowSource::Umbrage(..) => {
                 let render_app = self.app.sub_app(RenderApp);
@@ -200,7 +207,7 @@ fn headless(source: &ShadowSource) -> App {
                     draws_all_again: *draws_all_again,
                 });
         }
-        ShadowSource::Nothing => {}
+        ShadowSource::Nothing | ShadowSource::NothingButPrepass => {}
     }
     app
 }
@@ -241,8 +248,9 @@ fn spawn_sun(world: &mut World, scene: &Scene, source: &ShadowSource) -> Result<
     };
     let along = Vec3::from_array(direction.to_array());
     let place = Transform::default().looking_to(along, Vec3::Y);
+    let has_shadows = matches!(source, ShadowSource::Bevy(_) | ShadowSource::Umbrage(..));
     let mut light = DirectionalLight {
-        shadow_maps_enabled: !matches!(source, ShadowSource::Nothing),
+        shadow_maps_enabled: has_shadows,
         ..DirectionalLight::default()
     };
     let mut cascades = CascadeShadowConfigBuilder {
@@ -290,6 +298,9 @@ fn spawn_camera(
     ));
     match source {
         ShadowSource::Nothing => {}
+        ShadowSource::NothingButPrepass => {
+            entity.insert((DepthPrepass, NormalPrepass));
+        }
         ShadowSource::Bevy(bevy) => {
             entity.insert(bevy.filter);
             if bevy.contact {

@@ -60,7 +60,7 @@ pub(crate) struct CompareArguments {
     /// Folder for the report; else target/compare in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
-    /// Small images, few samples, few runs: a look rather than a measurement
+    /// Small images, few samples, few runs, without techniques that take long: a look rather than a measurement
     #[arg(long)]
     pub(crate) quick: bool,
     /// Every setting of every technique, and truth at every pixel, on frames of real size, too

@@ -60,6 +60,35 @@ pub struct Geometry {
     derived: Derived,
 }
 
+/// Instances whose triangles follow each other.
+struct Group {
+    casts: bool,
+    receives: bool,
+    has_holes: bool,
+}
+
+/// The order of triangles. In it casters and receivers are each one range, which overlap, and what has holes is two: the last of
+/// what only casts and the first of what does both; the last of what only receives and the first of what does neither.
+#[rustfmt::skip]
+const GROUPS: [Group; 8] = [
+    Group { casts: true, receives: false, has_holes: false },
+    Group { casts: true, receives: false, has_holes: true },
+    Group { casts: true, receives: true, has_holes: true },
+    Group { casts: true, receives: true, has_holes: false },
+    Group { casts: false, receives: true, has_holes: false },
+    Group { casts: false, receives: true, has_holes: true },
+    Group { casts: false, receives: false, has_holes: true },
+    Group { casts: false, receives: false, has_holes: false },
+];
+
+impl Group {
+    fn has(&self, scene: &Scene, instance: &Instance) -> bool {
+        instance.casts == self.casts
+            && instance.receives == self.receives
+            && is_cut_out(scene, instance) == self.has_holes
+    }
+}
+
 /// Rows of four words, as shaders' tables hold them.
 type Rows = Arc<[[u32; 4]]>;
 
@@ -73,23 +102,11 @@ impl Geometry {
     pub fn bake(scene: &Scene) -> Result<Self, Invalid> {
         scene.validate()?;
         let mut placed = PlacedMeshes::default();
-        // In this order, casters and receivers are each one range, which overlap. What is cut out is two runs: the last of what only
-        // casts and the first of what does both; the last of what only receives and the first of what does neither.
-        placed.append_all(scene, |i| i.casts && !i.receives && !is_cut_out(scene, i))?;
-        let first_cut_out = placed.next_id();
-        placed.append_all(scene, |i| i.casts && !i.receives && is_cut_out(scene, i))?;
-        let first_receiver = placed.next_id();
-        placed.append_all(scene, |i| i.casts && i.receives && is_cut_out(scene, i))?;
-        let end_of_cut_out = placed.next_id();
-        placed.append_all(scene, |i| i.casts && i.receives && !is_cut_out(scene, i))?;
-        let end_of_casters = placed.next_id();
-        placed.append_all(scene, |i| !i.casts && i.receives && !is_cut_out(scene, i))?;
-        let second_cut_out = placed.next_id();
-        placed.append_all(scene, |i| !i.casts && i.receives && is_cut_out(scene, i))?;
-        let end_of_receivers = placed.next_id();
-        placed.append_all(scene, |i| !i.casts && !i.receives && is_cut_out(scene, i))?;
-        let end_of_second_cut_out = placed.next_id();
-        placed.append_all(scene, |i| !i.casts && !i.receives && !is_cut_out(scene, i))?;
+        let mut starts = [0; GROUPS.len() + 1];
+        for (i, group) in GROUPS.iter().enumerate() {
+            placed.append_all(scene, |instance| group.has(scene, instance))?;
+            starts[i + 1] = placed.next_id();
+        }
         placed.finish();
         if let Some(i) = placed.positions.iter().position(|p| !p.is_finite()) {
             return Err(Invalid::new(
@@ -98,15 +115,15 @@ impl Geometry {
                 "use smaller matrices: the product left the range of 32-bit floats",
             ));
         }
-        let runs = [
-            first_cut_out..end_of_cut_out,
-            second_cut_out..end_of_second_cut_out,
-        ];
+        // Where `GROUPS` has each of these.
+        let casters = starts[0]..starts[4];
+        let receivers = starts[2]..starts[6];
+        let runs_with_holes = [starts[1]..starts[3], starts[5]..starts[7]];
         let mut out = Self {
-            cut_outs: CutOuts::new(scene, &placed, runs)?,
+            cut_outs: CutOuts::new(scene, &placed, runs_with_holes)?,
             placed: Arc::new(placed),
-            casters: 0..end_of_casters,
-            receivers: first_receiver..end_of_receivers,
+            casters,
+            receivers,
             ..Self::default()
         };
         out.fingerprint = out.hash();

@@ -2,7 +2,7 @@
 
 use super::{
     broken,
-    budget::Budget,
+    budget::ReadBudget,
     buffers::{Buffers, ViewBytes},
     sparse::Sparse,
     told,
@@ -12,12 +12,12 @@ use umbrage_core::Invalid;
 
 /// An accessor all of whose bytes are there.
 #[derive(Debug)]
-pub(super) struct Numbers<'a> {
+pub(super) struct AccessorNumbers<'a> {
     /// The bytes from the first element on; none for an accessor of zeros.
     base: Option<ViewBytes<'a>>,
     start: usize,
     stride: usize,
-    format: Format,
+    format: ElementFormat,
     count: usize,
     sparse: Option<Sparse<'a>>,
     /// The accessor in errors.
@@ -26,25 +26,25 @@ pub(super) struct Numbers<'a> {
 
 /// How an element is stored.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Format {
+pub(super) struct ElementFormat {
     data: DataType,
     dimensions: Dimensions,
     is_normalized: bool,
 }
 
-impl Format {
+impl ElementFormat {
     /// Bytes of an element.
     pub(super) fn size(self) -> usize {
         self.data.size() * self.dimensions.multiplicity()
     }
 }
 
-impl<'a> Numbers<'a> {
+impl<'a> AccessorNumbers<'a> {
     /// Looks an accessor up; nothing is copied yet.
     pub(super) fn open(
         accessor: &Accessor<'_>,
         buffers: &mut Buffers<'a>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Self, Invalid> {
         let name = told("accessor", accessor.index(), accessor.name());
         opened(accessor, name.clone(), buffers, budget).map_err(|e| e.within(name))
@@ -65,7 +65,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// Returns indices of vertices.
-    pub(super) fn indices(&self, budget: &mut Budget) -> Result<Vec<u32>, Invalid> {
+    pub(super) fn indices(&self, budget: &mut ReadBudget) -> Result<Vec<u32>, Invalid> {
         let is_index = self.format.dimensions == Dimensions::Scalar
             && matches!(
                 self.format.data,
@@ -87,7 +87,7 @@ impl<'a> Numbers<'a> {
     pub(super) fn vectors<const N: usize>(
         &self,
         these: Option<&[u32]>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Vec<[f32; N]>, Invalid> {
         let is_vector = matches!(
             self.format.dimensions,
@@ -170,9 +170,9 @@ fn opened<'a>(
     accessor: &Accessor<'_>,
     told: String,
     buffers: &mut Buffers<'a>,
-    budget: &mut Budget,
-) -> Result<Numbers<'a>, Invalid> {
-    let format = Format {
+    budget: &mut ReadBudget,
+) -> Result<AccessorNumbers<'a>, Invalid> {
+    let format = ElementFormat {
         data: accessor.data_type(),
         dimensions: accessor.dimensions(),
         is_normalized: accessor.normalized(),
@@ -191,7 +191,7 @@ fn opened<'a>(
         )?),
         None => None,
     };
-    let mut out = Numbers {
+    let mut out = AccessorNumbers {
         base: None,
         start: accessor.offset(),
         stride: format.size(),

@@ -20,14 +20,14 @@ const TEXELS_A_BYTE: u64 = 64;
 
 /// What a file may still ask for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
+pub(super) struct ReadBudget {
     bytes: u64,
     elements: u64,
     placed: u64,
     texels: u64,
 }
 
-impl Budget {
+impl ReadBudget {
     /// For a file of so many bytes.
     pub(super) fn new(bytes: usize) -> Self {
         Self {
@@ -86,7 +86,7 @@ mod tests {
     #[test]
     fn copies_are_bounded_and_triangles_of_the_file_s_own_are_not() {
         let can_place =
-            |bytes: usize, triangles: usize| Budget::new(bytes).place(triangles).is_ok();
+            |bytes: usize, triangles: usize| ReadBudget::new(bytes).place(triangles).is_ok();
         // By the file's length, but a million always.
         assert!(can_place(1_000, 1 << 20));
         assert!(can_place(1_000, (1 << 20) + 64_000));
@@ -97,7 +97,7 @@ mod tests {
         assert!(can_place(900_000_000, 300_000_000));
         assert!(!can_place(900_000_000, 300_000_001));
         // All placed together count.
-        let mut budget = Budget::new(0);
+        let mut budget = ReadBudget::new(0);
         budget.place(1 << 19).expect("half");
         budget.place(1 << 19).expect("all");
         let message = budget.place(1).expect_err("one more").to_string();

@@ -1,6 +1,6 @@
 //! Bytes: of the `.glb` file itself, of data URIs, of files beside it. They are fetched when something is read from them, once each.
 
-use super::{broken, budget::Budget, told};
+use super::{broken, budget::ReadBudget, told};
 use crate::{Files, SceneError};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use gltf::{
@@ -78,7 +78,7 @@ impl<'a> Buffers<'a> {
     pub(super) fn view(
         &mut self,
         view: &View<'_>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<ViewBytes<'a>, Invalid> {
         let name = told("buffer view", view.index(), view.name());
         let buffer = view.buffer();
@@ -105,7 +105,7 @@ impl<'a> Buffers<'a> {
     fn buffer(
         &mut self,
         buffer: &gltf::Buffer<'_>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Bytes<'a>, Invalid> {
         if let Some(bytes) = &self.fetched[buffer.index()] {
             return Ok(bytes.clone());
@@ -134,7 +134,11 @@ impl<'a> Buffers<'a> {
     }
 
     /// Returns the bytes that a URI names, or holds.
-    pub(super) fn fetch(&mut self, uri: &str, budget: &mut Budget) -> Result<Bytes<'a>, Invalid> {
+    pub(super) fn fetch(
+        &mut self,
+        uri: &str,
+        budget: &mut ReadBudget,
+    ) -> Result<Bytes<'a>, Invalid> {
         if let Some(data) = uri.strip_prefix("data:") {
             return decode(data).map(|bytes| Bytes::Apart(Rc::new(bytes)));
         }

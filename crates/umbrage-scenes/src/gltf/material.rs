@@ -2,7 +2,7 @@
 
 use super::{
     broken,
-    budget::Budget,
+    budget::ReadBudget,
     buffers::Buffers,
     picture::{self, Pictures},
     told,
@@ -22,7 +22,7 @@ use umbrage_core::{AlphaCutout, Invalid, Material, Scene};
 #[derive(Debug)]
 pub(super) struct Materials<'a> {
     pictures: Pictures<'a>,
-    known: HashMap<Mapped, Wearing>,
+    known: HashMap<Mapped, SurfaceLook>,
 }
 
 /// A material by its number, and which of its textures a primitive has coordinates for.
@@ -35,9 +35,9 @@ struct Mapped {
 
 /// How a primitive looks.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Wearing {
+pub(super) enum SurfaceLook {
     /// All of it is cut out.
-    Nowhere,
+    CutAway,
     /// Some of it is there.
     Visible {
         /// Index of a material of the scene.
@@ -58,16 +58,16 @@ impl<'a> Materials<'a> {
     }
 
     /// Returns how a primitive looks.
-    pub(super) fn wearing(
+    pub(super) fn look_of(
         &mut self,
         primitive: &Primitive<'_>,
         buffers: &mut Buffers<'_>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
         scene: &mut Scene,
-    ) -> Result<Wearing, Invalid> {
+    ) -> Result<SurfaceLook, Invalid> {
         let material = primitive.material();
         let Some(index) = material.index() else {
-            return Ok(Wearing::Visible {
+            return Ok(SurfaceLook::Visible {
                 material: None,
                 coordinates: None,
                 casts: true,
@@ -84,11 +84,11 @@ impl<'a> Materials<'a> {
         if let Some(known) = self.known.get(&mapped) {
             return Ok(*known);
         }
-        let wearing = self
+        let look = self
             .read(&material, color, normals, buffers, budget, scene)
             .map_err(|e| e.within(told("material", index, material.name())))?;
-        self.known.insert(mapped, wearing);
-        Ok(wearing)
+        self.known.insert(mapped, look);
+        Ok(look)
     }
 
     fn read(
@@ -97,9 +97,9 @@ impl<'a> Materials<'a> {
         color: Option<TextureMap>,
         normals: Option<TextureMap>,
         buffers: &mut Buffers<'_>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
         scene: &mut Scene,
-    ) -> Result<Wearing, Invalid> {
+    ) -> Result<SurfaceLook, Invalid> {
         let mut load = |map: Option<TextureMap>, meaning| match map {
             Some(map) => {
                 let textures = &mut scene.textures;
@@ -117,18 +117,20 @@ impl<'a> Materials<'a> {
         let (holes, casts) = match cut_out(file, color.map(|(texture, _)| texture))? {
             Cut::Nothing => (None, true),
             Cut::Holes(holes) => (Some(holes), true),
-            Cut::Everything if file.alpha_mode() == AlphaMode::Mask => return Ok(Wearing::Nowhere),
+            Cut::Everything if file.alpha_mode() == AlphaMode::Mask => {
+                return Ok(SurfaceLook::CutAway);
+            }
             // Panes of glass: they are seen, and shadows fall on them.
             Cut::Everything => (None, false),
         };
         let [red, green, blue, _] = factor;
-        let glows = file.emissive_texture().is_none();
+        let glows_evenly = file.emissive_texture().is_none();
         scene.materials.push(Material {
             diffuse: colour(Vec3::new(red, green, blue)),
             diffuse_texture: color.map(|(texture, _)| texture),
-            emissive: match glows {
+            emissive: match glows_evenly {
                 true => colour(Vec3::from_array(file.emissive_factor())),
-                // Which part of the surface glows, is told by a texture that is not read.
+                // Which part of the surface glows_evenly, is told by a texture that is not read.
                 false => Vec3::ZERO,
             },
             // A mesh has one set of coordinates here.
@@ -138,7 +140,7 @@ impl<'a> Materials<'a> {
             alpha: holes,
             ..Material::default()
         });
-        Ok(Wearing::Visible {
+        Ok(SurfaceLook::Visible {
             material: Some(scene.materials.len() - 1),
             coordinates,
             casts,

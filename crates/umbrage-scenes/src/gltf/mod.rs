@@ -19,11 +19,11 @@ mod sparse;
 mod tests;
 
 use crate::{Files, SceneError, error::Place, lone_model, obj::name_of};
-use budget::Budget;
+use budget::ReadBudget;
 use buffers::Buffers;
 use material::Materials;
 use nodes::PlacedNode;
-use primitive::Meshes;
+use primitive::FileMeshes;
 use std::{
     io::Read as _,
     path::{Path, PathBuf},
@@ -93,33 +93,24 @@ fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, 
     let container = container::split(bytes)?;
     let document = document::parse(container.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
-    let mut scene = Scene {
-        name: match &wanted.scene {
-            Some(chosen) => format!("{}-{chosen}", name_of(&wanted.file)),
-            None => name_of(&wanted.file),
-        },
-        ..Scene::default()
+    let name = match &wanted.scene {
+        Some(chosen) => format!("{}-{chosen}", name_of(&wanted.file)),
+        None => name_of(&wanted.file),
     };
-    let mut budget = Budget::new(bytes.len());
-    let mut buffers = Buffers::new(&document, container.binary, &wanted.file, files);
-    let mut materials = Materials::new(&document);
-    let mut meshes = Meshes::default();
+    let mut reader = Reader {
+        buffers: Buffers::new(&document, container.binary, &wanted.file, files),
+        materials: Materials::new(&document),
+        meshes: FileMeshes::default(),
+        budget: ReadBudget::new(bytes.len()),
+        scene: Scene {
+            name,
+            ..Scene::default()
+        },
+    };
     for node in nodes::placed(&document, chosen)? {
-        let told = node.told();
-        let mut add = || {
-            add_cameras_and_lights(&node, &mut scene)?;
-            let Some(mesh) = node.node.mesh() else {
-                return Ok(());
-            };
-            let Some(world_from_local) = node.placement()? else {
-                return Ok(());
-            };
-            let parts =
-                meshes.parts(&mesh, &mut buffers, &mut materials, &mut budget, &mut scene)?;
-            place(parts, world_from_local, &mut budget, &mut scene)
-        };
-        add().map_err(|e| e.within(told))?;
+        reader.add(&node).map_err(|e| e.within(node.told()))?;
     }
+    let scene = reader.scene;
     if scene.instances.is_empty() {
         return Err(Invalid::new(
             "scene",
@@ -128,6 +119,37 @@ fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, 
         ));
     }
     Ok(scene)
+}
+
+/// What was read of a file, and the scene that it becomes.
+struct Reader<'a> {
+    buffers: Buffers<'a>,
+    materials: Materials<'a>,
+    meshes: FileMeshes,
+    budget: ReadBudget,
+    scene: Scene,
+}
+
+impl Reader<'_> {
+    /// Adds a node's camera, its light and its mesh.
+    fn add(&mut self, node: &PlacedNode<'_>) -> Result<(), Invalid> {
+        add_cameras_and_lights(node, &mut self.scene)?;
+        let Some(mesh) = node.node.mesh() else {
+            return Ok(());
+        };
+        // None: nodes that are scaled to nothing are hidden.
+        let Some(world_from_local) = node.placement()? else {
+            return Ok(());
+        };
+        let parts = self.meshes.parts(
+            &mesh,
+            &mut self.buffers,
+            &mut self.materials,
+            &mut self.budget,
+            &mut self.scene,
+        )?;
+        place(parts, world_from_local, &mut self.budget, &mut self.scene)
+    }
 }
 
 fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<(), Invalid> {
@@ -142,9 +164,9 @@ fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<()
 
 /// Adds an instance for each part of a mesh.
 fn place(
-    parts: &[primitive::MeshPart],
+    parts: &[primitive::PrimitiveMesh],
     world_from_local: Affine3A,
-    budget: &mut Budget,
+    budget: &mut ReadBudget,
     scene: &mut Scene,
 ) -> Result<(), Invalid> {
     for part in parts {

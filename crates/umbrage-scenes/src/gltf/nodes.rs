@@ -136,8 +136,11 @@ fn reached_again(
             }
             Reached::From(parent) => above = parents[parent],
             _ => {
-                let first = tell(parents[node.index()]);
-                break format!("has two parents: {first} and {}", tell(from));
+                let first = parents[node.index()];
+                if first == from {
+                    break format!("is listed twice by {}", tell(from));
+                }
+                break format!("has two parents: {} and {}", tell(first), tell(from));
             }
         }
     };
@@ -145,7 +148,7 @@ fn reached_again(
     Invalid::new(
         what,
         why,
-        "give each node one parent; copies need nodes of their own",
+        "list each node once, below one parent; copies need nodes of their own",
     )
 }
 

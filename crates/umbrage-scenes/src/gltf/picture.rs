@@ -1,6 +1,6 @@
 //! Pictures: PNG and JPEG, of bytes in the file or beside it.
 
-use super::{broken, budget::Budget, buffers::Buffers, told};
+use super::{broken, budget::ReadBudget, buffers::Buffers, told};
 use crate::detail::{Meaning, PICTURE_SIDE, decode_picture, texture_of};
 use gltf::{Document, Texture as FileTexture, json::image::Image};
 use image::{ImageFormat, ImageReader};
@@ -33,7 +33,7 @@ impl<'a> Pictures<'a> {
         index: usize,
         meaning: Meaning,
         buffers: &mut Buffers<'_>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
         textures: &mut Vec<Texture>,
     ) -> Result<Option<usize>, Invalid> {
         if let Some(known) = self.known.get(&(index, meaning)) {
@@ -58,7 +58,7 @@ impl<'a> Pictures<'a> {
         name: &str,
         meaning: Meaning,
         buffers: &mut Buffers<'_>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Option<Texture>, Invalid> {
         let own = image
             .buffer_view
@@ -89,7 +89,7 @@ fn decode(
     image: &Image,
     name: &str,
     meaning: Meaning,
-    budget: &mut Budget,
+    budget: &mut ReadBudget,
 ) -> Result<Option<Texture>, Invalid> {
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,

@@ -1,11 +1,11 @@
 //! Meshes: each primitive becomes a mesh, since it has one material.
 
 use super::{
-    accessor::Numbers,
+    accessor::AccessorNumbers,
     broken,
-    budget::Budget,
+    budget::ReadBudget,
     buffers::Buffers,
-    material::{Materials, Wearing},
+    material::{Materials, SurfaceLook},
     told,
 };
 use crate::detail::with_tangents;
@@ -20,7 +20,7 @@ const VERTICES_AN_INDEX: usize = 4;
 
 /// A mesh of the scene, and what it wears.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MeshPart {
+pub(super) struct PrimitiveMesh {
     pub(super) mesh: usize,
     pub(super) material: Option<usize>,
     pub(super) casts: bool,
@@ -28,20 +28,20 @@ pub(super) struct MeshPart {
 
 /// The meshes of a file that were read, by their number.
 #[derive(Debug, Default)]
-pub(super) struct Meshes {
-    known: HashMap<usize, Vec<MeshPart>>,
+pub(super) struct FileMeshes {
+    known: HashMap<usize, Vec<PrimitiveMesh>>,
 }
 
-impl Meshes {
+impl FileMeshes {
     /// Returns a mesh's parts: those of its primitives that have triangles and are not cut out altogether.
     pub(super) fn parts(
         &mut self,
         mesh: &FileMesh<'_>,
         buffers: &mut Buffers<'_>,
         materials: &mut Materials<'_>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
         scene: &mut Scene,
-    ) -> Result<&[MeshPart], Invalid> {
+    ) -> Result<&[PrimitiveMesh], Invalid> {
         let index = mesh.index();
         let place = match self.known.entry(index) {
             Entry::Occupied(known) => return Ok(known.into_mut()),
@@ -67,18 +67,18 @@ fn part(
     primitive: &Primitive<'_>,
     buffers: &mut Buffers<'_>,
     materials: &mut Materials<'_>,
-    budget: &mut Budget,
+    budget: &mut ReadBudget,
     scene: &mut Scene,
-) -> Result<Option<MeshPart>, Invalid> {
+) -> Result<Option<PrimitiveMesh>, Invalid> {
     let Some((corners, positions)) = shape(primitive, buffers, budget)? else {
         return Ok(None);
     };
-    let wearing = materials.wearing(primitive, buffers, budget, scene)?;
-    let Wearing::Visible {
+    let look = materials.look_of(primitive, buffers, budget, scene)?;
+    let SurfaceLook::Visible {
         material,
         coordinates,
         casts,
-    } = wearing
+    } = look
     else {
         return Ok(None);
     };
@@ -114,7 +114,7 @@ fn part(
         mesh = with_tangents(&mesh)?;
     }
     scene.meshes.push(mesh);
-    Ok(Some(MeshPart {
+    Ok(Some(PrimitiveMesh {
         mesh: scene.meshes.len() - 1,
         material,
         casts,
@@ -151,7 +151,7 @@ fn name_of_part(mesh: &FileMesh<'_>, primitive: &Primitive<'_>) -> String {
 
 /// Which vertices make up the triangles.
 #[derive(Debug)]
-struct Corners {
+struct PrimitiveTriangles {
     triangles: Vec<[u32; 3]>,
     /// The vertices that are read, in rising order, if these are not all: triangles count them.
     read: Option<Vec<u32>>,
@@ -163,12 +163,12 @@ struct Corners {
 fn shape(
     primitive: &Primitive<'_>,
     buffers: &mut Buffers<'_>,
-    budget: &mut Budget,
-) -> Result<Option<(Corners, Vec<Vec3>)>, Invalid> {
+    budget: &mut ReadBudget,
+) -> Result<Option<(PrimitiveTriangles, Vec<Vec3>)>, Invalid> {
     let Some(accessor) = primitive.get(&Semantic::Positions) else {
         return Ok(None);
     };
-    let positions = Numbers::open(&accessor, buffers, budget)?;
+    let positions = AccessorNumbers::open(&accessor, buffers, budget)?;
     if positions.is_without_bytes() {
         return Err(
             positions.fault("holds no positions: it has neither a buffer view nor sparse elements")
@@ -177,7 +177,7 @@ fn shape(
     let count = positions.count();
     let indices = match primitive.indices() {
         Some(accessor) => {
-            let indices = Numbers::open(&accessor, buffers, budget)?;
+            let indices = AccessorNumbers::open(&accessor, buffers, budget)?;
             let list = indices.indices(budget)?;
             if let Some(beyond) = list.iter().find(|&&i| i as usize >= count) {
                 return Err(indices.fault(format!("names vertex {beyond} of {count}")));
@@ -201,7 +201,7 @@ fn shape(
             *triangle = triangle.map(place);
         }
     }
-    let corners = Corners {
+    let corners = PrimitiveTriangles {
         triangles,
         read,
         count,
@@ -270,9 +270,9 @@ fn has_three_corners(triangle: &[u32; 3]) -> bool {
 
 /// Reads what vertices have besides positions.
 struct Attributes<'a, 'b> {
-    corners: &'a Corners,
+    corners: &'a PrimitiveTriangles,
     buffers: &'a mut Buffers<'b>,
-    budget: &'a mut Budget,
+    budget: &'a mut ReadBudget,
 }
 
 impl Attributes<'_, '_> {
@@ -285,7 +285,7 @@ impl Attributes<'_, '_> {
         let Some(accessor) = primitive.get(semantic) else {
             return Ok(Vec::new());
         };
-        let numbers = Numbers::open(&accessor, self.buffers, self.budget)?;
+        let numbers = AccessorNumbers::open(&accessor, self.buffers, self.budget)?;
         if numbers.count() != self.corners.count {
             let why = format!(
                 "has {} elements for {} vertices",

@@ -1,9 +1,9 @@
 //! Sparse accessors: elements that stand in place of others.
 
 use super::{
-    accessor::{Format, check_end, u16_of, u32_of},
+    accessor::{ElementFormat, check_end, u16_of, u32_of},
     broken,
-    budget::Budget,
+    budget::ReadBudget,
     buffers::{Buffers, ViewBytes},
 };
 use gltf::accessor::sparse::{IndexType, Sparse as FileSparse};
@@ -24,10 +24,10 @@ impl<'a> Sparse<'a> {
     /// Looks up what replaces elements of an accessor with so many.
     pub(super) fn open(
         sparse: &FileSparse<'_>,
-        format: Format,
+        format: ElementFormat,
         elements: usize,
         buffers: &mut Buffers<'a>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Self, Invalid> {
         let count = sparse.count();
         if count > elements {
@@ -68,7 +68,7 @@ impl<'a> Sparse<'a> {
 fn indices(
     sparse: &FileSparse<'_>,
     buffers: &mut Buffers<'_>,
-    budget: &mut Budget,
+    budget: &mut ReadBudget,
 ) -> Result<Vec<u32>, Invalid> {
     let indices = sparse.indices();
     let kind = indices.index_type();

@@ -202,10 +202,13 @@ impl Draw {
     }
 }
 
-/// Returns the parts of runs within a range.
+/// Returns the parts of runs within a range; runs beyond it have none.
 fn within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
     let clipped = |run: &Range<u32>| run.start.max(range.start)..run.end.min(range.end);
-    runs.iter().map(clipped).collect()
+    runs.iter()
+        .map(clipped)
+        .filter(|run| !run.is_empty())
+        .collect()
 }
 
 /// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the
@@ -225,7 +228,7 @@ fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Ran
 
 #[cfg(test)]
 mod tests {
-    use super::ranges_of;
+    use super::{ranges_of, within};
 
     #[test]
     fn runs_become_ranges_of_indices() {
@@ -233,5 +236,11 @@ mod tests {
         assert_eq!(ranges_of(300, &(10..20), &runs), [300..306, 315..330]);
         assert_eq!(ranges_of(0, &(0..40), &runs), [0..12, 30..36, 45..120]);
         assert_eq!(ranges_of(0, &(4..10), &runs), []);
+    }
+
+    #[test]
+    fn runs_beyond_a_range_are_none() {
+        let runs = [0..4, 10..12, 19..30, 30..40];
+        assert_eq!(within(&runs, &(2..20)), [2..4, 10..12, 19..20]);
     }
 }

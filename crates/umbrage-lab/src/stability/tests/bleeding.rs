@@ -32,8 +32,8 @@ fn clip_depths(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> [f32;
     [5.0, 1.0, 0.0].map(depth)
 }
 
-/// Returns the most light that a technique leaves on the floor in the lower plate's shadow, farther from its outline than filters of the
-/// tests reach: -0.6 to 1 m along x, and 0.9 m to each side along z.
+/// Returns the most light that a technique leaves on the floor in the lower plate's shadow, .2 m inside of its outline, farther than filters of
+/// the tests reach: the shadow lies from -0.6 to 1 m along x, and 0.9 m to each side along z.
 fn brightest(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> f32 {
     let mask = mask(case_truth, technique);
     let receivers = &case_truth.truth.receivers;

@@ -1,15 +1,15 @@
 //! Whatever may be wrong with a file, one by one; and files that ask for too much.
 
 use super::{
-    model::{F32, Model, U16, glb, words},
+    model::{F32, TestModel, U16, glb, words},
     said, scene_of,
 };
 use crate::{FilesInMemory, damage::damaged};
 use serde_json::{Value, json};
 
 /// Returns the error of a square that was changed.
-fn error(change: impl Fn(&mut Model)) -> String {
-    let mut model = Model::square();
+fn error(change: impl Fn(&mut TestModel)) -> String {
+    let mut model = TestModel::square();
     model.json["nodes"][0]["name"] = json!("wall");
     model.json["accessors"][0]["name"] = json!("corners");
     change(&mut model);
@@ -228,7 +228,7 @@ fn trees_that_are_none_are_refused() {
     let shared = with_nodes(
         json!([{ "children": [1, 2] }, { "name": "left", "children": [3] }, { "name": "right", "children": [3] }, { "name": "child" }]),
     );
-    assert!(shared.contains("node 3 `child`: has two parents: node 1 `left` and node 2 `right`; give each node one parent"), "{shared}");
+    assert!(shared.contains("node 3 `child`: has two parents: node 1 `left` and node 2 `right`; list each node once, below one parent"), "{shared}");
     let root = error(|model| {
         model.add("nodes", json!({}));
         model.json["nodes"][0]["children"] = json!([1]);
@@ -238,8 +238,18 @@ fn trees_that_are_none_are_refused() {
         root.contains("node 1: has two parents: node 0 `wall` and the scene"),
         "{root}"
     );
+    let twice = with_nodes(json!([{ "name": "wall", "children": [1, 1] }, {}]));
+    assert!(
+        twice.contains("node 1: is listed twice by node 0 `wall`"),
+        "{twice}"
+    );
+    let root_twice = error(|model| model.json["scenes"][0]["nodes"] = json!([0, 0]));
+    assert!(
+        root_twice.contains("node 0 `wall`: is listed twice by the scene"),
+        "{root_twice}"
+    );
     // A chain that is long is none that is wrong.
-    let mut model = Model::new();
+    let mut model = TestModel::new();
     for i in 0..100_000 {
         model.add("nodes", json!({ "children": [i + 1] }));
     }
@@ -307,7 +317,7 @@ fn of_files(files: &[(&str, &[u8])]) -> String {
 
 #[test]
 fn buffers_that_lie_or_are_missing_are_refused() {
-    let model = Model::square();
+    let model = TestModel::square();
     let with_uri = |uri: &str| {
         of_files(&[
             ("a.gltf", model.text(Some(uri)).as_bytes()),
@@ -344,7 +354,7 @@ fn buffers_that_lie_or_are_missing_are_refused() {
 
 #[test]
 fn files_that_are_cut_off_or_no_models_are_refused() {
-    let whole = Model::square().glb();
+    let whole = TestModel::square().glb();
     for end in 0..whole.len() {
         let message = of_files(&[("a.glb", &whole[..end])]);
         let expected = match end {
@@ -391,7 +401,7 @@ fn small_files_that_ask_for_much_are_refused() {
         "{zeros}"
     );
     // One mesh again and again.
-    let mut model = Model::new();
+    let mut model = TestModel::new();
     let corners = 30_000;
     let positions = model.floats("VEC3", 3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let list: Vec<u16> = (0..corners).map(|i| i % 3).collect();

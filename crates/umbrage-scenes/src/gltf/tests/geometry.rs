@@ -1,7 +1,7 @@
 //! Meshes against the same built in code.
 
 use super::{
-    model::{F32, I8, I16, Model, SQUARE, U8, U16, U32, words},
+    model::{F32, I8, I16, SQUARE, TestModel, U8, U16, U32, words},
     scene_of,
 };
 use serde_json::{Value, json};
@@ -26,14 +26,14 @@ fn fingerprint(positions: &[f32], triangles: &[[u32; 3]]) -> u64 {
     Geometry::bake(&scene).expect("valid").fingerprint()
 }
 
-fn fingerprint_of(model: &Model) -> u64 {
+fn fingerprint_of(model: &TestModel) -> u64 {
     let scene = scene_of(model).expect("valid");
     Geometry::bake(&scene).expect("valid").fingerprint()
 }
 
 /// A model of one mesh at one node.
-fn model_of(make: impl Fn(&mut Model) -> Value) -> Model {
-    let mut model = Model::new();
+fn model_of(make: impl Fn(&mut TestModel) -> Value) -> TestModel {
+    let mut model = TestModel::new();
     let primitive = make(&mut model);
     model.mesh(primitive);
     model.node(json!({ "mesh": 0 }));

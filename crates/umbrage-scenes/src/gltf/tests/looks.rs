@@ -1,7 +1,7 @@
 //! Materials and pictures.
 
 use super::{
-    model::{Model, PICTURE, SQUARE},
+    model::{PICTURE, SQUARE, TestModel},
     said, scene_of,
 };
 use crate::FilesInMemory;
@@ -14,8 +14,8 @@ use umbrage_core::{AlphaCutout, Material, Mesh, Scene, Texture};
 const UVS: [f32; 8] = [0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
 
 /// A square with texture coordinates, this material, and [`PICTURE`] as texture 0.
-fn square(material: Value) -> Model {
-    let mut model = Model::new();
+fn square(material: Value) -> TestModel {
+    let mut model = TestModel::new();
     let positions = model.floats("VEC3", 3, &SQUARE);
     let uvs = model.floats("VEC2", 2, &UVS);
     let normals = model.floats("VEC3", 3, &[0.0, 0.0, 1.0].repeat(4));

@@ -9,7 +9,7 @@ mod scenes;
 use super::{SceneOfFile, read};
 use crate::FilesInMemory;
 use base64::{Engine as _, engine::general_purpose::STANDARD};
-use model::Model;
+use model::TestModel;
 use std::path::Path;
 use umbrage_core::{Invalid, Scene};
 
@@ -21,7 +21,7 @@ fn said(path: &str, files: &FilesInMemory) -> Result<Scene, Invalid> {
 }
 
 /// Returns what a model says, in whatever way its buffer is kept: in a chunk, in a data URI, in a file of its own.
-fn scene_of(model: &Model) -> Result<Scene, String> {
+fn scene_of(model: &TestModel) -> Result<Scene, String> {
     let read = |file: &str, bytes: Vec<u8>| {
         let files = [(file, bytes), ("b in.bin", model.bytes.clone())];
         said(file, &files.into_iter().collect()).map_err(|e| e.to_string())

@@ -12,12 +12,12 @@ pub(crate) const F32: u32 = 5126;
 
 /// A document, and the bytes of its one buffer.
 #[derive(Clone, Debug)]
-pub(crate) struct Model {
+pub(crate) struct TestModel {
     pub(crate) json: Value,
     pub(crate) bytes: Vec<u8>,
 }
 
-impl Model {
+impl TestModel {
     /// A document with one scene, without nodes.
     pub(crate) fn new() -> Self {
         Self {
@@ -135,18 +135,18 @@ pub(crate) const SQUARE: [f32; 12] = [
 ];
 
 /// Returns models that between them have all that is read, for fuzzers to start from.
-pub(crate) fn first_inputs() -> Vec<Model> {
+pub(crate) fn first_inputs() -> Vec<TestModel> {
     vec![
         scene_with_all(),
         looks(),
         sparse_and_quantised(),
-        Model::square(),
+        TestModel::square(),
     ]
 }
 
 /// Nodes below nodes, cameras, lights, several scenes.
-fn scene_with_all() -> Model {
-    let mut model = Model::square();
+fn scene_with_all() -> TestModel {
+    let mut model = TestModel::square();
     let lamp = |kind: &str| json!({ "type": kind, "intensity": 5, "color": [1, 0.5, 0.25], "extras": { "radius": 0.25 } });
     let mut spot = lamp("spot");
     spot["spot"] = json!({ "innerConeAngle": 0.2, "outerConeAngle": 0.6 });
@@ -179,8 +179,8 @@ fn scene_with_all() -> Model {
 }
 
 /// Textures, a mask, normals, tangents, and coordinates that are moved.
-fn looks() -> Model {
-    let mut model = Model::new();
+fn looks() -> TestModel {
+    let mut model = TestModel::new();
     let positions = model.floats("VEC3", 3, &SQUARE);
     let normals = model.floats("VEC3", 3, &[0.0, 0.0, 1.0].repeat(4));
     let tangents = model.floats("VEC4", 4, &[1.0, 0.0, 0.0, 1.0].repeat(4));
@@ -206,8 +206,8 @@ fn looks() -> Model {
 }
 
 /// Bytes of 8 bits as positions, replaced elements, and a fan without indices.
-fn sparse_and_quantised() -> Model {
-    let mut model = Model::new();
+fn sparse_and_quantised() -> TestModel {
+    let mut model = TestModel::new();
     let positions = model.numbers(
         I8,
         "VEC3",

@@ -1,6 +1,6 @@
 //! Nodes, scenes, cameras and lights.
 
-use super::{model::Model, said, scene_of};
+use super::{model::TestModel, said, scene_of};
 use crate::FilesInMemory;
 use serde_json::{Value, json};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
@@ -10,7 +10,7 @@ use umbrage_core::{Camera, Light};
 
 #[test]
 fn placements_are_the_product_of_matrices() {
-    let mut model = Model::square();
+    let mut model = TestModel::square();
     let mirror = [
         1.0, 0.5, 0.0, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 0.25, 2.0, 0.0, 4.0, 5.0, 6.0, 1.0,
     ];
@@ -39,7 +39,7 @@ fn placements_are_the_product_of_matrices() {
 #[test]
 fn nodes_of_no_size_are_hidden_and_flat_ones_refused() {
     let with_scale = |scale: Value| {
-        let mut model = Model::square();
+        let mut model = TestModel::square();
         model.node(json!({ "mesh": 0, "scale": scale, "name": "sign" }));
         scene_of(&model)
     };
@@ -56,7 +56,7 @@ fn nodes_of_no_size_are_hidden_and_flat_ones_refused() {
 
 #[test]
 fn a_file_s_scenes_are_named_behind_its_path() {
-    let mut model = Model::square();
+    let mut model = TestModel::square();
     let far = model.add("nodes", json!({ "mesh": 0, "translation": [7, 0, 0] }));
     model.add("scenes", json!({ "name": "night", "nodes": [far] }));
     let files: FilesInMemory = [("a#b.glb", model.glb())].into_iter().collect();
@@ -89,7 +89,7 @@ fn a_file_s_scenes_are_named_behind_its_path() {
 
 /// The first camera of a model with this one, at (1, 2, 9), turned by a quarter about y, in a node that is twice as large.
 fn camera(camera: Value) -> Result<Camera, String> {
-    let mut model = Model::square();
+    let mut model = TestModel::square();
     model.add("cameras", camera);
     let half = 0.5_f64.sqrt();
     model.node(json!({ "camera": 0, "translation": [1, 2, 9], "rotation": [0, half, 0, half], "scale": [2, 2, 2] }));
@@ -184,7 +184,7 @@ fn cameras_that_see_nothing_are_refused() {
 
 /// What a model with this light says: at (0, 3, 0), turned so that it shines down, in a node that is mirrored.
 fn lights(light: Value, extras_of_node: Value) -> Result<Vec<Light>, String> {
-    let mut model = Model::square();
+    let mut model = TestModel::square();
     model.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
     let half = 0.5_f64.sqrt();
     model.node(json!({
@@ -288,11 +288,11 @@ fn lights_that_cannot_shine_are_refused() {
 
 #[test]
 fn what_a_file_lacks_is_what_a_model_alone_gets() {
-    let whole = |model: &Model| {
+    let whole = |model: &TestModel| {
         let files: FilesInMemory = [("model.glb", model.glb())].into_iter().collect();
         crate::read("model.glb", &files).expect("valid")
     };
-    let alone = whole(&Model::square());
+    let alone = whole(&TestModel::square());
     assert_eq!(
         (
             alone.cameras.len(),
@@ -305,7 +305,7 @@ fn what_a_file_lacks_is_what_a_model_alone_gets() {
     let files: FilesInMemory = [("model.obj", text)].into_iter().collect();
     let obj = crate::read("model.obj", &files).expect("valid");
     assert_eq!((&alone.cameras, &alone.lights), (&obj.cameras, &obj.lights));
-    let mut lit = Model::square();
+    let mut lit = TestModel::square();
     lit.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
     let light = json!({ "KHR_lights_punctual": { "light": 0 } });
     lit.node(json!({ "extensions": light, "translation": [0, 0, 5] }));
@@ -315,7 +315,7 @@ fn what_a_file_lacks_is_what_a_model_alone_gets() {
         (1, 1, 1)
     );
     assert!(matches!(lit.lights[0], Light::Point { .. }));
-    let mut seen = Model::square();
+    let mut seen = TestModel::square();
     seen.add(
         "cameras",
         json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }),
