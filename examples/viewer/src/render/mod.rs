@@ -3,6 +3,7 @@
 mod buffers;
 mod coarse;
 mod convex;
+mod holes;
 pub(crate) mod mask;
 mod overlay;
 mod pass_clock;
@@ -160,6 +161,7 @@ impl Renderer {
                 &self.device,
                 &self.queue,
                 &self.layouts,
+                &self.scene,
                 frame.camera,
                 frame.stage,
                 frame.lights,
