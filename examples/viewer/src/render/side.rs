@@ -1,6 +1,7 @@
 //! One half of a comparison: a light set whose lights all have the same technique.
 
 use super::{
+    FrameSettings,
     buffers::{SceneBuffers, SeenPart},
     pass_clock::PassClock,
     pipelines::{self, FRAME_GROUP, Forward, Layouts, MATERIAL_GROUP, SET_GROUP, group},
@@ -8,7 +9,6 @@ use super::{
 use crate::{
     lights::{EditLight, MAX_LIGHTS},
     settings::SideSettings,
-    stage::Stage,
 };
 use anyhow::Result;
 use umbrage::{
@@ -107,18 +107,17 @@ impl Side {
         queue: &wgpu::Queue,
         layouts: &Layouts,
         scene: &SceneBuffers,
-        camera: &Camera,
-        stage: &Stage,
-        lights: &[EditLight],
+        frame: &FrameSettings<'_>,
     ) -> Result<()> {
-        let frame = SetFrame {
-            camera,
+        let geometry = &frame.stage.geometry;
+        let of_set = SetFrame {
+            camera: frame.camera,
             geometry: Some(FrameGeometry {
-                triangles: &stage.geometry,
-                revision: stage.geometry.fingerprint(),
+                triangles: geometry,
+                revision: geometry.fingerprint(),
             }),
         };
-        self.set.prepare(device, queue, &frame)?;
+        self.set.prepare(device, queue, &of_set)?;
         let (_, layout) = self.set.bind_group()?;
         let revision = self.set.wgsl_revision();
         if self
@@ -135,7 +134,7 @@ impl Side {
             )?;
             self.forward = Some((revision, forward));
         }
-        let bytes = self.frame_bytes(camera, lights)?;
+        let bytes = self.frame_bytes(frame.camera, frame.lights)?;
         queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&bytes));
         Ok(())
     }
