@@ -7,16 +7,19 @@
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
 Regions of the pictures are compared with those in `goldens` (see `goldens.py`); `--bless` keeps the present ones instead.
-`--only NAME` plays one part: keyboard, moving, loading, readable, fluent, or mouse.
+`--only NAME` plays one part: keyboard, moving, loading, holes, readable, fluent, or mouse.
 The program keeps what it shows and measures in a file (`--report`), with the places of the panel's parts: they are found by their words.
 """
 
 import argparse
+import base64
+import io
 import json
 import os
 import pathlib
 import random
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -599,6 +602,63 @@ def loading(program, out):
     print("a newer choice replaces a scene that is read, Esc gives it up, and a broken file leaves the old one")
 
 
+def checked_card(file, mode):
+    """Writes a glTF model: an upright card whose texture is clear in every other of 8 x 8 squares."""
+    image = Image.new("RGBA", (64, 64), (60, 150, 50, 255))
+    for y in range(8):
+        for x in range(y % 2, 8, 2):
+            image.paste((60, 150, 50, 0), (8 * x, 8 * y, 8 * x + 8, 8 * y + 8))
+    png = io.BytesIO()
+    image.save(png, "PNG")
+    corners = [(-1, 0, 0), (1, 0, 0), (1, 2, 0), (-1, 2, 0)]
+    uvs = [(0, 1), (1, 1), (1, 0), (0, 0)]
+    numbers = struct.pack("<12f", *sum(corners, ())) + struct.pack("<8f", *sum(uvs, ())) + struct.pack("<6H", 0, 1, 2, 0, 2, 3)
+
+    def uri(kind, data):
+        return f"data:{kind};base64,{base64.b64encode(data).decode()}"
+
+    file.write_text(json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "materials": [{"alphaMode": mode, "doubleSided": True, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0}], "images": [{"uri": uri("image/png", png.getvalue())}],
+        "buffers": [{"byteLength": len(numbers), "uri": uri("application/octet-stream", numbers)}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+                        {"buffer": 0, "byteOffset": 80, "byteLength": 12}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, 0, 0], "max": [1, 2, 0]},
+                      {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+                      {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+    }))
+
+
+def holes(program, out):
+    """A glTF model with a mask: its holes are in the picture, in the maps and in lists, as in truth."""
+    folder = pathlib.Path(tempfile.mkdtemp())
+    masked, whole = folder / "masked.gltf", folder / "whole.gltf"
+    checked_card(masked, "MASK")
+    checked_card(whole, "OPAQUE")
+    window = Window(program, out, [masked, "--fresh", "--left", "hard", "--right", "exact"])
+    report = window.measured()
+    assert report["message"] is None, report["message"]
+    agreed(window)
+    assert report["sides"][1]["wrong"] == 0 < report["sides"][0]["wrong"], report["sides"]
+    with_holes = window.still("holes")
+    window.press("F2")
+    window.type(str(whole))
+    window.press("Return", holds=lambda r: r["loading"] is None and "whole" in r["scene"], what="the card without holes")
+    window.measured()
+    assert difference(with_holes, window.still("holes-whole")) > 1, "the mask changes nothing"
+    window.press("F2")
+    window.type("leaf-cards")
+    window.press("Return", holds=lambda r: r["scene"] == "leaf-cards", what="the clearing", seconds=300)
+    report = window.measured(600)
+    print(f"leaf-cards: {report['sides'][0]['wrong']:.0f} pixels wrong on the left, {report['sides'][1]['wrong']:.0f} on the right")
+    agreed(window)
+    window.shot("leaf-cards")
+    window.close()
+    print("the holes of a masked glTF model and of leaves are seen and cast")
+
+
 def readable(program, out):
     """Text is as large on a display of many pixels, whatever that tells; the user's choice is remembered."""
     first = Window(program, out, ["cubes", "--fresh"], size=(3840, 2160))
@@ -654,7 +714,7 @@ def main():
     parser.add_argument("--viewer", type=pathlib.Path)
     parser.add_argument("--out", default=ROOT / "target/viewer-tried", type=pathlib.Path)
     parser.add_argument("--bless", action="store_true")
-    parser.add_argument("--only", choices=["keyboard", "moving", "loading", "readable", "fluent", "mouse"])
+    parser.add_argument("--only", choices=["keyboard", "moving", "loading", "holes", "readable", "fluent", "mouse"])
     options = parser.parse_args()
     missing = [tool for tool in ["Xvfb", "xdotool", "import"] if not shutil.which(tool)]
     if missing:
@@ -678,6 +738,7 @@ def main():
         "keyboard": lambda: keyboard(program, options.out, kept),
         "moving": lambda: moving(program, options.out),
         "loading": lambda: loading(program, options.out),
+        "holes": lambda: holes(program, options.out),
         "readable": lambda: readable(program, options.out),
         "fluent": lambda: fluent(program, options.out),
         "mouse": lambda: mouse(program, options.out, kept),

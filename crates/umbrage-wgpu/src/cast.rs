@@ -183,7 +183,7 @@ pub(crate) struct Layouts {
     matrix: BindGroupLayout,
     pub(crate) peeled: BindGroupLayout,
     /// Where triangles have holes.
-    cut_outs: Option<BindGroupLayout>,
+    pub(crate) cut_outs: Option<BindGroupLayout>,
 }
 
 impl Layouts {

@@ -51,7 +51,7 @@ pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};
 pub use renderer::{RendererOptions, ShadowRenderer};
 #[cfg(feature = "testing")]
 pub use resources::counters::Counters;
-pub use resources::{images::texture_format, timestamps::PassTimestamps};
+pub use resources::{cut_outs::CutOutBuffers, images::texture_format, timestamps::PassTimestamps};
 pub use targets::CastTarget;
 pub use wgpu;
 pub use wgsl::receive_wgsl;

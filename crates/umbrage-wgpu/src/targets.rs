@@ -2,7 +2,7 @@
 
 use crate::resources::images::GpuImage;
 use glam::{Mat4, UVec2};
-use umbrage_core::{Cast, CastMode, Cull, Format, RasterBias, Source};
+use umbrage_core::{CameraRays, Cast, CastMode, Cull, Format, LightSpace, RasterBias, Source};
 use wgpu::{
     CompareFunction, DepthBiasState, DepthStencilState, Face, FrontFace, LoadOp, Operations,
     PrimitiveState, RenderPassDepthStencilAttachment, StencilFaceState, StencilOperation,
@@ -33,6 +33,7 @@ pub struct CastTarget {
     pub cull: Cull,
     /// Polygon offset.
     pub bias: RasterBias,
+    space: LightSpace,
     format: Format,
 }
 
@@ -61,8 +62,15 @@ impl CastTarget {
             behind: None,
             cull: cast.cull,
             bias: cast.bias,
+            space: cast.space,
             format: image.desc.format,
         }
+    }
+
+    /// Returns the rays through the centres of the layer's texels: what a program's own shader asks for holes along, with
+    /// [`CutOutBuffers::wgsl`](crate::CutOutBuffers::wgsl).
+    pub fn rays(&self) -> CameraRays {
+        self.space.rays(self.size)
     }
 
     /// The depth-stencil attachment of the pass.

@@ -24,9 +24,6 @@ use crate::{
 use anyhow::Result;
 use umbrage::glam::UVec2;
 
-/// What is told of scenes with holes: light sets draw the program's own buffers, and this program's have no alpha textures.
-const WHOLE: &str = "Alpha textures cut holes into casters here. The window draws and shadows them whole; \"truth\" and `cargo xtask compare` know the holes.";
-
 /// What follows once a scene is there.
 #[derive(Clone, Copy)]
 pub(crate) enum Then {
@@ -208,9 +205,7 @@ impl App {
                 // It was of the old scene.
                 self.plan_job.cancel();
                 self.plan = None;
-                let has_holes = self.stage.geometry.has_cut_out_casters();
-                let of_scene = has_holes.then(|| WHOLE.to_owned());
-                self.message = note.or(of_scene).or_else(|| self.message.take());
+                self.message = note.or_else(|| self.message.take());
                 self.touch();
             }
             Err(error) => {

@@ -2,9 +2,9 @@
 
 use bytemuck::cast_slice;
 use glam::{Affine3A, UVec2};
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 use umbrage_core::{
-    Backend, Geometry, Receivers, Recipe, Scene, ShadowTechnique, Shadows, Snapping, View,
+    Aabb, Backend, Geometry, Receivers, Recipe, Scene, ShadowTechnique, Shadows, Snapping, View,
     metrics::{Agreement, MAX_UNDECIDED_SHARE},
 };
 use umbrage_cpu::Cpu;
@@ -16,15 +16,25 @@ use umbrage_tests::{
     light_program::{Forward, ForwardProgram},
 };
 use umbrage_wgpu::{
-    CasterMesh, FrameGeometry, Indices, LightId, LightSet, SetBudget, SetFrame, SetLight,
-    StillLayers, Unserved, VertexLayout,
+    CasterMesh, CutOutBuffers, FrameGeometry, Indices, LightId, LightSet, SetBudget, SetFrame,
+    SetLight, StillLayers, Unserved, VertexLayout,
 };
 use wgpu::{BufferUsages, IndexFormat};
 
 /// Scenes with suns and lamps, within a cone and around.
-const SCENES: [&str; 4] = ["cubes", "teapot-lamp", "lamp-in-room", "two-blockers"];
+const SCENES: [&str; 5] = [
+    "cubes",
+    "teapot-lamp",
+    "lamp-in-room",
+    "two-blockers",
+    FENCE,
+];
+/// A scene whose casters have holes.
+const FENCE: &str = "wire-fence";
 /// What a set can't play: it draws from the camera.
 const REFUSED: [&str; 2] = ["planar", "volumes"];
+/// What takes casters for whole, beside those.
+const WITHOUT_HOLES: &str = "soft";
 
 /// A scene whose casters are one mesh of a set.
 pub(super) struct World {
@@ -80,21 +90,41 @@ impl World {
         let casters = self.geometry.run(&self.geometry.casters());
         let vertices = foreign::buffer(d, storage | BufferUsages::VERTEX, cast_slice(&positions));
         let indices = foreign::buffer(d, storage | BufferUsages::INDEX, cast_slice(casters));
-        let mesh = CasterMesh {
-            label: "casters",
-            vertices: &vertices,
-            layout: VertexLayout::PACKED,
-            indices: Some(Indices {
-                buffer: &indices,
-                format: IndexFormat::Uint32,
-            }),
-            range: 0..3 * casters.len() as u32,
-            base_vertex: 0,
-            bounds: self.geometry.caster_bounds(),
-        };
-        let mesh = set.add_mesh(&mesh).expect("valid");
-        set.add_caster(mesh, Affine3A::IDENTITY).expect("valid");
+        let first = self.geometry.casters().start;
+        for run in self.whole_casters() {
+            let mesh = CasterMesh {
+                label: "casters",
+                vertices: &vertices,
+                layout: VertexLayout::PACKED,
+                indices: Some(Indices {
+                    buffer: &indices,
+                    format: IndexFormat::Uint32,
+                }),
+                range: 3 * (run.start - first)..3 * (run.end - first),
+                base_vertex: 0,
+                bounds: Aabb::around(self.geometry.vertices_of(run)),
+            };
+            let mesh = set.add_mesh(&mesh).expect("valid");
+            set.add_caster(mesh, Affine3A::IDENTITY).expect("valid");
+        }
+        let cut_outs = self.cut_outs();
+        set.set_cut_outs(cut_outs.as_ref()).expect("valid");
         set
+    }
+
+    fn cut_outs(&self) -> Option<CutOutBuffers> {
+        let d = self.program.d;
+        CutOutBuffers::new(&d.device, &d.queue, &self.geometry).expect("valid")
+    }
+
+    /// Returns the casters without holes.
+    fn whole_casters(&self) -> Vec<Range<u32>> {
+        let casters = self.geometry.casters();
+        let Some(cut_outs) = self.geometry.cut_outs() else {
+            return vec![casters];
+        };
+        let [whole, _] = cut_outs.split(std::slice::from_ref(&casters));
+        whole
     }
 
     /// Returns a light's shadows by a technique that plays alone.
@@ -182,7 +212,10 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
             let checked = set.check(&light, &*small(entry), &world.frame());
             let refusal = checked.map_err(Unserved::Refused).err();
             assert_eq!(refusal.as_ref(), why.map(|(_, why)| why), "{}", entry.name);
-            if REFUSED.contains(&entry.name) {
+            let has_holes = world.geometry.has_cut_out_casters();
+            let is_refused =
+                REFUSED.contains(&entry.name) || (has_holes && entry.name == WITHOUT_HOLES);
+            if is_refused {
                 let is_refused = matches!(why, Some((_, Unserved::Refused(_))));
                 assert!(is_refused, "{}: {why:?}", entry.name);
                 assert!(mask.iter().all(|&v| v == 1.0), "{} is lit", entry.name);
@@ -240,4 +273,64 @@ fn another_map_gives_other_bits() {
     let alone = world.alone(&*other.technique(), &set);
     assert!(differing(&mask, &alone.on_gpu) > 10);
     assert!(!alone.agree_with_cpu(mask).holds());
+}
+
+/// Casters with holes come and go with [`LightSet::set_cut_outs`], and what was drawn of them goes with them.
+#[test]
+fn casters_with_holes_come_and_go() {
+    let world = World::new(FENCE);
+    let mut set = world.set();
+    let light = world.scene.lights[0];
+    let technique = small(umbrage_techniques::find("hard").expect("built in"));
+    let id = set
+        .add_light(SetLight {
+            light,
+            technique: technique.clone(),
+            priority: 1.0,
+        })
+        .expect("valid");
+    let index = set.index_of(id).expect("is there");
+    let mut forward = Forward::default();
+    let mut mask = |set: &mut LightSet| {
+        world.program.update(set, &world.frame());
+        forward.mask(&world.program, set, index)
+    };
+    let with = mask(&mut set);
+    let alone = world.alone(&*technique, &set);
+    assert_eq!(differing(&with, &alone.on_gpu), 0);
+    let before = set.casters_box();
+    set.set_cut_outs(None).expect("valid");
+    let without = mask(&mut set);
+    let gone = with.iter().zip(&without).filter(|(a, b)| a < b).count();
+    assert!(gone > 100, "the net's shadow stays: {gone}");
+    assert!(
+        !alone.agree_with_cpu(without).holds(),
+        "the comparison can't fail"
+    );
+    set.set_cut_outs(world.cut_outs().as_ref()).expect("valid");
+    assert_eq!(differing(&mask(&mut set), &with), 0);
+    assert_eq!(set.casters_box(), before);
+}
+
+/// Lists that the device makes know vertices alone, and so refuse casters with holes.
+#[test]
+fn lists_of_the_device_refuse_casters_with_holes() {
+    let world = World::new(FENCE);
+    let mut set = world.set();
+    let exact = small(umbrage_techniques::find("exact").expect("built in"));
+    let light = world.scene.lights[0];
+    let without_triangles = SetFrame {
+        geometry: None,
+        ..world.frame()
+    };
+    let refusal = set
+        .check(&light, &*exact, &without_triangles)
+        .expect_err("has holes");
+    assert!(
+        refusal.to_string().contains("SetFrame::geometry"),
+        "{refusal}"
+    );
+    set.set_cut_outs(None).expect("valid");
+    set.check(&light, &*exact, &without_triangles)
+        .expect("has no holes");
 }

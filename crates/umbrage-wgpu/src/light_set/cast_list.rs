@@ -12,6 +12,7 @@ use crate::{
     },
     resources::{
         counters::ResourceFactory,
+        cut_outs::{CutOutBinding, GpuCutOuts, cut_out_layout},
         draws::Vertex,
         images::extent,
         matrices::Matrices,
@@ -21,6 +22,7 @@ use crate::{
 };
 use glam::Mat4;
 use std::ops::Range;
+use umbrage_core::CameraRays;
 use wgpu::{
     Buffer, BufferUsages, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline,
 };
@@ -149,6 +151,10 @@ pub(crate) struct CastList {
     runs: Vec<Range<u32>>,
     spaces: Matrices,
     matrices: Vec<Mat4>,
+    /// What draws of triangles with holes read; each pass's rays.
+    holes: CutOutBinding,
+    /// Of each pass, where there are triangles with holes.
+    rays: Vec<CameraRays>,
 }
 
 impl CastList {
@@ -157,6 +163,7 @@ impl CastList {
         self.draws.clear();
         self.runs.clear();
         self.matrices.clear();
+        self.rays.clear();
     }
 
     /// Appends a pass that draws a cast of a light: the casters that show in it, or a part of them.
@@ -191,7 +198,11 @@ impl CastList {
             let key = CastKey {
                 depth: cast.target.state(),
                 layout: mesh.draw.layout,
-                vertex: Vertex::Instanced,
+                vertex: if mesh.draw.has_holes {
+                    Vertex::CutOut
+                } else {
+                    Vertex::Instanced
+                },
                 peel: Peel::of(&cast.target),
             };
             self.draws.push(MeshDraws {
@@ -201,6 +212,9 @@ impl CastList {
             });
         }
         self.matrices.push(cast.target.clip_from_world);
+        if sources.layouts.cut_outs.is_some() {
+            self.rays.push(cast.target.rays());
+        }
         self.passes.push(CastPass {
             name,
             copy: layer_copy(cast, name.part),
@@ -209,10 +223,20 @@ impl CastList {
         });
     }
 
-    /// Writes the casts' matrices.
-    pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>, pipelines: &mut Pipelines) {
+    /// Writes the casts' matrices, and what tells holes where there are any.
+    pub(crate) fn upload(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        holes: Option<&GpuCutOuts>,
+    ) {
         self.spaces
             .write(factory, pipelines, self.matrices.iter().copied());
+        if let Some(holes) = holes {
+            let layout = cut_out_layout(factory, pipelines);
+            let rays = self.rays.iter().copied();
+            self.holes.write(factory, &layout, holes, rays);
+        }
     }
 
     /// Returns how many casts there are.
@@ -280,6 +304,9 @@ impl CastList {
             if last != Some(&draws.pipeline) {
                 pass.set_pipeline(&draws.pipeline);
                 last = Some(&draws.pipeline);
+            }
+            if mesh.has_holes {
+                self.holes.bind(&mut pass, 1, pass_index);
             }
             mesh.bind(&mut pass);
             for run in &self.runs[draws.runs.clone()] {

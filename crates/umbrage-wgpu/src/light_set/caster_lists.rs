@@ -189,6 +189,11 @@ pub(crate) fn why_not_listed(casters: &Casters, limits: &Limits) -> Option<Strin
             "it lists fewer than {MOST_CASTERS} triangles, and there are more"
         ));
     }
+    if casters.meshes().any(|(_, mesh)| mesh.draw.has_holes) {
+        return Some(
+            "it lists triangles with holes only where `SetFrame::geometry` has them".to_owned(),
+        );
+    }
     why_unreadable(casters, limits)
 }
 

@@ -6,6 +6,7 @@
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
     light_set::culling::Boxes,
+    resources::cut_outs::GpuCutOuts,
 };
 use glam::{Affine3A, Vec3};
 use slotmap::{SlotMap, new_key_type};
@@ -55,6 +56,8 @@ pub(crate) struct MeshDraw {
     range: Range<u32>,
     base_vertex: i32,
     bounds: Aabb,
+    /// Whether its triangles have holes: shaders read it from the lists of its geometry, where it lies in world space.
+    pub(crate) has_holes: bool,
 }
 
 /// A mesh, with the slots of its casters.
@@ -157,6 +160,9 @@ impl MeshDraw {
 
     /// Binds the mesh's buffers.
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>) {
+        if self.has_holes {
+            return;
+        }
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         if let Some((buffer, format)) = &self.indices {
             pass.set_index_buffer(buffer.slice(..), *format);
@@ -166,8 +172,11 @@ impl MeshDraw {
     /// Draws the casters in some slots.
     pub(crate) fn draw(&self, pass: &mut RenderPass<'_>, slots: Range<u32>) {
         match self.indices {
-            Some(_) => pass.draw_indexed(self.range.clone(), self.base_vertex, slots),
-            None => pass.draw(self.range.clone(), slots),
+            Some(_) if !self.has_holes => {
+                pass.draw_indexed(self.range.clone(), self.base_vertex, slots);
+            }
+            // Shaders read the indices of triangles with holes themselves.
+            _ => pass.draw(self.range.clone(), slots),
         }
     }
 }
@@ -188,13 +197,47 @@ impl Casters {
             range: mesh.range.clone(),
             base_vertex: mesh.base_vertex,
             bounds: mesh.bounds,
+            has_holes: false,
         };
+        Ok(self.insert(draw))
+    }
+
+    /// Adds a part of the casters with holes, where they are.
+    ///
+    /// Errors if its box is not finite.
+    pub(crate) fn add_cut_outs(
+        &mut self,
+        lists: &GpuCutOuts,
+        triangles: &Range<u32>,
+        bounds: Aabb,
+    ) -> Result<CasterId, Invalid> {
+        let mesh = self.insert(MeshDraw {
+            label: "triangles with holes".to_owned(),
+            vertices: lists.positions.clone(),
+            layout: VertexLayout::PACKED,
+            indices: Some((lists.indices.clone(), IndexFormat::Uint32)),
+            range: 3 * triangles.start..3 * triangles.end,
+            base_vertex: 0,
+            bounds,
+            has_holes: true,
+        });
+        self.add(mesh, Affine3A::IDENTITY)
+    }
+
+    /// Removes what [`add_cut_outs`](Self::add_cut_outs) added.
+    pub(crate) fn remove_cut_outs(&mut self, id: CasterId) -> Result<(), Invalid> {
+        let place = *self.places.get(id).ok_or_else(|| unknown("caster"))?;
+        self.remove(id)?;
+        self.remove_mesh(place.mesh)
+    }
+
+    fn insert(&mut self, draw: MeshDraw) -> MeshId {
         self.has_grown = true;
-        Ok(self.meshes.insert(MeshSlots {
+        self.meshes.insert(MeshSlots {
             draw,
             block: 0..0,
             casters: Vec::new(),
-        }))
+        })
     }
 
     /// Removes a mesh that no caster uses.

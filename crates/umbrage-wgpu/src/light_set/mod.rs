@@ -54,6 +54,7 @@ use crate::{
     renderer::{check_device, limits},
     resources::{
         counters::{Counters, ResourceFactory},
+        cut_outs::{CutOutBuffers, GpuCutOuts},
         pipelines::Pipelines,
         tables::Tables,
     },
@@ -118,6 +119,8 @@ pub struct LightSet {
     /// Tables of filters.
     tables: Tables,
     casters: Casters,
+    /// Casters with holes.
+    cut_outs: Option<SetCutOuts>,
     instances: Instances,
     lights: SlotMap<LightId, LightState>,
     /// By index in shaders, whether a light has it.
@@ -144,6 +147,13 @@ pub struct LightSet {
     /// Whether casters were placed relative to another anchor since the last frame.
     is_rebased: bool,
     report: SetReport,
+}
+
+/// The casters with holes of a set.
+#[derive(Debug)]
+struct SetCutOuts {
+    lists: GpuCutOuts,
+    casters: Vec<CasterId>,
 }
 
 /// What all plans depend on, beside their lights.
@@ -187,6 +197,7 @@ impl LightSet {
             pipelines: Pipelines::default(),
             tables: Tables::default(),
             casters: Casters::default(),
+            cut_outs: None,
             instances: Instances::default(),
             lights: SlotMap::with_key(),
             indices: Vec::new(),
@@ -274,6 +285,34 @@ impl LightSet {
     /// Errors if there is no such caster.
     pub fn remove_caster(&mut self, caster: CasterId) -> Result<(), Invalid> {
         self.casters.remove(caster)
+    }
+
+    /// Sets the triangles with holes that cast beside the set's casters, those of a geometry, where that has them (world space). They
+    /// replace those before; none leaves the set without any. Maps leave their holes out by the rule of all backends.
+    ///
+    /// The set's own meshes must not hold these triangles: `CutOuts::split` returns a geometry's runs without holes.
+    /// Techniques that ask triangles ([`SetFrame::geometry`]) find the holes in that geometry.
+    ///
+    /// # Errors
+    /// Errors if positions are not finite.
+    pub fn set_cut_outs(&mut self, cut_outs: Option<&CutOutBuffers>) -> Result<(), Invalid> {
+        if let Some(before) = self.cut_outs.take() {
+            for caster in before.casters {
+                self.casters.remove_cut_outs(caster)?;
+            }
+        }
+        let Some(CutOutBuffers { lists, parts }) = cut_outs else {
+            return Ok(());
+        };
+        let mut casters = Vec::with_capacity(parts.len());
+        for (triangles, bounds) in parts {
+            casters.push(self.casters.add_cut_outs(lists, triangles, *bounds)?);
+        }
+        self.cut_outs = Some(SetCutOuts {
+            lists: lists.clone(),
+            casters,
+        });
+        Ok(())
     }
 
     /// Says that something changed in a box (world space) that the set can't know of: vertices in a buffer, or what the caller
@@ -390,7 +429,7 @@ impl LightSet {
         steady_box::around(&self.casters.bounds())
     }
 
-    /// Returns how many casters there are.
+    /// Returns how many casters there are; a part of those with holes counts as one.
     pub fn caster_count(&self) -> usize {
         self.casters.count()
     }
@@ -454,7 +493,7 @@ impl LightSet {
     }
 
     /// Records the passes as [`encode`](Self::encode) does, and calls `own_draws` at the end of each one that draws casters, for what
-    /// the caller draws itself (skinned meshes, leaves with holes): pipelines with the target's
+    /// the caller draws itself (skinned meshes): pipelines with the target's
     /// [`primitive`](CastTarget::primitive) and [`depth_stencil`](CastTarget::depth_stencil) and a vertex shader that ends in
     /// `clip_from_world * p_world`. Layers are not drawn again for what changes there: see [`touch`](Self::touch).
     ///

@@ -17,7 +17,8 @@ use crate::{
         timestamps::PassCasters,
     },
     resources::{
-        counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
+        counters::ResourceFactory, cut_outs::cut_out_layout, kernel_stage::Sources,
+        pipelines::Pipelines, tables::Tables,
     },
 };
 use slotmap::SlotMap;
@@ -184,9 +185,13 @@ impl LightSet {
         let mut uploaded = Uploaded::default();
         let held = self.pool.bytes() + still_bytes(&self.lights);
         let mut bytes_left = self.options.budget.bytes.saturating_sub(held);
-        let layouts = match self.layouts.take() {
+        let mut layouts = match self.layouts.take() {
             Some(layouts) => layouts,
             None => Layouts::new(&factory, &mut self.pipelines),
+        };
+        layouts.cut_outs = match &self.cut_outs {
+            Some(_) => Some(cut_out_layout(&factory, &mut self.pipelines)),
+            None => None,
         };
         let lost = self.pool.make_textures(&mut factory);
         for (id, light) in &mut self.lights {
@@ -257,7 +262,8 @@ impl LightSet {
         self.layouts = Some(layouts);
         self.tables.forget_unreachable();
         uploaded.add(self.instances.upload(&mut factory, &mut self.casters));
-        self.list.upload(&mut factory, &mut self.pipelines);
+        let holes = self.cut_outs.as_ref().map(|held| &held.lists);
+        self.list.upload(&mut factory, &mut self.pipelines, holes);
         uploaded.add(self.write_shader(queue, !lost.is_empty())?);
         self.report.redrawn = self.list.count() as u32;
         self.report.uploaded = uploaded.bytes + 64 * u64::from(self.report.redrawn);

@@ -37,7 +37,7 @@ pub(crate) enum Slot {
 }
 
 impl Slot {
-    fn ty(self) -> BindingType {
+    pub(crate) fn ty(self) -> BindingType {
         let floats = TextureSampleType::Float { filterable: false };
         match self {
             Self::Uniform => buffer_type(BufferBindingType::Uniform, false),

@@ -22,10 +22,10 @@ pub(crate) struct GpuGeometry {
 }
 
 impl GpuGeometry {
-    fn upload(
+    pub(crate) fn upload(
         factory: &mut ResourceFactory<'_>,
         geometry: &Geometry,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, Invalid> {
         let positions: &[u8] = bytemuck::cast_slice(geometry.positions());
         let indices: &[u8] = bytemuck::cast_slice(geometry.triangles());
         let limits = factory.device.limits();
@@ -46,9 +46,11 @@ impl GpuGeometry {
             if bytes > most {
                 let why =
                     format!("take {bytes} bytes, and this graphics adapter binds at most {most}");
-                return Err(
-                    Invalid::new(what, why, "use a smaller scene or the CPU backend").into(),
-                );
+                return Err(Invalid::new(
+                    what,
+                    why,
+                    "use a smaller scene or the CPU backend",
+                ));
             }
         }
         let vertex_usage = BufferUsages::VERTEX;

@@ -3,7 +3,8 @@
 use super::{
     coarse::{self, CoarseLevel},
     convex,
-    pipelines::{Forward, Layouts, group},
+    holes::Leaves,
+    pipelines::{Forward, HOLES_GROUP, Layouts, group},
 };
 use anyhow::{Context as _, Result};
 use std::ops::Range;
@@ -54,6 +55,9 @@ pub(crate) struct SceneBuffers {
     draws: Vec<Draw>,
     groups: Vec<wgpu::BindGroup>,
     casters: Vec<(Range<u32>, Aabb)>,
+    /// For each material, and for triangles without one, its bind group.
+    group_of: Vec<usize>,
+    leaves: Option<Leaves>,
 }
 
 impl SceneBuffers {
@@ -140,6 +144,8 @@ impl SceneBuffers {
             draws,
             groups: looks_of_materials.groups,
             casters: casters(geometry),
+            group_of: looks_of_materials.group_of,
+            leaves: Leaves::new(device, queue, geometry)?,
         })
     }
 
@@ -175,6 +181,22 @@ impl SceneBuffers {
             let indices = coarse.map_or(&draw.indices, |level| &level.indices);
             pass.draw_indexed(indices.clone(), 0, 0..1);
         }
+        let (Some(leaves), Some(pipeline)) = (&self.leaves, &forward.leaves) else {
+            return;
+        };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(HOLES_GROUP, &leaves.group, &[]);
+        leaves.draw(pass, seen, |pass, material| {
+            let without = self.group_of.len() as u32 - 1;
+            let material = material.unwrap_or(without);
+            let looks = &self.groups[self.group_of[material as usize]];
+            pass.set_bind_group(group, looks, &[material * MATERIAL_STRIDE as u32]);
+        });
+    }
+
+    /// Returns the layout of what tells holes, if there are any.
+    pub(crate) fn leaves_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.leaves.as_ref().map(|leaves| &leaves.layout)
     }
 
     /// Adds all casters to a set.
@@ -197,6 +219,7 @@ impl SceneBuffers {
             })?;
             set.add_caster(mesh, umbrage::glam::Affine3A::IDENTITY)?;
         }
+        set.set_cut_outs(self.leaves.as_ref().map(|leaves| &leaves.buffers))?;
         Ok(())
     }
 }
@@ -219,14 +242,15 @@ struct Run {
     convex: Option<Aabb>,
 }
 
-/// Returns the vertex indices of all triangles sorted by their materials, by whether they are closed convex parts and, in each, by where
+/// Returns the vertex indices of all triangles without holes sorted by their materials, by whether they are closed convex parts and, in each, by where
 /// they are; and the runs of that list that are drawn together.
 fn sorted_by_material(geometry: &Geometry) -> (Vec<[u32; 3]>, Vec<Run>) {
     let triangles = geometry.triangles();
     let materials = geometry.materials();
     let material_of = |id: u32| materials.get(id as usize).copied().unwrap_or(NO_MATERIAL);
     let bounds = geometry.bounds();
-    let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+    let all = 0..triangles.len() as u32;
+    let mut order: Vec<u32> = all.filter(|&id| !geometry.has_holes(id)).collect();
     let convex = convex::boxes(geometry);
     order.sort_by_cached_key(|&id| {
         let [a, b, c] = geometry.corners(id);
@@ -262,7 +286,7 @@ fn sorted_by_material(geometry: &Geometry) -> (Vec<[u32; 3]>, Vec<Run>) {
 
 /// Returns where a point lies along a curve through all of a box that stays near where it is: the bits of its coordinates in turn
 /// (Morton 1966, "A computer oriented geodetic data base and a new technique in file sequencing").
-fn place_on_curve(point: Vec3, bounds: &Aabb) -> u32 {
+pub(super) fn place_on_curve(point: Vec3, bounds: &Aabb) -> u32 {
     let size = (bounds.max - bounds.min).max(Vec3::splat(1e-20));
     let cell = ((point - bounds.min) / size * 1023.0).clamp(Vec3::ZERO, Vec3::splat(1023.0));
     let mut place = 0;
@@ -305,7 +329,7 @@ impl SeenPart {
     }
 
     /// Whether something of a box may be seen: it is not, if all of its corners are beyond one side.
-    fn may_show(&self, bounds: &Aabb) -> bool {
+    pub(super) fn may_show(&self, bounds: &Aabb) -> bool {
         let [left, right] = self.part.map(|share| 2.0 * share - 1.0);
         let mut outside = [true; 5];
         for i in 0..8 {
@@ -335,14 +359,27 @@ impl SeenPart {
 }
 
 fn casters(geometry: &Geometry) -> Vec<(Range<u32>, Aabb)> {
-    let all = geometry.casters();
-    let begins = all.clone().step_by(CASTER_TRIANGLES as usize);
-    let part = |begin: u32| {
-        let part = begin..(begin + CASTER_TRIANGLES).min(all.end);
-        let bounds = Aabb::around(geometry.vertices_of(part.clone()));
-        (part, bounds)
-    };
-    begins.map(part).collect()
+    let mut parts = Vec::new();
+    for run in whole_casters(geometry) {
+        for begin in run.clone().step_by(CASTER_TRIANGLES as usize) {
+            let part = begin..(begin + CASTER_TRIANGLES).min(run.end);
+            let bounds = Aabb::around(geometry.vertices_of(part.clone()));
+            parts.push((part, bounds));
+        }
+    }
+    parts
+}
+
+/// Returns the casters without holes.
+fn whole_casters(geometry: &Geometry) -> Vec<Range<u32>> {
+    let casters = geometry.casters();
+    match geometry.cut_outs() {
+        Some(cut_outs) => {
+            let [whole, _] = cut_outs.split(std::slice::from_ref(&casters));
+            whole
+        }
+        None => vec![casters],
+    }
 }
 
 /// Bind groups with the looks of materials; the last material is that of triangles without one.

@@ -3,6 +3,7 @@
 mod buffers;
 mod coarse;
 mod convex;
+mod holes;
 pub(crate) mod mask;
 mod overlay;
 mod pass_clock;
@@ -156,14 +157,7 @@ impl Renderer {
         for &i in drawn {
             let side = &mut self.sides[i];
             side.apply(frame.lights, frame.sides[i])?;
-            side.prepare(
-                &self.device,
-                &self.queue,
-                &self.layouts,
-                frame.camera,
-                frame.stage,
-                frame.lights,
-            )?;
+            side.prepare(&self.device, &self.queue, &self.layouts, &self.scene, frame)?;
             match &mut clock {
                 Some(clock) => side.encode_timed(encoder, clock, SIDES[i])?,
                 None => side.set.encode(encoder)?,

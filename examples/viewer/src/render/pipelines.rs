@@ -1,7 +1,11 @@
 //! The renderer's pipelines, bind groups and textures.
 
-use super::buffers::Looks;
-use umbrage::glam::UVec2;
+use super::{
+    buffers::Looks,
+    holes::{self, LeafVertex},
+};
+use anyhow::Result;
+use umbrage::{glam::UVec2, wgpu::CutOutBuffers};
 
 /// What the picture is drawn into: colours are encoded as sRGB as they are written.
 pub(crate) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -14,6 +18,8 @@ pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub(crate) const FRAME_GROUP: u32 = 0;
 pub(crate) const MATERIAL_GROUP: u32 = 1;
 pub(crate) const SET_GROUP: u32 = 2;
+/// What tells holes; only where the scene has some.
+pub(crate) const HOLES_GROUP: u32 = 3;
 
 /// Layouts of the renderer's own bind groups.
 pub(crate) struct Layouts {
@@ -49,20 +55,28 @@ pub(crate) struct Forward {
     pub all: wgpu::RenderPipeline,
     /// Their fronts alone: for closed convex parts, whose backs are hidden.
     pub fronts: wgpu::RenderPipeline,
+    /// Triangles with holes; none if the scene has none.
+    pub leaves: Option<wgpu::RenderPipeline>,
 }
 
-/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text stands before the renderer's own.
+/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text stands before the renderer's own. `holes` is the
+/// layout of what tells holes, if the scene has some.
+///
+/// # Errors
+/// Errors if the library's text can't be had.
 pub(crate) fn forward(
     device: &wgpu::Device,
     layouts: &Layouts,
     set_text: &str,
     set_layout: &wgpu::BindGroupLayout,
-) -> Forward {
+    holes: Option<&wgpu::BindGroupLayout>,
+) -> Result<Forward> {
     let text = [set_text, include_str!("shaders/forward.wgsl")].concat();
     let groups = [
         Some(&layouts.frame),
         Some(&layouts.material),
         Some(set_layout),
+        holes,
     ];
     let buffers = [
         Some(wgpu::VertexBufferLayout {
@@ -91,17 +105,42 @@ pub(crate) fn forward(
         pipeline(
             device,
             text.clone(),
-            &groups,
+            ["place", "shade"],
+            &groups[..3],
             &buffers,
             primitive,
             Some(depth.clone()),
             COLOR.into(),
         )
     };
-    Forward {
+    let leaves = match holes {
+        Some(_) => Some(pipeline(
+            device,
+            leaves_text(&text)?,
+            ["place_leaf", "shade_leaf"],
+            &groups,
+            &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<LeafVertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &LeafVertex::ATTRIBUTES,
+            })],
+            wgpu::PrimitiveState::default(),
+            Some(depth.clone()),
+            COLOR.into(),
+        )),
+        None => None,
+    };
+    Ok(Forward {
         all: one(None),
         fronts: one(Some(wgpu::Face::Back)),
-    }
+        leaves,
+    })
+}
+
+/// Returns the text that draws triangles with holes, given that of all others.
+fn leaves_text(forward: &str) -> Result<String> {
+    let rule = CutOutBuffers::wgsl(HOLES_GROUP, holes::PREFIX)?;
+    Ok([forward, &rule, include_str!("shaders/leaves.wgsl")].concat())
 }
 
 /// Returns the pipeline that lays a picture of figures over the image.
@@ -119,6 +158,7 @@ pub(crate) fn overlay(device: &wgpu::Device, layouts: &Layouts) -> wgpu::RenderP
     pipeline(
         device,
         text,
+        ["place", "shade"],
         &[Some(&layouts.overlay)],
         &[],
         strip,
@@ -142,6 +182,7 @@ pub(crate) fn present(
     pipeline(
         device,
         text,
+        ["place", "shade"],
         &[Some(layout)],
         &[],
         strip,
@@ -150,9 +191,11 @@ pub(crate) fn present(
     )
 }
 
+#[expect(clippy::too_many_arguments, reason = "what the pipelines differ in")]
 fn pipeline(
     device: &wgpu::Device,
     text: String,
+    entries: [&str; 2],
     groups: &[Option<&wgpu::BindGroupLayout>],
     buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
     primitive: wgpu::PrimitiveState,
@@ -172,7 +215,7 @@ fn pipeline(
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
-            entry_point: Some("place"),
+            entry_point: Some(entries[0]),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers,
         },
@@ -181,7 +224,7 @@ fn pipeline(
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some("shade"),
+            entry_point: Some(entries[1]),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(target)],
         }),

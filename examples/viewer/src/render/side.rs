@@ -1,6 +1,7 @@
 //! One half of a comparison: a light set whose lights all have the same technique.
 
 use super::{
+    FrameSettings,
     buffers::{SceneBuffers, SeenPart},
     pass_clock::PassClock,
     pipelines::{self, FRAME_GROUP, Forward, Layouts, MATERIAL_GROUP, SET_GROUP, group},
@@ -8,7 +9,6 @@ use super::{
 use crate::{
     lights::{EditLight, MAX_LIGHTS},
     settings::SideSettings,
-    stage::Stage,
 };
 use anyhow::Result;
 use umbrage::{
@@ -20,8 +20,8 @@ use umbrage::{
     },
 };
 
-/// Bytes of the uniform `frame`: a matrix, three vectors, four vectors for each lamp.
-const FRAME_BYTES: u64 = 16 * (4 + 3 + 4 * MAX_LIGHTS as u64);
+/// Bytes of the uniform `frame`: a matrix, three vectors, the rays through pixels, four vectors for each lamp.
+const FRAME_BYTES: u64 = 16 * (4 + 3 + 6 + 4 * MAX_LIGHTS as u64);
 
 pub(crate) struct Side {
     pub set: LightSet,
@@ -106,18 +106,18 @@ impl Side {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         layouts: &Layouts,
-        camera: &Camera,
-        stage: &Stage,
-        lights: &[EditLight],
+        scene: &SceneBuffers,
+        frame: &FrameSettings<'_>,
     ) -> Result<()> {
-        let frame = SetFrame {
-            camera,
+        let geometry = &frame.stage.geometry;
+        let of_set = SetFrame {
+            camera: frame.camera,
             geometry: Some(FrameGeometry {
-                triangles: &stage.geometry,
-                revision: stage.geometry.fingerprint(),
+                triangles: geometry,
+                revision: geometry.fingerprint(),
             }),
         };
-        self.set.prepare(device, queue, &frame)?;
+        self.set.prepare(device, queue, &of_set)?;
         let (_, layout) = self.set.bind_group()?;
         let revision = self.set.wgsl_revision();
         if self
@@ -125,10 +125,16 @@ impl Side {
             .as_ref()
             .is_none_or(|(made_for, _)| *made_for != revision)
         {
-            let forward = pipelines::forward(device, layouts, self.set.wgsl(), layout);
+            let forward = pipelines::forward(
+                device,
+                layouts,
+                self.set.wgsl(),
+                layout,
+                scene.leaves_layout(),
+            )?;
             self.forward = Some((revision, forward));
         }
-        let bytes = self.frame_bytes(camera, lights)?;
+        let bytes = self.frame_bytes(frame.camera, frame.lights)?;
         queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&bytes));
         Ok(())
     }
@@ -139,6 +145,7 @@ impl Side {
         floats.extend(camera.eye().extend(self.ids.len() as f32).to_array());
         floats.extend([0.16, 0.19, 0.25, 0.0]);
         floats.extend([0.09, 0.08, 0.07, 0.0]);
+        floats.extend(rays(camera));
         let on = lights.iter().filter(|light| light.is_on);
         for (light, id) in on.zip(&self.ids) {
             let index = self.set.index_of(*id)?;
@@ -204,6 +211,20 @@ impl Side {
 /// Returns the matrix from the world to the picture.
 pub(crate) fn clip_from_world(camera: &Camera) -> Mat4 {
     camera.clip_from_view * Mat4::from(camera.world_from_view.inverse())
+}
+
+/// The rays through a picture's pixels, as the shader has them.
+fn rays(camera: &Camera) -> [f32; 24] {
+    let rays = camera.rays();
+    let vectors = [
+        rays.origin,
+        rays.origin_dx,
+        rays.origin_dy,
+        rays.dir,
+        rays.dir_dx,
+        rays.dir_dy,
+    ];
+    bytemuck::cast(vectors.map(|v| v.to_array()))
 }
 
 /// A lamp as the shader has it.

@@ -17,6 +17,8 @@ struct Frame {
     // Light from all around: from above, from below.
     sky: vec4f,
     ground: vec4f,
+    // Through the pixels: the fields of the library's `CameraRays`.
+    rays: array<vec4f, 6>,
     lamps: array<Lamp, 16>,
 }
 struct Material {
@@ -46,7 +48,7 @@ fn cone_of(lamp: Lamp, to_light: vec3f) -> f32 {
     return smoothstep(lamp.axis.w, lamp.cone.x, dot(-to_light, lamp.axis.xyz));
 }
 
-@fragment fn shade(seen: Surface) -> @location(0) vec4f {
+fn lit(seen: Surface) -> vec4f {
     let to_eye = frame.eye.xyz - seen.position;
     let view = normalize(to_eye);
     // The triangle's own normal, on the side that is seen: shadows ask for it.
@@ -73,4 +75,8 @@ fn cone_of(lamp: Lamp, to_light: vec3f) -> f32 {
         color += lamp.color.xyz * (albedo + gloss) * (arriving * visible);
     }
     return vec4f(color, 1.0);
+}
+
+@fragment fn shade(seen: Surface) -> @location(0) vec4f {
+    return lit(seen);
 }
