@@ -17,6 +17,7 @@ pub use filtering::light_extent::LightExtent;
 pub use filtering::moments::blur::{BoxBlurKernel, BoxBlurUniforms};
 pub use filtering::moments::map::{MAX_BLEEDING_REDUCTION, MAX_BLUR};
 pub use filtering::moments::of_depth::{MomentsKernel, MomentsUniforms};
+pub use filtering::moments::stored::MomentPrecision;
 pub use filtering::sample_pattern::Pattern;
 pub use listing::{
     Candidate, ClosedFormDemand, ConfiguredTechniques, FrameRules, LightPreset, ListedTechnique,
@@ -60,6 +61,7 @@ pub fn twins() -> impl Iterator<Item = &'static umbrage_core::Twin> {
         filtering::moments::exp2::TWINS,
         filtering::moments::of_depth::TWINS,
         filtering::moments::bounds::TWINS,
+        filtering::moments::stored::TWINS,
         filtering::moments::hamburger::TWINS,
         filtering::moments::hausdorff::TWINS,
         filtering::sample_pattern::TWINS,

@@ -17,14 +17,15 @@ use crate::{
     filtering::moments::{
         bounds::{lit_by_falling, lit_by_rising},
         exp2::power_of_two,
-        look_up::{self, Bound, look_up},
-        map::{self, BleedingReduction},
+        look_up::{self, Bound, MomentMap, look_up},
+        map::{self, BleedingReduction, MomentImages},
         of_depth::MomentKind,
+        stored::{Encoding, MomentPrecision},
     },
     listing::{
         Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
     },
-    shadow_map::{ShadowMap, layers::ShadowMapUniforms},
+    shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
@@ -58,6 +59,8 @@ pub struct Evsm {
     pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
+    /// Bits of each moment.
+    pub precision: MomentPrecision,
     /// Which exponentials.
     pub moments: EvsmMoments,
     /// Exponent of the rising one at the far plane, 0 to [`MAX_EXPONENT`]; at the near plane it is the negative of that.
@@ -65,7 +68,8 @@ pub struct Evsm {
     /// Exponent of the falling one at the near plane, likewise.
     pub negative_exponent: f32,
     /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on even surfaces.
-    pub least_deviation: f32,
+    /// Where it is left out, it is what the precision needs: 0.00005 with 32 bits, with 16 bits a tenth over twice the exponent.
+    pub least_deviation: Option<f32>,
     /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
     pub bleeding_reduction: f32,
 }
@@ -74,11 +78,12 @@ impl Default for Evsm {
     fn default() -> Self {
         Self {
             map: ShadowMap::default(),
-            blur: 3,
+            blur: 1,
+            precision: MomentPrecision::Bits32,
             moments: EvsmMoments::Four,
             positive_exponent: 40.0,
             negative_exponent: 5.0,
-            least_deviation: 5e-5,
+            least_deviation: None,
             bleeding_reduction: 0.1,
         }
     }
@@ -96,13 +101,14 @@ impl ShadowTechnique for Evsm {
             EvsmMoments::Four => 4,
         };
         let mut words = format!("{moments} moments, blur {side}x{side}, ");
+        words += self.precision.words();
         let default = Self::default();
         let exponents = (self.positive_exponent, self.negative_exponent);
         if exponents != (default.positive_exponent, default.negative_exponent) {
             words += &format!("exponents {} and {}, ", exponents.0, exponents.1);
         }
-        if self.least_deviation != default.least_deviation {
-            words += &format!("deviation {}, ", self.least_deviation);
+        if let Some(deviation) = self.least_deviation {
+            words += &format!("deviation {deviation}, ");
         }
         if self.bleeding_reduction != default.bleeding_reduction {
             words += &format!("bleeding {}, ", self.bleeding_reduction);
@@ -111,7 +117,9 @@ impl ShadowTechnique for Evsm {
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        map::check("least deviation", self.least_deviation, 0.0, MAX_DEVIATION)?;
+        if let Some(deviation) = self.least_deviation {
+            map::check("least deviation", deviation, 0.0, MAX_DEVIATION)?;
+        }
         let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
         map::check(
             "positive exponent",
@@ -131,7 +139,13 @@ impl ShadowTechnique for Evsm {
             EvsmMoments::Two => MomentKind::OneExponential { rising },
             EvsmMoments::Four => MomentKind::TwoExponentials { rising, falling },
         };
+        let images = MomentImages {
+            kind,
+            precision: self.precision,
+            blur: self.blur,
+        };
         let kernel = |lookup| EvsmKernel {
+            encoding: images.encoding(),
             moments: self.moments,
             uniforms: EvsmUniforms {
                 lookup,
@@ -143,7 +157,7 @@ impl ShadowTechnique for Evsm {
                 least_falling: self.least_variance(self.negative_exponent),
             },
         };
-        map::recipe(&self.map, view, self.blur, kind, kernel)
+        images.recipe(&self.map, view, kernel)
     }
 
     fn kernel_reach(&self) -> Option<f32> {
@@ -159,10 +173,20 @@ impl Evsm {
     /// Returns the least variance of an exponential, in units of its squared value: it changes by a factor of 1 + `exponent` d
     /// over a small centred depth d, and centred depth has twice the range of clip depth.
     fn least_variance(&self, exponent: f32) -> f32 {
-        let deviation = 2.0 * exponent * self.least_deviation;
+        let deviation = match (self.least_deviation, self.precision) {
+            (Some(least), _) => 2.0 * exponent * least,
+            (None, MomentPrecision::Bits32) => 2.0 * exponent * LEAST_DEVIATION_32,
+            (None, MomentPrecision::Bits16) => RELATIVE_DEVIATION_16,
+        };
         (deviation * deviation).max(SMALLEST_VARIANCE)
     }
 }
+
+/// Least deviation of 32-bit moments, clip depth.
+const LEAST_DEVIATION_32: f32 = 5e-5;
+/// Of 16-bit ones, in units of the exponential: each is rounded three times, by up to 2^-9, which is to leave some thousandths of the light
+/// dark at most.
+const RELATIVE_DEVIATION_16: f32 = 0.1;
 
 /// What rounding leaves of the variance of equal values, in units of their square; and what keeps a division finite.
 const SMALLEST_VARIANCE: f32 = 1e-6;
@@ -198,11 +222,27 @@ impl ListedTechnique for Evsm {
                 ..Self::default()
             }));
         }
+        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+            map,
+            precision: MomentPrecision::Bits16,
+            ..Self::default()
+        }));
+        out.extend(sweeps::middle(
+            &[map_size],
+            Fit::Tight,
+            &[Bias::ADAPTIVE],
+            |map| Self {
+                map,
+                moments: EvsmMoments::Two,
+                precision: MomentPrecision::Bits16,
+                ..Self::default()
+            },
+        ));
         out
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [3, 8]
+        [1, 8]
             .map(|blur| {
                 Candidate::of(Self {
                     map,
@@ -232,6 +272,7 @@ impl ListedTechnique for Evsm {
             RandomParameter::Switch,
             RandomParameter::Length(0.0..42.0),
             RandomParameter::Length(0.0..42.0),
+            RandomParameter::Switch,
         ]
     }
 
@@ -239,7 +280,12 @@ impl ListedTechnique for Evsm {
         Self {
             map,
             blur: numbers[0] as u32,
-            least_deviation: numbers[1],
+            precision: if numbers[6] > 0.0 {
+                MomentPrecision::Bits16
+            } else {
+                MomentPrecision::Bits32
+            },
+            least_deviation: Some(numbers[1]),
             bleeding_reduction: numbers[2],
             moments: if numbers[3] > 0.0 {
                 EvsmMoments::Four
@@ -275,6 +321,7 @@ uniforms! {
 /// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct EvsmKernel {
+    encoding: Encoding,
     moments: EvsmMoments,
     uniforms: EvsmUniforms,
 }
@@ -298,7 +345,7 @@ impl Kernel for EvsmKernel {
             EvsmMoments::Two => TWO,
             EvsmMoments::Four => FOUR,
         };
-        look_up::modules(&self.uniforms.lookup, &[own, choice])
+        look_up::modules(&self.uniforms.lookup, self.encoding, &[own, choice])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -313,9 +360,13 @@ impl ReceiveKernel for EvsmKernel {
             amount: u.bleeding,
             scale: u.bleeding_scale,
         };
+        let map = MomentMap {
+            lookup: &u.lookup,
+            encoding: self.encoding,
+        };
         match self.moments {
-            EvsmMoments::Two => look_up::<2>(inputs, &u.lookup, span, out, u, bleeding),
-            EvsmMoments::Four => look_up::<4>(inputs, &u.lookup, span, out, u, bleeding),
+            EvsmMoments::Two => look_up::<2>(inputs, map, span, out, u, bleeding),
+            EvsmMoments::Four => look_up::<4>(inputs, map, span, out, u, bleeding),
         }
     }
 

@@ -22,9 +22,10 @@ use crate::{
     filtering::moments::{
         hamburger::{HAMBURGER, hamburger},
         hausdorff::{HAUSDORFF, hausdorff},
-        look_up::{self, Bound, look_up},
-        map::{self, BleedingReduction},
+        look_up::{self, Bound, MomentMap, look_up},
+        map::{self, BleedingReduction, MomentImages},
         of_depth::MomentKind,
+        stored::{Encoding, MomentPrecision},
     },
     listing::{
         Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
@@ -57,10 +58,13 @@ pub struct Msm {
     pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
+    /// Bits of each moment.
+    pub precision: MomentPrecision,
     /// Which distributions are allowed.
     pub reconstruction: Reconstruction,
-    /// Share of a fixed distribution that is mixed into the moments, 0 to 1: hides rounding.
-    pub moment_bias: f32,
+    /// Share of a fixed distribution that is mixed into the moments, 0 to 1: hides rounding. Where it is left out, it is what the precision
+    /// needs: 0.000003 with 32 bits, 0.00006 with 16 (the latter by Peters and others 2017).
+    pub moment_bias: Option<f32>,
     /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
     pub bleeding_reduction: f32,
 }
@@ -69,9 +73,10 @@ impl Default for Msm {
     fn default() -> Self {
         Self {
             map: ShadowMap::default(),
-            blur: 3,
+            blur: 1,
+            precision: MomentPrecision::Bits32,
             reconstruction: Reconstruction::Hausdorff,
-            moment_bias: 3e-6,
+            moment_bias: None,
             bleeding_reduction: 0.1,
         }
     }
@@ -89,9 +94,10 @@ impl ShadowTechnique for Msm {
             Reconstruction::Hausdorff => "hausdorff",
         };
         let mut words = format!("{reconstruction}, blur {side}x{side}, ");
+        words += self.precision.words();
         let default = Self::default();
-        if self.moment_bias != default.moment_bias {
-            words += &format!("moment bias {}, ", self.moment_bias);
+        if let Some(bias) = self.moment_bias {
+            words += &format!("moment bias {bias}, ");
         }
         if self.bleeding_reduction != default.bleeding_reduction {
             words += &format!("bleeding {}, ", self.bleeding_reduction);
@@ -100,19 +106,29 @@ impl ShadowTechnique for Msm {
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        map::check("moment bias", self.moment_bias, 0.0, 1.0)?;
+        let moment_bias = self.moment_bias.unwrap_or(match self.precision {
+            MomentPrecision::Bits32 => MOMENT_BIAS_32,
+            MomentPrecision::Bits16 => MOMENT_BIAS_16,
+        });
+        map::check("moment bias", moment_bias, 0.0, 1.0)?;
         let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
+        let images = MomentImages {
+            kind: MomentKind::Powers,
+            precision: self.precision,
+            blur: self.blur,
+        };
         let kernel = |lookup| MsmKernel {
+            encoding: images.encoding(),
             reconstruction: self.reconstruction,
             uniforms: MsmUniforms {
                 lookup,
                 bleeding: bleeding.amount,
                 bleeding_scale: bleeding.scale,
-                moment_bias: self.moment_bias,
+                moment_bias,
                 plane_deviation: plane_deviation(self.blur),
             },
         };
-        map::recipe(&self.map, view, self.blur, MomentKind::Powers, kernel)
+        images.recipe(&self.map, view, kernel)
     }
 
     fn kernel_reach(&self) -> Option<f32> {
@@ -123,6 +139,11 @@ impl ShadowTechnique for Msm {
         self.map.follows_camera(light)
     }
 }
+
+/// Bias of 32-bit moments.
+const MOMENT_BIAS_32: f32 = 3e-6;
+/// Bias of 16-bit ones.
+const MOMENT_BIAS_16: f32 = 6e-5;
 
 impl ListedTechnique for Msm {
     const SUMMARY: &'static str =
@@ -155,11 +176,16 @@ impl ListedTechnique for Msm {
                 ..Self::default()
             }));
         }
+        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+            map,
+            precision: MomentPrecision::Bits16,
+            ..Self::default()
+        }));
         out
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [3, 8]
+        [1, 8]
             .map(|blur| {
                 Candidate::of(Self {
                     map,
@@ -187,6 +213,7 @@ impl ListedTechnique for Msm {
             RandomParameter::Length(0.0..1e-4),
             RandomParameter::Length(0.0..0.9),
             RandomParameter::Switch,
+            RandomParameter::Switch,
         ]
     }
 
@@ -194,7 +221,12 @@ impl ListedTechnique for Msm {
         Self {
             map,
             blur: numbers[0] as u32,
-            moment_bias: numbers[1],
+            precision: if numbers[4] > 0.0 {
+                MomentPrecision::Bits16
+            } else {
+                MomentPrecision::Bits32
+            },
+            moment_bias: Some(numbers[1]),
             bleeding_reduction: numbers[2],
             reconstruction: if numbers[3] > 0.0 {
                 Reconstruction::Hausdorff
@@ -224,6 +256,7 @@ uniforms! {
 /// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct MsmKernel {
+    encoding: Encoding,
     reconstruction: Reconstruction,
     uniforms: MsmUniforms,
 }
@@ -247,7 +280,8 @@ impl Kernel for MsmKernel {
             Reconstruction::Hamburger => THREE_DEPTHS,
             Reconstruction::Hausdorff => THREE_OR_FOUR,
         };
-        look_up::modules(&self.uniforms.lookup, &[HAMBURGER, HAUSDORFF, own, choice])
+        let own = [HAMBURGER, HAUSDORFF, own, choice];
+        look_up::modules(&self.uniforms.lookup, self.encoding, &own)
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -262,12 +296,16 @@ impl ReceiveKernel for MsmKernel {
             amount: u.bleeding,
             scale: u.bleeding_scale,
         };
+        let map = MomentMap {
+            lookup: &u.lookup,
+            encoding: self.encoding,
+        };
         match self.reconstruction {
             Reconstruction::Hamburger => {
-                look_up(inputs, &u.lookup, span, out, &HamburgerBound(u), bleeding);
+                look_up(inputs, map, span, out, &HamburgerBound(u), bleeding);
             }
             Reconstruction::Hausdorff => {
-                look_up(inputs, &u.lookup, span, out, &HausdorffBound(u), bleeding);
+                look_up(inputs, map, span, out, &HausdorffBound(u), bleeding);
             }
         }
     }

@@ -13,9 +13,10 @@
 use crate::{
     filtering::moments::{
         bounds::lit_by_variance,
-        look_up::{self, Bound, look_up},
-        map::{self, BleedingReduction},
+        look_up::{self, Bound, MomentMap, look_up},
+        map::{self, BleedingReduction, MomentImages},
         of_depth::MomentKind,
+        stored::{Encoding, MomentPrecision},
     },
     listing::{
         Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
@@ -40,8 +41,11 @@ pub struct Vsm {
     pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
-    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on even surfaces.
-    pub least_deviation: f32,
+    /// Bits of each moment.
+    pub precision: MomentPrecision,
+    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on even surfaces. Where it is left out, it
+    /// is what the precision needs: 0.0003 with 32 bits, 0.001 with 16.
+    pub least_deviation: Option<f32>,
     /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
     pub bleeding_reduction: f32,
 }
@@ -50,8 +54,9 @@ impl Default for Vsm {
     fn default() -> Self {
         Self {
             map: ShadowMap::default(),
-            blur: 3,
-            least_deviation: 3e-4,
+            blur: 1,
+            precision: MomentPrecision::Bits32,
+            least_deviation: None,
             bleeding_reduction: 0.2,
         }
     }
@@ -65,9 +70,10 @@ impl ShadowTechnique for Vsm {
     fn settings(&self) -> String {
         let side = 2 * self.blur + 1;
         let mut words = format!("blur {side}x{side}, ");
+        words += self.precision.words();
         let default = Self::default();
-        if self.least_deviation != default.least_deviation {
-            words += &format!("deviation {}, ", self.least_deviation);
+        if let Some(deviation) = self.least_deviation {
+            words += &format!("deviation {deviation}, ");
         }
         if self.bleeding_reduction != default.bleeding_reduction {
             words += &format!("bleeding {}, ", self.bleeding_reduction);
@@ -76,19 +82,29 @@ impl ShadowTechnique for Vsm {
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        map::check("least deviation", self.least_deviation, 0.0, MAX_DEVIATION)?;
+        let least_deviation = self.least_deviation.unwrap_or(match self.precision {
+            MomentPrecision::Bits32 => LEAST_DEVIATION_32,
+            MomentPrecision::Bits16 => LEAST_DEVIATION_16,
+        });
+        map::check("least deviation", least_deviation, 0.0, MAX_DEVIATION)?;
         let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
         // Centred depth has twice the range of clip depth.
-        let deviation = 2.0 * self.least_deviation;
-        let kernel = |lookup| {
-            VsmKernel(VsmUniforms {
+        let deviation = 2.0 * least_deviation;
+        let images = MomentImages {
+            kind: MomentKind::Variance,
+            precision: self.precision,
+            blur: self.blur,
+        };
+        let kernel = |lookup| VsmKernel {
+            encoding: images.encoding(),
+            uniforms: VsmUniforms {
                 lookup,
                 bleeding: bleeding.amount,
                 bleeding_scale: bleeding.scale,
                 least_variance: (deviation * deviation).max(SMALLEST_VARIANCE),
-            })
+            },
         };
-        map::recipe(&self.map, view, self.blur, MomentKind::Variance, kernel)
+        images.recipe(&self.map, view, kernel)
     }
 
     fn kernel_reach(&self) -> Option<f32> {
@@ -99,6 +115,11 @@ impl ShadowTechnique for Vsm {
         self.map.follows_camera(light)
     }
 }
+
+/// Least deviation of 32-bit moments, clip depth.
+const LEAST_DEVIATION_32: f32 = 3e-4;
+/// Of 16-bit ones: their means of depth are off by some 2e-5, which is to leave a thousandth of the light dark at most.
+const LEAST_DEVIATION_16: f32 = 1e-3;
 
 /// What keeps a division by a variance of 0 finite.
 const SMALLEST_VARIANCE: f32 = 1e-12;
@@ -147,6 +168,11 @@ impl ListedTechnique for Vsm {
             map,
             ..Self::default()
         }));
+        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+            map,
+            precision: MomentPrecision::Bits16,
+            ..Self::default()
+        }));
         out
     }
 
@@ -173,6 +199,7 @@ impl ListedTechnique for Vsm {
             RandomParameter::Count(0..8),
             RandomParameter::Length(0.0..0.01),
             RandomParameter::Length(0.0..0.9),
+            RandomParameter::Switch,
         ]
     }
 
@@ -180,7 +207,12 @@ impl ListedTechnique for Vsm {
         Self {
             map,
             blur: numbers[0] as u32,
-            least_deviation: numbers[1],
+            precision: if numbers[3] > 0.0 {
+                MomentPrecision::Bits16
+            } else {
+                MomentPrecision::Bits32
+            },
+            least_deviation: Some(numbers[1]),
             bleeding_reduction: numbers[2],
         }
     }
@@ -202,10 +234,10 @@ uniforms! {
 
 /// The receive kernel.
 #[derive(Clone, Copy, Debug)]
-pub struct VsmKernel(
-    /// Uniforms.
-    pub VsmUniforms,
-);
+pub struct VsmKernel {
+    encoding: Encoding,
+    uniforms: VsmUniforms,
+}
 
 impl Kernel for VsmKernel {
     fn modules(&self) -> Vec<Module> {
@@ -213,22 +245,26 @@ impl Kernel for VsmKernel {
             name: "vsm",
             text: include_str!("vsm.wgsl"),
         };
-        look_up::modules(&self.0.lookup, &[own])
+        look_up::modules(&self.uniforms.lookup, self.encoding, &[own])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
-        Some(&self.0)
+        Some(&self.uniforms)
     }
 }
 
 impl ReceiveKernel for VsmKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let u = &self.0;
+        let u = &self.uniforms;
         let bleeding = BleedingReduction {
             amount: u.bleeding,
             scale: u.bleeding_scale,
         };
-        look_up(inputs, &u.lookup, span, out, u, bleeding);
+        let map = MomentMap {
+            lookup: &u.lookup,
+            encoding: self.encoding,
+        };
+        look_up(inputs, map, span, out, u, bleeding);
     }
 
     fn cost_per_receiver(&self) -> KernelCost {
@@ -236,7 +272,7 @@ impl ReceiveKernel for VsmKernel {
     }
 
     fn layer(&self, position: Vec3) -> Option<u32> {
-        self.0.lookup.layer_of(position)
+        self.uniforms.lookup.layer_of(position)
     }
 }
 

@@ -12,8 +12,8 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_scenes::find;
 use umbrage_techniques::{
-    Bias, Border, Evsm, EvsmMoments, Hard, MapFormat, Msm, Pcf, PcfDisc, PcfDithered, PcfHardware,
-    PcfMerged, Pcss, ShadowMap, Surface, Vsm,
+    Bias, Border, Evsm, EvsmMoments, Hard, MapFormat, MomentPrecision, Msm, Pcf, PcfDisc,
+    PcfDithered, PcfHardware, PcfMerged, Pcss, ShadowMap, Surface, Vsm,
 };
 use umbrage_tests::gpu::gpu;
 
@@ -120,7 +120,7 @@ fn both_halves_agree() {
 
 /// The techniques with maps of moments, in turn.
 fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
-    match turn % 4 {
+    match turn % 6 {
         0 => Box::new(Vsm {
             map,
             ..Vsm::default()
@@ -133,10 +133,20 @@ fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
             map,
             ..Msm::default()
         }),
-        _ => Box::new(Evsm {
+        3 => Box::new(Evsm {
             map,
             moments: EvsmMoments::Two,
             ..Evsm::default()
+        }),
+        4 => Box::new(Msm {
+            map,
+            precision: MomentPrecision::Bits16,
+            ..Msm::default()
+        }),
+        _ => Box::new(Vsm {
+            map,
+            precision: MomentPrecision::Bits16,
+            ..Vsm::default()
         }),
     }
 }

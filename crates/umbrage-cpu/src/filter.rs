@@ -2,7 +2,7 @@
 
 use crate::images::views;
 use rayon::prelude::*;
-use umbrage_core::{Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, glam::UVec2};
+use umbrage_core::{Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, SimdTask, glam::UVec2};
 
 /// Runs all filters.
 pub(crate) fn filter_all(images: &mut [Image], recipe: &Recipe, simd: Simd) {
@@ -35,10 +35,10 @@ pub(crate) fn filter(
         let start = UVec2::new(0, (row % height) as u32);
         let layer = (row / height) as u32;
         filter.kernel.filter(&inputs, start, layer, out);
-        if output.format == Format::Rgba8 {
-            for v in out {
-                *v = stored8(*v);
-            }
+        match output.format {
+            Format::Rgba8 => out.iter_mut().for_each(|v| *v = stored8(*v)),
+            Format::Rg16 | Format::Rgba16 => simd.run_task(Stored16(out)),
+            _ => {}
         }
     });
 }
@@ -48,4 +48,23 @@ pub(crate) fn filter(
 fn stored8(v: f32) -> f32 {
     let v = if v > 0.0 { v.min(1.0) } else { 0.0 };
     (v * 255.0).round_ties_even() * (1.0 / 255.0)
+}
+
+/// Turns numbers into what shaders load from a 16-bit channel into which they were written.
+struct Stored16<'a>(&'a mut [f32]);
+
+impl SimdTask for Stored16<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[expect(
+        clippy::manual_clamp,
+        reason = "WGSL's min and max, in this order, also for NaN"
+    )]
+    fn run(self) {
+        for v in self.0 {
+            let step = (v.max(0.0).min(1.0) * 65_535.0 + 0.5).floor();
+            *v = step * (1.0 / 65_535.0);
+        }
+    }
 }

@@ -48,8 +48,8 @@ impl FilterStage {
                 &filter.inputs,
                 &filter.tables,
             );
-            let text = filter_shader(&kernel_wgsl(kernel, &shape, 0));
             let output = &sources.images[filter.output];
+            let text = filter_shader(&kernel_wgsl(kernel, &shape, 0), output.desc.format);
             let format = texture_format(output.desc.format);
             let label = format!("umbrage filter into {}", output.desc.label);
             stage.pipeline = Some(pipelines.kernel(

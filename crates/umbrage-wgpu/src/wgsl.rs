@@ -28,6 +28,8 @@ pub(crate) enum InputKind {
     Floats,
     /// Loaded whole numbers.
     Counts,
+    /// Loaded words, of two channels each: [`Format::Rg16`] and [`Format::Rgba16`].
+    Words,
     /// Depth, loaded and compared.
     Compared,
 }
@@ -68,16 +70,30 @@ impl InputImage {
                 layered: false,
             };
         };
-        let kind = if desc.format == Format::Stencil8 {
-            InputKind::Counts
-        } else if compares && desc.format.is_depth() {
-            InputKind::Compared
-        } else {
-            InputKind::Floats
+        let kind = match desc.format {
+            Format::Stencil8 => InputKind::Counts,
+            Format::Rg16 | Format::Rgba16 => InputKind::Words,
+            format if compares && format.is_depth() => InputKind::Compared,
+            _ => InputKind::Floats,
         };
         Self {
             kind,
             layered: desc.layers > 1,
+        }
+    }
+}
+
+impl InputKind {
+    /// Returns a texel's channels, given the expression that loads it.
+    pub(crate) fn channels(self, load: &str) -> String {
+        match self {
+            Self::Floats => load.to_owned(),
+            Self::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
+            // A texture of one word has 0 in the second.
+            Self::Words => format!(
+                "vec4f(({load}.xxyy >> vec4u(0u, 16u, 0u, 16u)) & vec4u(0xffffu)) * (1.0 / 65535.0)"
+            ),
+            Self::Compared => format!("vec4f({load}, 0.0, 0.0, 1.0)"),
         }
     }
 }
@@ -161,8 +177,8 @@ const fn texture_type(image: InputImage) -> &'static str {
     match (image.kind, image.layered) {
         (InputKind::Floats, false) => "texture_2d<f32>",
         (InputKind::Floats, true) => "texture_2d_array<f32>",
-        (InputKind::Counts, false) => "texture_2d<u32>",
-        (InputKind::Counts, true) => "texture_2d_array<u32>",
+        (InputKind::Counts | InputKind::Words, false) => "texture_2d<u32>",
+        (InputKind::Counts | InputKind::Words, true) => "texture_2d_array<u32>",
         (InputKind::Compared, false) => "texture_depth_2d",
         (InputKind::Compared, true) => "texture_depth_2d_array",
     }
@@ -172,11 +188,7 @@ const fn texture_type(image: InputImage) -> &'static str {
 fn image_functions(i: usize, image: InputImage) -> String {
     let layer = if image.layered { " layer," } else { "" };
     let load = format!("textureLoad(image_{i}, texel,{layer} 0)");
-    let texel = match image.kind {
-        InputKind::Floats => load,
-        InputKind::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
-        InputKind::Compared => format!("vec4f({load}, 0.0, 0.0, 1.0)"),
-    };
+    let texel = image.kind.channels(&load);
     let text = format!(
         "fn load_{i}(texel: vec2i, layer: i32) -> vec4f {{ return {texel}; }}
 fn size_{i}() -> vec2i {{ return vec2i(textureDimensions(image_{i})); }}
@@ -256,8 +268,15 @@ pub(crate) const FULLSCREEN: &str = "\
 }
 ";
 
-/// Returns a whole shader that makes every texel of a layer; the instance index is the layer.
-pub(crate) fn filter_shader(kernel: &str) -> String {
+/// Returns a whole shader that makes every texel of a layer of an image; the instance index is the layer.
+pub(crate) fn filter_shader(kernel: &str, output: Format) -> String {
+    let in_words = matches!(output, Format::Rg16 | Format::Rgba16);
+    let (kind, stored) = if in_words {
+        ("vec2u", "umbrage_words(made)")
+    } else {
+        ("vec4f", "made")
+    };
+    let words = if in_words { WORDS } else { "" };
     format!(
         "{kernel}// ---- the player's entry points
 struct UmbrageTexel {{
@@ -267,9 +286,18 @@ struct UmbrageTexel {{
 @vertex fn umbrage_fullscreen(@builtin(vertex_index) i: u32, @builtin(instance_index) layer: u32) -> UmbrageTexel {{
     return UmbrageTexel(vec4f(f32(i32(i & 1u) * 4 - 1), f32(i32(i & 2u) * 2 - 1), 0.0, 1.0), layer);
 }}
-@fragment fn umbrage_filter(texel: UmbrageTexel) -> @location(0) vec4f {{
-    return filter_texel(vec2i(texel.at.xy), i32(texel.layer));
+{words}@fragment fn umbrage_filter(texel: UmbrageTexel) -> @location(0) {kind} {{
+    let made = filter_texel(vec2i(texel.at.xy), i32(texel.layer));
+    return {stored};
 }}
 "
     )
 }
+
+/// Puts channels into words of two, each as the nearest of 65536 steps from 0 to 1. WGSL's `pack2x16unorm` would leave halves to drivers.
+const WORDS: &str = "\
+fn umbrage_words(channels: vec4f) -> vec2u {
+    let steps = vec4u(floor(min(max(channels, vec4f(0.0)), vec4f(1.0)) * 65535.0 + 0.5));
+    return steps.xz | (steps.yw << vec2u(16u));
+}
+";

@@ -1,6 +1,8 @@
 //! A box filter along one axis. Two of them, one after the other, make the mean of a square of texels.
 
+use crate::filtering::moments::stored::{Encoding, Load, Store};
 use glam::{IVec2, UVec2};
+use std::borrow::Cow;
 use umbrage_core::{
     FilterKernel, ImageView, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms,
 };
@@ -21,23 +23,26 @@ uniforms! {
 /// `radius` away. The image's edge repeats. Sums run from left to right, or from top to bottom.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxBlurKernel {
+    /// How channels are averaged.
+    encoding: Encoding,
     uniforms: BoxBlurUniforms,
 }
 
 impl BoxBlurKernel {
-    /// Returns the filter along rows.
-    pub(crate) fn along_rows(radius: u32) -> Self {
-        Self::along(IVec2::X, radius)
+    /// Returns the filter along rows, of moments in this encoding.
+    pub(crate) fn along_rows(radius: u32, encoding: Encoding) -> Self {
+        Self::along(IVec2::X, radius, encoding)
     }
 
     /// Returns the filter along columns.
-    pub(crate) fn along_columns(radius: u32) -> Self {
-        Self::along(IVec2::Y, radius)
+    pub(crate) fn along_columns(radius: u32, encoding: Encoding) -> Self {
+        Self::along(IVec2::Y, radius, encoding)
     }
 
-    fn along(step: IVec2, radius: u32) -> Self {
+    fn along(step: IVec2, radius: u32, encoding: Encoding) -> Self {
         let share = 1.0 / (2 * radius + 1) as f32;
         Self {
+            encoding: encoding.of_means(),
             uniforms: BoxBlurUniforms {
                 radius: radius as i32,
                 step,
@@ -49,10 +54,12 @@ impl BoxBlurKernel {
 
 impl Kernel for BoxBlurKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![Module {
+        let mut modules = self.encoding.modules();
+        modules.push(Module {
             name: "blur",
             text: include_str!("blur.wgsl"),
-        }]
+        });
+        modules
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -71,7 +78,8 @@ impl FilterKernel for BoxBlurKernel {
         let y = start.y as i32;
         out.fill(0.0);
         if step == IVec2::X {
-            let padded = padded_row(row(image, y, layer), image.desc.format.channels(), radius);
+            let row = self.loaded(inputs, row(image, y, layer));
+            let padded = padded_row(&row, image.desc.format.channels(), radius);
             let channels = image.desc.format.channels();
             for first in (0..=2 * radius as usize).map(|i| i * channels) {
                 inputs.simd.run_task(Add {
@@ -82,20 +90,40 @@ impl FilterKernel for BoxBlurKernel {
         } else {
             let last = image.desc.size.y as i32 - 1;
             for i in -radius..=radius {
+                let row = self.loaded(inputs, row(image, (y + i).clamp(0, last), layer));
                 inputs.simd.run_task(Add {
                     sum: out,
-                    values: row(image, (y + i).clamp(0, last), layer),
+                    values: &row,
                 });
             }
         }
         inputs.simd.run_task(Scale {
-            values: out,
+            values: &mut *out,
             factor: share,
+        });
+        inputs.simd.run_task(Store {
+            encoding: self.encoding,
+            texels: out,
         });
     }
 
     fn loads_per_texel(&self) -> u32 {
         2 * self.uniforms.radius.unsigned_abs() + 1
+    }
+}
+
+impl BoxBlurKernel {
+    /// Returns a row as what is averaged.
+    fn loaded<'a>(&self, inputs: &Inputs<'_>, row: &'a [f32]) -> Cow<'a, [f32]> {
+        if self.encoding == Encoding::Floats {
+            return Cow::Borrowed(row);
+        }
+        let mut texels = row.to_vec();
+        inputs.simd.run_task(Load {
+            encoding: self.encoding,
+            texels: &mut texels,
+        });
+        Cow::Owned(texels)
     }
 }
 
@@ -165,8 +193,11 @@ mod tests {
             *value = (i as f32 * 0.37).sin();
         }
         for radius in [0, 1, 3, 20] {
-            let rows = play(&BoxBlurKernel::along_rows(radius), &image);
-            let both = play(&BoxBlurKernel::along_columns(radius), &rows);
+            let rows = play(&BoxBlurKernel::along_rows(radius, Encoding::Floats), &image);
+            let both = play(
+                &BoxBlurKernel::along_columns(radius, Encoding::Floats),
+                &rows,
+            );
             let r = radius as i32;
             for (x, y, layer) in [(0, 0, 0), (4, 3, 1), (8, 6, 1), (2, 5, 0)] {
                 let mut expected = [0.0; 2];

@@ -10,7 +10,8 @@ fn filter_texel(texel: vec2i, layer: i32) -> vec4f {
     let last = size_0() - 1;
     var sum = vec4f(0.0);
     for (var i = -kernel.radius; i <= kernel.radius; i++) {
-        sum += load_0(clamp(texel + kernel.step * i, vec2i(0), last), layer);
+        let at = clamp(texel + kernel.step * i, vec2i(0), last);
+        sum += loaded_moments(load_0(at, layer));
     }
-    return sum * kernel.share;
+    return stored_moments(sum * kernel.share);
 }

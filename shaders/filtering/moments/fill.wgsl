@@ -7,5 +7,5 @@ struct MomentsUniforms {
 }
 
 fn filter_texel(texel: vec2i, layer: i32) -> vec4f {
-    return moments_of(stored_depth(texel, layer));
+    return stored_moments(moments_of(stored_depth(texel, layer)));
 }

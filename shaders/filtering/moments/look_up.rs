@@ -7,6 +7,7 @@ use crate::{
         exp2::EXP2,
         map::BleedingReduction,
         of_depth::{MOMENTS_OF_DEPTH, centred},
+        stored::Encoding,
     },
     lanes::batch::{Taps, look_up_span},
     shadow_map::{coord::ShadowCoord, layers::ShadowMapUniforms},
@@ -22,9 +23,15 @@ const LOOK_UP: Module = Module {
 /// Returns the WGSL of a kernel that looks up moments: the map's modules, those of moments, and `own`, which declares the uniforms and
 /// `fn lit_by_moments(moments: vec4f, depth: f32) -> f32`, the share of light at a centred depth, and
 /// `fn compared_depth(l: ShadowCoord) -> f32`, the clip depth that is asked about.
-pub(crate) fn modules(lookup: &ShadowMapUniforms, own: &[Module]) -> Vec<Module> {
+pub(crate) fn modules(
+    lookup: &ShadowMapUniforms,
+    encoding: Encoding,
+    own: &[Module],
+) -> Vec<Module> {
     let mut modules = lookup.modules();
-    modules.extend([EXP2, MOMENTS_OF_DEPTH, BOUNDS, LOOK_UP]);
+    modules.extend([EXP2, MOMENTS_OF_DEPTH, BOUNDS]);
+    modules.extend(encoding.modules());
+    modules.push(LOOK_UP);
     modules.extend(own);
     modules
 }
@@ -41,18 +48,29 @@ pub(crate) trait Bound<const CHANNELS: usize> {
     }
 }
 
+/// The map of moments that a kernel reads.
+#[derive(Clone, Copy)]
+pub(crate) struct MomentMap<'a> {
+    /// Where it lies.
+    pub(crate) lookup: &'a ShadowMapUniforms,
+    /// What its channels are.
+    pub(crate) encoding: Encoding,
+}
+
 /// Looks up a span of receivers in the map of moments that is the kernel's first image.
 pub(crate) fn look_up<const CHANNELS: usize>(
     inputs: &Inputs<'_>,
-    lookup: &ShadowMapUniforms,
+    map: MomentMap<'_>,
     span: &Span<'_>,
     out: &mut [f32],
     bound: &impl Bound<CHANNELS>,
     bleeding: BleedingReduction,
 ) {
+    let lookup = map.lookup;
     let (texels, _) = inputs.images[0].texels.as_chunks();
     let lookups = MomentLookups {
         texels,
+        encoding: map.encoding,
         size: lookup.size as i32,
         clamped: lookup.clamped != 0,
         bound,
@@ -65,6 +83,7 @@ pub(crate) fn look_up<const CHANNELS: usize>(
 struct MomentLookups<'a, const CHANNELS: usize, B> {
     /// All layers, row by row.
     texels: &'a [[f32; CHANNELS]],
+    encoding: Encoding,
     /// Side of each layer, texels.
     size: i32,
     /// Whether the map's edge repeats; else all beside it is lit.
@@ -120,6 +139,8 @@ impl<const CHANNELS: usize, B> MomentLookups<'_, CHANNELS, B> {
     #[inline(always)]
     fn texel(&self, x: i32, y: i32, layer: i32) -> [f32; CHANNELS] {
         let row = layer as usize * self.size as usize + y as usize;
-        self.texels[row * self.size as usize + x as usize]
+        let mut moments = self.texels[row * self.size as usize + x as usize];
+        self.encoding.load(&mut moments);
+        moments
     }
 }

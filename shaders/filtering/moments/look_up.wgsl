@@ -8,10 +8,10 @@ fn blended_moments(at: vec2f, layer: i32) -> vec4f {
     let share = place - corner;
     let first = clamp(vec2i(corner), vec2i(0), last);
     let second = clamp(vec2i(corner) + 1, vec2i(0), last);
-    let top_left = load_0(first, layer);
-    let top_right = load_0(vec2i(second.x, first.y), layer);
-    let bottom_left = load_0(vec2i(first.x, second.y), layer);
-    let bottom_right = load_0(second, layer);
+    let top_left = loaded_moments(load_0(first, layer));
+    let top_right = loaded_moments(load_0(vec2i(second.x, first.y), layer));
+    let bottom_left = loaded_moments(load_0(vec2i(first.x, second.y), layer));
+    let bottom_right = loaded_moments(load_0(second, layer));
     let top = top_left + (top_right - top_left) * share.x;
     let bottom = bottom_left + (bottom_right - bottom_left) * share.x;
     return top + (bottom - top) * share.y;

@@ -4,6 +4,7 @@ use crate::{
     filtering::moments::{
         blur::BoxBlurKernel,
         of_depth::{MomentKind, MomentsKernel},
+        stored::{Encoding, MomentPrecision},
     },
     listing::ClosedFormDemand,
     shadow_map::{CompareMethod, MapFormat, ShadowMap, layers::ShadowMapUniforms},
@@ -82,48 +83,62 @@ pub(crate) fn check(what: &str, value: f32, least: f32, most: f32) -> Result<(),
     Err(Invalid::new(what, why, format!("use {least} to {most}")))
 }
 
-/// Returns the recipe of a technique that looks up moments of the depths in `map`, blurred by `blur` texels to each side, with the
-/// kernel that `kernel` makes of the map's uniforms.
-///
-/// # Errors
-/// Errors if [`ShadowMap::spaces`] does, or the blur is too wide.
-pub(crate) fn recipe<K: ReceiveKernel + 'static>(
-    map: &ShadowMap,
-    view: &View<'_>,
-    blur: u32,
-    kind: MomentKind,
-    kernel: impl FnOnce(ShadowMapUniforms) -> K,
-) -> Result<Recipe, RecipeError> {
-    if blur > MAX_BLUR {
-        let why = format!("is {blur} texels");
-        return Err(Invalid::new("blur", why, format!("use 0 to {MAX_BLUR}")).into());
+/// Which moments a map holds, and how.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MomentImages {
+    pub(crate) kind: MomentKind,
+    pub(crate) precision: MomentPrecision,
+    /// Texels to each side that are averaged.
+    pub(crate) blur: u32,
+}
+
+impl MomentImages {
+    /// Returns what the channels of the images are.
+    pub(crate) fn encoding(&self) -> Encoding {
+        self.kind.encoding(self.precision)
     }
-    let spaces = map.spaces(view, reach(blur))?;
-    // A blend of blurred depths of a plane is the plane's depth at the receiver, so the blur asks for no more room than one texel.
-    let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 0.0 });
-    let desc = |label| ImageDesc {
-        label,
-        size: UVec2::splat(map.size),
-        layers: spaces.spaces.len() as u32,
-        format: kind.format(),
-    };
-    let packed = map.format == MapFormat::Rgba8;
-    let moments = maps.image(desc("moments"));
-    maps.filter(
-        Arc::new(MomentsKernel::new(kind, packed)),
-        vec![maps.map],
-        moments,
-    );
-    if blur > 0 {
-        let rows = maps.image(desc("moments blurred along rows"));
-        maps.filter(
-            Arc::new(BoxBlurKernel::along_rows(blur)),
-            vec![moments],
-            rows,
-        );
-        let columns = Arc::new(BoxBlurKernel::along_columns(blur));
-        maps.filter(columns, vec![rows], moments);
+
+    /// Returns the recipe of a technique that looks up such moments of the depths in `map`, with the kernel that `kernel` makes of the
+    /// map's uniforms.
+    ///
+    /// # Errors
+    /// Errors if [`ShadowMap::spaces`] does, or the blur is too wide.
+    pub(crate) fn recipe<K: ReceiveKernel + 'static>(
+        self,
+        map: &ShadowMap,
+        view: &View<'_>,
+        kernel: impl FnOnce(ShadowMapUniforms) -> K,
+    ) -> Result<Recipe, RecipeError> {
+        let Self {
+            kind,
+            precision,
+            blur,
+        } = self;
+        if blur > MAX_BLUR {
+            let why = format!("is {blur} texels");
+            return Err(Invalid::new("blur", why, format!("use 0 to {MAX_BLUR}")).into());
+        }
+        let spaces = map.spaces(view, reach(blur))?;
+        // A blend of blurred depths of a plane is the plane's depth at the receiver, so the blur asks for no more room than one texel.
+        let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 0.0 });
+        let desc = |label| ImageDesc {
+            label,
+            size: UVec2::splat(map.size),
+            layers: spaces.spaces.len() as u32,
+            format: kind.format(precision),
+        };
+        let packed = map.format == MapFormat::Rgba8;
+        let moments = maps.image(desc("moments"));
+        let of_depth = MomentsKernel::new(kind, precision, packed);
+        maps.filter(Arc::new(of_depth), vec![maps.map], moments);
+        if blur > 0 {
+            let rows = maps.image(desc("moments blurred along rows"));
+            let along_rows = BoxBlurKernel::along_rows(blur, self.encoding());
+            maps.filter(Arc::new(along_rows), vec![moments], rows);
+            let along_columns = BoxBlurKernel::along_columns(blur, self.encoding());
+            maps.filter(Arc::new(along_columns), vec![rows], moments);
+        }
+        maps.map = moments;
+        Ok(maps.recipe(kernel(ShadowMapUniforms::new(map, view, &spaces))))
     }
-    maps.map = moments;
-    Ok(maps.recipe(kernel(ShadowMapUniforms::new(map, view, &spaces))))
 }

@@ -9,3 +9,4 @@ pub(crate) mod hausdorff;
 pub(crate) mod look_up;
 pub(crate) mod map;
 pub(crate) mod of_depth;
+pub(crate) mod stored;

@@ -1,7 +1,10 @@
 //! From depths to their moments: what a map holds that is averaged before it is looked up.
 
 use crate::{
-    filtering::moments::exp2::{EXP2, power_of_two},
+    filtering::moments::{
+        exp2::{EXP2, power_of_two},
+        stored::{Encoding, MomentPrecision, Store},
+    },
     shadow_map::{choices::stored_depth, packing::unpack_depth},
 };
 use glam::{UVec2, Vec2, Vec4};
@@ -74,10 +77,29 @@ pub(crate) enum MomentKind {
 
 impl MomentKind {
     /// Returns the format of the image that holds them.
-    pub(crate) fn format(self) -> Format {
-        match self {
-            Self::Variance | Self::OneExponential { .. } => Format::Rg32,
-            Self::TwoExponentials { .. } | Self::Powers => Format::Rgba32,
+    pub(crate) fn format(self, precision: MomentPrecision) -> Format {
+        match (self, precision) {
+            (Self::Variance | Self::OneExponential { .. }, MomentPrecision::Bits32) => Format::Rg32,
+            (Self::Variance | Self::OneExponential { .. }, MomentPrecision::Bits16) => Format::Rg16,
+            (Self::TwoExponentials { .. } | Self::Powers, MomentPrecision::Bits32) => {
+                Format::Rgba32
+            }
+            (Self::TwoExponentials { .. } | Self::Powers, MomentPrecision::Bits16) => {
+                Format::Rgba16
+            }
+        }
+    }
+
+    /// Returns what the channels of that image are.
+    pub(crate) fn encoding(self, precision: MomentPrecision) -> Encoding {
+        match (self, precision) {
+            (_, MomentPrecision::Bits32) => Encoding::Floats,
+            (Self::Variance, MomentPrecision::Bits16) => Encoding::Variance16,
+            (Self::Powers, MomentPrecision::Bits16) => Encoding::Powers16,
+            (
+                Self::OneExponential { .. } | Self::TwoExponentials { .. },
+                MomentPrecision::Bits16,
+            ) => Encoding::Exponentials16,
         }
     }
 }
@@ -99,14 +121,15 @@ uniforms! {
 #[derive(Clone, Copy, Debug)]
 pub struct MomentsKernel {
     kind: MomentKind,
+    encoding: Encoding,
     uniforms: MomentsUniforms,
     /// Whether each depth of the input takes four channels.
     packed: bool,
 }
 
 impl MomentsKernel {
-    /// Returns the filter that makes these moments, of depths that take four channels each if they are `packed`.
-    pub(crate) fn new(kind: MomentKind, packed: bool) -> Self {
+    /// Returns the filter that makes these moments, in that precision, of depths that take four channels each if they are `packed`.
+    pub(crate) fn new(kind: MomentKind, precision: MomentPrecision, packed: bool) -> Self {
         let (rising, falling) = match kind {
             MomentKind::Variance | MomentKind::Powers => (0.0, 0.0),
             MomentKind::OneExponential { rising } => (rising, 0.0),
@@ -114,8 +137,9 @@ impl MomentsKernel {
         };
         Self {
             kind,
+            encoding: kind.encoding(precision),
             uniforms: MomentsUniforms {
-                channels: kind.format().channels() as u32,
+                channels: kind.format(precision).channels() as u32,
                 rising,
                 falling,
             },
@@ -159,7 +183,9 @@ impl Kernel for MomentsKernel {
             text: include_str!("fill.wgsl"),
         };
         let mut modules = stored_depth(self.packed).to_vec();
-        modules.extend([EXP2, MOMENTS_OF_DEPTH, fill, choice]);
+        modules.extend([EXP2, MOMENTS_OF_DEPTH]);
+        modules.extend(self.encoding.modules());
+        modules.extend([fill, choice]);
         modules
     }
 
@@ -186,7 +212,11 @@ impl FilterKernel for MomentsKernel {
         inputs.simd.run_task(MomentsOfRow {
             kernel: self,
             depths,
-            out,
+            out: &mut *out,
+        });
+        inputs.simd.run_task(Store {
+            encoding: self.encoding,
+            texels: out,
         });
     }
 }

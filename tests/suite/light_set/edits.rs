@@ -5,7 +5,9 @@ use glam::{Affine3A, DAffine3, DVec3, EulerRot, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
 use umbrage_core::{Aabb, Anchor, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
-use umbrage_techniques::{Evsm, Exact, Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
+use umbrage_techniques::{
+    Evsm, Exact, Hard, Midpoint, MomentPrecision, Pcf, PcfHardware, Pcss, ShadowMap,
+};
 use umbrage_tests::{
     adapter::device,
     foreign,
@@ -90,7 +92,7 @@ const FIRST_LAMP: Lamp = Lamp {
     technique: 0,
 };
 
-/// Maps of two sizes, filtered ones, one that is compared by the sampler, one of moments, which is blurred, for suns cascades, which
+/// Maps of two sizes, filtered ones, one that is compared by the sampler, one of moments of 16 bits, which is blurred, for suns cascades, which
 /// follow the camera, and lists that the device makes.
 fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let map = |size| ShadowMap {
@@ -110,6 +112,7 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let blurred = |map| Evsm {
         map,
         blur: 2,
+        precision: MomentPrecision::Bits16,
         ..Evsm::default()
     };
     match lamp.technique {

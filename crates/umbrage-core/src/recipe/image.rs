@@ -13,6 +13,11 @@ pub enum Format {
     Stencil8,
     /// Four channels 0..=1 in steps of 1/255, without sRGB.
     Rgba8,
+    /// Two channels 0..=1 in steps of 1/65535, which share a 32-bit word on GPUs: no format of core WebGPU that is drawn into has
+    /// channels of 16 bits in whole steps. Filters write the nearest step, halves upwards, by arithmetic that is written out.
+    Rg16,
+    /// Four of them, in two words.
+    Rgba16,
     /// One 32-bit float.
     R32,
     /// Two 32-bit floats.
@@ -26,8 +31,8 @@ impl Format {
     pub const fn channels(self) -> usize {
         match self {
             Self::Depth32 | Self::Depth16 | Self::Stencil8 | Self::R32 => 1,
-            Self::Rg32 => 2,
-            Self::Rgba8 | Self::Rgba32 => 4,
+            Self::Rg16 | Self::Rg32 => 2,
+            Self::Rgba8 | Self::Rgba16 | Self::Rgba32 => 4,
         }
     }
 
@@ -37,8 +42,8 @@ impl Format {
         match self {
             Self::Stencil8 => 1,
             Self::Depth16 => 2,
-            Self::Depth32 | Self::Rgba8 | Self::R32 => 4,
-            Self::Rg32 => 8,
+            Self::Depth32 | Self::Rgba8 | Self::Rg16 | Self::R32 => 4,
+            Self::Rgba16 | Self::Rg32 => 8,
             Self::Rgba32 => 16,
         }
     }

@@ -203,6 +203,11 @@ fn bytes(image: &Image) -> Vec<u8> {
     match image.desc.format {
         Format::Stencil8 => whole_bytes(&image.texels, 1.0),
         Format::Rgba8 => whole_bytes(&image.texels, 255.0),
+        Format::Rg16 | Format::Rgba16 => {
+            let step = |v: &f32| (v * 65_535.0).round() as u16;
+            let steps: Vec<u16> = image.texels.iter().map(step).collect();
+            bytemuck::cast_slice(&steps).to_vec()
+        }
         _ => bytemuck::cast_slice(&image.texels).to_vec(),
     }
 }

@@ -63,11 +63,18 @@ impl Tickets {
 }
 
 fn texels(format: Format, back: &ReadBack<'_>, ticket: Ticket) -> Result<Vec<f32>, BackendError> {
-    if format != Format::Stencil8 {
-        return back.read(ticket);
+    match format {
+        Format::Stencil8 => {
+            let counts: Vec<u8> = back.read(ticket)?;
+            Ok(counts.into_iter().map(f32::from).collect())
+        }
+        Format::Rg16 | Format::Rgba16 => {
+            let steps: Vec<u16> = back.read(ticket)?;
+            let channel = |step: u16| f32::from(step) * (1.0 / 65_535.0);
+            Ok(steps.into_iter().map(channel).collect())
+        }
+        _ => back.read(ticket),
     }
-    let counts: Vec<u8> = back.read(ticket)?;
-    Ok(counts.into_iter().map(f32::from).collect())
 }
 
 /// Copies of receivers.

@@ -438,7 +438,7 @@ impl SetShader {
             let layered = true;
             slots.push(match map.kind {
                 InputKind::Floats => Slot::Floats { layered },
-                InputKind::Counts => Slot::Whole { layered },
+                InputKind::Counts | InputKind::Words => Slot::Whole { layered },
                 InputKind::Compared => Slot::Depth { layered },
             });
             compares |= map.kind == InputKind::Compared;

@@ -193,7 +193,7 @@ fn shadow_on(light: u32, position: vec3f, normal: vec3f, pixel: vec2u, triangle:
 const fn array_type(kind: InputKind) -> &'static str {
     match kind {
         InputKind::Floats => "texture_2d_array<f32>",
-        InputKind::Counts => "texture_2d_array<u32>",
+        InputKind::Counts | InputKind::Words => "texture_2d_array<u32>",
         InputKind::Compared => "texture_depth_2d_array",
     }
 }
@@ -204,11 +204,7 @@ fn image_functions(i: usize, image: InputImage, maps: &[usize]) -> String {
     let layer = format!("layer + i32({first})");
     let load = |map: usize| {
         let load = format!("textureLoad(shadow_maps_{map}, texel, {layer}, 0)");
-        match image.kind {
-            InputKind::Floats => load,
-            InputKind::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
-            InputKind::Compared => format!("vec4f({load}, 0.0, 0.0, 1.0)"),
-        }
+        image.kind.channels(&load)
     };
     let size = |map: usize| format!("vec2i(textureDimensions(shadow_maps_{map}))");
     let mut text = String::new();

@@ -16,6 +16,8 @@ pub const fn texture_format(format: Format) -> TextureFormat {
         Format::Depth16 => TextureFormat::Depth16Unorm,
         Format::Stencil8 => TextureFormat::Stencil8,
         Format::Rgba8 => TextureFormat::Rgba8Unorm,
+        Format::Rg16 => TextureFormat::R32Uint,
+        Format::Rgba16 => TextureFormat::Rg32Uint,
         Format::R32 => TextureFormat::R32Float,
         Format::Rg32 => TextureFormat::Rg32Float,
         Format::Rgba32 => TextureFormat::Rgba32Float,

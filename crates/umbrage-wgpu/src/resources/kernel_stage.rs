@@ -76,7 +76,7 @@ fn slots(shape: &KernelInterface) -> Vec<Slot> {
     for &InputImage { kind, layered } in &shape.images {
         slots.push(match kind {
             InputKind::Floats => Slot::Floats { layered },
-            InputKind::Counts => Slot::Whole { layered },
+            InputKind::Counts | InputKind::Words => Slot::Whole { layered },
             InputKind::Compared => Slot::Depth { layered },
         });
     }

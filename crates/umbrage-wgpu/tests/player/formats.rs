@@ -224,6 +224,62 @@ fn the_pinned_driver_rounds_colour_by_a_known_rule() {
     );
 }
 
+kernel!(
+    Spread,
+    // Of both signs and beyond 1, and halves of steps.
+    "fn filter_texel(texel: vec2i, layer: i32) -> vec4f {
+        let h = (u32(texel.y) * 50u + u32(texel.x)) * 0x9e3779b9u;
+        let any = f32(h >> 8u) / 8388608.0 - 0.5;
+        return vec4f(any, f32(h & 0xffffu) / 65535.0, (f32(h >> 20u) + 0.5) / 65535.0, 1.0 - any);
+    }"
+);
+
+impl FilterKernel for Spread {
+    fn filter(&self, _: &Inputs<'_>, _: UVec2, _: u32, out: &mut [f32]) {
+        out.fill(0.0);
+    }
+}
+
+/// Steps of 16 bits are the nearest on every device that rounds sums and products to floats, whatever it does with textures.
+#[test]
+fn filters_write_the_nearest_step_of_16_bits() {
+    let stage = Stage::new();
+    let spread = |output| Filter {
+        kernel: Arc::new(Spread(stage.numbers(Vec4::ZERO))),
+        inputs: vec![],
+        tables: vec![],
+        output,
+    };
+    let recipe = Recipe {
+        images: vec![
+            desc("floats", Format::Rgba32),
+            desc("four", Format::Rgba16),
+            desc("two", Format::Rg16),
+        ],
+        casts: vec![],
+        filters: vec![spread(0), spread(1), spread(2)],
+        ..stage.recipe(SIDE)
+    };
+    let images = stage.render(&mut gpu(), &recipe).images;
+    let rule = |v: &f32| (v.clamp(0.0, 1.0) * 65_535.0 + 0.5).floor() * (1.0 / 65_535.0);
+    let expected: Vec<f32> = images[0].texels.iter().map(rule).collect();
+    assert_eq!(images[1].texels, expected);
+    let expected_pairs: Vec<f32> = expected
+        .chunks_exact(4)
+        .flat_map(|texel| [texel[0], texel[1]])
+        .collect();
+    assert_eq!(images[2].texels, expected_pairs);
+    // The comparison must notice other roundings.
+    let other_halves =
+        |v: &f32| (v.clamp(0.0, 1.0) * 65_535.0).round_ties_even() * (1.0 / 65_535.0);
+    let other: Vec<f32> = images[0].texels.iter().map(other_halves).collect();
+    assert_ne!(images[1].texels, other);
+    // Two and four channels of 16 bits.
+    let bytes = [1, 2].map(|i| recipe.images[i].bytes());
+    let texels = u64::from(SIDE * SIDE);
+    assert_eq!(bytes, [8 * texels, 4 * texels]);
+}
+
 /// Every whole step that fits into the image, times `unit`.
 fn steps(desc: ImageDesc, count: usize, unit: f32) -> Image {
     let texels = (0..desc.floats() as usize)
@@ -268,6 +324,8 @@ fn given_images_of_all_formats_are_loaded_as_given() {
         (Format::Depth16, Format::R32, 65_536, 1.0 / 65_535.0),
         (Format::Stencil8, Format::R32, 256, 1.0),
         (Format::Rgba8, Format::Rgba32, 256, 1.0 / 255.0),
+        (Format::Rg16, Format::Rg32, 65_536, 1.0 / 65_535.0),
+        (Format::Rgba16, Format::Rgba32, 65_536, 1.0 / 65_535.0),
         (Format::R32, Format::R32, 3000, 7.0),
         (Format::Rgba32, Format::Rgba32, 3000, -7.0),
     ] {

@@ -55,8 +55,9 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
     let variance = Vsm {
         map,
         blur: 3,
-        least_deviation: 0.0,
+        least_deviation: Some(0.0),
         bleeding_reduction: 0.0,
+        ..Vsm::default()
     };
     // So small that light still bleeds.
     let exponent = 2.0;
@@ -65,7 +66,7 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
         blur: 3,
         moments: EvsmMoments::Two,
         positive_exponent: exponent,
-        least_deviation: 0.0,
+        least_deviation: Some(0.0),
         bleeding_reduction: 0.0,
         ..Evsm::default()
     };

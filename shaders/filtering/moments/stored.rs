@@ -1,0 +1,329 @@
+//! How a map holds moments: as 32-bit floats, or as channels of 16 bits, which take half of the memory.
+
+use glam::{Vec2, Vec4};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{Module, SimdTask};
+
+/// The WGSL half.
+const STORED: Module = Module {
+    name: "stored",
+    text: include_str!("stored.wgsl"),
+};
+
+/// Bits of each moment in a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MomentPrecision {
+    /// 32-bit floats.
+    #[default]
+    Bits32,
+    /// Half of that. Rounding hides what is nearer to its blocker than some thousandths of the map's depth.
+    Bits16,
+}
+
+impl MomentPrecision {
+    /// Returns the words that name it in settings, with a comma after them; none for the default.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Bits32 => "",
+            Self::Bits16 => "16 bits, ",
+        }
+    }
+}
+
+/// What the channels of a texel are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    /// The moments.
+    Floats,
+    /// Depth and its square in 65536 steps each.
+    Variance16,
+    /// Four powers of depth, turned so that each channel has its full range, in 65536 steps each.
+    Powers16,
+    /// Floats without a sign: eight bits of exponent, eight of fraction.
+    Exponentials16,
+}
+
+/// Returns the channels, 0..=1, of centred depth and its square.
+///
+/// Its square has half the range of a depth from -1 to 1, and so the same steps show twice as much of it; which makes of depth z the
+/// channels that Peters and Klein 2015 have for depths from 0 to 1 ("Moment shadow mapping", section 3.4).
+#[inline(always)]
+pub(crate) fn store_variance(moments: Vec2) -> Vec2 {
+    Vec2::new(moments.x * 0.5 + 0.5, moments.y)
+}
+
+/// Returns what [`store_variance`] was given.
+#[inline(always)]
+pub(crate) fn load_variance(channels: Vec2) -> Vec2 {
+    Vec2::new(channels.x * 2.0 - 1.0, channels.y)
+}
+
+/// Half of the square root of 3.
+const HALF_ROOT_3: f32 = 0.866_025_4;
+/// Two ninths of it.
+const ROOT_3_BY_4_5: f32 = 0.384_900_18;
+
+/// Returns the channels, 0..=1, of four powers of centred depth.
+///
+/// Moments of depth are close to each other, so that most of the range of four channels would never be used. An affine map gives each
+/// channel its full range over all depths: odd powers and even ones apart (Peters, Münstermann, Wetzstein, Klein 2017, "Improved moment
+/// shadow maps for translucent occluders, soft shadows and single scattering").
+#[inline(always)]
+pub(crate) fn store_powers(b: Vec4) -> Vec4 {
+    Vec4::new(
+        1.5 * b.x - 2.0 * b.z + 0.5,
+        4.0 * b.y - 4.0 * b.w,
+        HALF_ROOT_3 * b.x - ROOT_3_BY_4_5 * b.z + 0.5,
+        0.5 * b.y + 0.5 * b.w,
+    )
+}
+
+/// The square root of 3.
+const ROOT_3: f32 = 1.732_050_8;
+/// Three quarters of it.
+const ROOT_3_BY_4_THIRDS: f32 = 1.299_038_1;
+const THIRD: f32 = 0.333_333_34;
+
+/// Returns what [`store_powers`] was given.
+#[inline(always)]
+pub(crate) fn load_powers(channels: Vec4) -> Vec4 {
+    let first = channels.x - 0.5;
+    let third = channels.z - 0.5;
+    Vec4::new(
+        ROOT_3 * third - THIRD * first,
+        0.125 * channels.y + channels.w,
+        ROOT_3_BY_4_THIRDS * third - 0.75 * first,
+        channels.w - 0.125 * channels.y,
+    )
+}
+
+/// Returns the channel, 0..=1, of a positive number: its exponent and the first eight bits of its fraction, rounded to the nearest, halves
+/// to even, as a whole number of 65535.
+///
+/// Half floats of hardware end at 65504, so that exponents would end at 5.5 (Lauritzen and McCool 2008), and the error of a depth is the
+/// relative error over the exponent. Three bits of fraction less for an exponent of 40 make that error smaller.
+#[inline(always)]
+pub(crate) fn store_exponential(value: f32) -> f32 {
+    let bits = value.to_bits();
+    // What lies below the half, and one more where the last bit that stays is odd.
+    let rounded = bits.wrapping_add(0x3fff).wrapping_add((bits >> 15) & 1) >> 15;
+    rounded as f32 * (1.0 / 65_535.0)
+}
+
+/// Returns the number whose channel that is.
+#[inline(always)]
+pub(crate) fn load_exponential(channel: f32) -> f32 {
+    let rounded = (channel * 65_535.0 + 0.5) as u32;
+    f32::from_bits(rounded << 15)
+}
+
+macro_rules! choice {
+    ($name:literal, $stored:literal, $loaded:literal) => {
+        Module {
+            name: $name,
+            text: concat!(
+                "fn stored_moments(moments: vec4f) -> vec4f { return ",
+                $stored,
+                "; }\nfn loaded_moments(channels: vec4f) -> vec4f { return ",
+                $loaded,
+                "; }\n"
+            ),
+        }
+    };
+}
+
+const FLOATS: Module = choice!("choice: moments of 32 bits", "moments", "channels");
+const VARIANCE_16: Module = choice!(
+    "choice: depth and its square in 16 bits",
+    "vec4f(store_variance(moments.xy), 0.0, 0.0)",
+    "vec4f(load_variance(channels.xy), 0.0, 0.0)"
+);
+const POWERS_16: Module = choice!(
+    "choice: powers in 16 bits",
+    "store_powers(moments)",
+    "load_powers(channels)"
+);
+const EXPONENTIALS_16: Module = choice!(
+    "choice: exponentials in 16 bits",
+    "store_exponentials(moments)",
+    "load_exponentials(channels)"
+);
+
+impl Encoding {
+    /// Returns the modules of `fn stored_moments(moments: vec4f) -> vec4f`, the channels, and of `fn loaded_moments(channels: vec4f)
+    /// -> vec4f`, the moments.
+    pub(crate) fn modules(self) -> Vec<Module> {
+        match self {
+            Self::Floats => vec![FLOATS],
+            Self::Variance16 => vec![STORED, VARIANCE_16],
+            Self::Powers16 => vec![STORED, POWERS_16],
+            Self::Exponentials16 => vec![STORED, EXPONENTIALS_16],
+        }
+    }
+
+    /// Returns how channels are to be read and written where they are averaged. Means of what affine maps make are what they make of
+    /// means, so that such channels are averaged as they are.
+    pub(crate) fn of_means(self) -> Self {
+        match self {
+            Self::Floats | Self::Variance16 | Self::Powers16 => Self::Floats,
+            Self::Exponentials16 => Self::Exponentials16,
+        }
+    }
+
+    /// Turns the moments of some texels into their channels.
+    #[inline(always)]
+    pub(crate) fn store(self, texels: &mut [f32]) {
+        match self {
+            Self::Floats => {}
+            Self::Variance16 => {
+                for pair in texels.as_chunks_mut::<2>().0 {
+                    *pair = store_variance(Vec2::from_array(*pair)).to_array();
+                }
+            }
+            Self::Powers16 => {
+                for texel in texels.as_chunks_mut::<4>().0 {
+                    *texel = store_powers(Vec4::from_array(*texel)).to_array();
+                }
+            }
+            Self::Exponentials16 => {
+                for value in texels {
+                    *value = store_exponential(*value);
+                }
+            }
+        }
+    }
+
+    /// Turns the channels of some texels into their moments.
+    #[inline(always)]
+    pub(crate) fn load(self, texels: &mut [f32]) {
+        match self {
+            Self::Floats => {}
+            Self::Variance16 => {
+                for pair in texels.as_chunks_mut::<2>().0 {
+                    *pair = load_variance(Vec2::from_array(*pair)).to_array();
+                }
+            }
+            Self::Powers16 => {
+                for texel in texels.as_chunks_mut::<4>().0 {
+                    *texel = load_powers(Vec4::from_array(*texel)).to_array();
+                }
+            }
+            Self::Exponentials16 => {
+                for channel in texels {
+                    *channel = load_exponential(*channel);
+                }
+            }
+        }
+    }
+}
+
+/// Turns moments into channels, in vector lanes.
+pub(crate) struct Store<'a> {
+    pub(crate) encoding: Encoding,
+    pub(crate) texels: &'a mut [f32],
+}
+
+impl SimdTask for Store<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.encoding.store(self.texels);
+    }
+}
+
+/// Turns channels into moments, in vector lanes.
+pub(crate) struct Load<'a> {
+    pub(crate) encoding: Encoding,
+    pub(crate) texels: &'a mut [f32],
+}
+
+impl SimdTask for Load<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.encoding.load(self.texels);
+    }
+}
+
+/// All twins of this module, for the tests that compare them.
+#[cfg(feature = "testing")]
+pub(crate) const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(STORED, store_variance(moments: Vec2) -> Vec2, needs []),
+    umbrage_core::twin!(STORED, load_variance(channels: Vec2) -> Vec2, needs []),
+    umbrage_core::twin!(STORED, store_powers(b: Vec4) -> Vec4, needs []),
+    umbrage_core::twin!(STORED, load_powers(channels: Vec4) -> Vec4, needs []),
+    umbrage_core::twin!(STORED, store_exponential(value: f32) -> f32, needs []),
+    umbrage_core::twin!(STORED, load_exponential(channel: f32) -> f32, needs []),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filtering::moments::of_depth::{
+        exponential_moments, power_moments, variance_moments,
+    };
+
+    /// The step that an image of 16 bits holds.
+    fn nearest_step(channel: f32) -> f32 {
+        assert!((-1e-6..=1.000_001).contains(&channel), "{channel}");
+        (channel.clamp(0.0, 1.0) * 65_535.0 + 0.5).floor() * (1.0 / 65_535.0)
+    }
+
+    fn through(encoding: Encoding, moments: &[f32]) -> Vec<f32> {
+        let mut texels = moments.to_vec();
+        encoding.store(&mut texels);
+        texels
+            .iter_mut()
+            .for_each(|channel| *channel = nearest_step(*channel));
+        encoding.load(&mut texels);
+        texels
+    }
+
+    /// Channels of all depths lie within 0 to 1, reach both ends, and bring moments back, but for what half a step makes.
+    #[test]
+    fn moments_come_back_but_for_half_a_step() {
+        let half = 0.5 / 65_535.0;
+        let depths = (0..=10_000).map(|i| i as f32 * 1e-4);
+        let mut least = Vec4::ONE;
+        let mut most = Vec4::ZERO;
+        for depth in depths {
+            let pair = variance_moments(depth).to_array();
+            let got = through(Encoding::Variance16, &pair);
+            assert!((got[0] - pair[0]).abs() <= 2.1 * half, "{depth}");
+            assert!((got[1] - pair[1]).abs() <= 1.1 * half, "{depth}");
+
+            let powers = power_moments(depth);
+            let channels = store_powers(powers);
+            least = least.min(channels);
+            most = most.max(channels);
+            let got = through(Encoding::Powers16, &powers.to_array());
+            // The sums of the factors in `load_powers`.
+            for (i, factors) in [2.07, 1.13, 2.05, 1.13].into_iter().enumerate() {
+                let off = (got[i] - powers[i]).abs();
+                assert!(off <= factors * half + 4e-7, "{depth}: {off}");
+            }
+
+            let exponentials = exponential_moments(depth, 60.0, 60.0).to_array();
+            let got = through(Encoding::Exponentials16, &exponentials);
+            for (got, value) in got.iter().zip(exponentials) {
+                let relative = got / value - 1.0;
+                assert!(relative.abs() <= 1.0 / 512.0, "{depth}: {relative}");
+            }
+        }
+        assert!(least.max_element() < 1e-6, "{least}");
+        assert!(most.min_element() > 0.999_999, "{most}");
+    }
+
+    /// Every number of 16 bits is its own channel's.
+    #[test]
+    fn numbers_of_16_bits_are_kept() {
+        for bits in 0..0xff00_u32 {
+            let value = f32::from_bits(bits << 15);
+            let got = load_exponential(nearest_step(store_exponential(value)));
+            assert_eq!(got, value, "{bits:x}");
+        }
+    }
+}
