@@ -13,6 +13,7 @@ use umbrage_core::{
     CameraRays, CutOuts, MATH, Module,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
+    hashed_alpha::{HASHED_ALPHA, HASHED_HOLE},
     join,
     resolve::RESOLVE,
 };
@@ -25,6 +26,8 @@ pub(crate) struct GpuCutOuts {
     pub(crate) positions: Buffer,
     pub(crate) indices: Buffer,
     pub(crate) rows: Buffer,
+    /// Mipmapped coverages of alpha textures; none where all are asked for the nearest texel.
+    pub(crate) coverage: Option<Buffer>,
     pub(crate) casters: std::ops::Range<u32>,
     pub(crate) triangles: u32,
 }
@@ -40,18 +43,48 @@ pub(crate) struct FrameWithHoles<'a> {
 /// Bytes of the rays through an image's pixels.
 const RAYS: NonZeroU64 = NonZeroU64::new(96).unwrap();
 
-/// Returns the WGSL that tells holes, before whoever declares `cut_outs` and `corner`.
-pub(crate) fn holes_wgsl() -> String {
+/// How images ask alpha textures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum HoleRule {
+    /// All for the nearest texel.
+    Nearest,
+    /// Some for mipmapped coverages.
+    Hashed,
+}
+
+impl GpuCutOuts {
+    pub(crate) fn rule(&self) -> HoleRule {
+        match self.coverage {
+            None => HoleRule::Nearest,
+            Some(_) => HoleRule::Hashed,
+        }
+    }
+}
+
+/// Returns the WGSL that tells holes, before whoever declares `cut_outs`, `corner` and, for the hashed rule, `coverage`.
+pub(crate) fn holes_wgsl(rule: HoleRule) -> String {
     const MODULES: [Module; 6] = [MATH, RESOLVE, RAY_BOX, RAY_TRIANGLE, CUT_OUT, HOLE];
-    join(&MODULES) + include_str!("../holes.wgsl")
+    let common = join(&MODULES);
+    let which = include_str!("../holes.wgsl");
+    match rule {
+        HoleRule::Nearest => common + which + include_str!("../holes_nearest.wgsl"),
+        HoleRule::Hashed => {
+            let hashed = join(&[HASHED_ALPHA, HASHED_HOLE]);
+            common + &hashed + which + include_str!("../holes_hashed.wgsl")
+        }
+    }
 }
 
 /// Returns the layout of what casts of triangles with holes read, in group 1.
 pub(crate) fn cut_out_layout(
     factory: &ResourceFactory<'_>,
     pipelines: &mut Pipelines,
+    rule: HoleRule,
 ) -> BindGroupLayout {
-    let slots = [Slot::Window(RAYS), Slot::Table, Slot::Table, Slot::Table];
+    let mut slots = vec![Slot::Window(RAYS), Slot::Table, Slot::Table, Slot::Table];
+    if rule == HoleRule::Hashed {
+        slots.push(Slot::Table);
+    }
     let stages = ShaderStages::VERTEX_FRAGMENT;
     pipelines.layouts.get(factory, stages, &slots)
 }
@@ -94,12 +127,13 @@ impl CutOutBinding {
         }
         let usage = BufferUsages::UNIFORM;
         let buffer = factory.write(&mut self.buffer, "umbrage texels' rays", usage, &bytes);
-        let bound = vec![
+        let mut bound = vec![
             Bound::Window(buffer, RAYS),
             Bound::Buffer(holes.positions.clone()),
             Bound::Buffer(holes.indices.clone()),
             Bound::Buffer(holes.rows.clone()),
         ];
+        bound.extend(holes.coverage.clone().map(Bound::Buffer));
         self.binding.set(factory, "umbrage cut-outs", layout, bound);
     }
 
