@@ -4,8 +4,8 @@ use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
 use proptest::{collection::vec, prelude::*, strategy::Union};
 use std::sync::Arc;
 use umbrage_core::{
-    AlphaCutout, Camera, Cascades, Cull, Extents, Fit, Instance, Layout, Light, MAX_CASCADES,
-    Material, Mesh, RasterBias, Scene, ShadowTechnique, Split, Texture,
+    AlphaCutout, AlphaFilter, Camera, Cascades, Cull, Extents, Fit, Instance, Layout, Light,
+    MAX_CASCADES, Material, Mesh, RasterBias, Scene, ShadowTechnique, Split, Texture,
 };
 use umbrage_techniques::{
     BeyondFar, Bias, Border, MapFormat, Pattern, RandomParameter, ShadowMap, Surface,
@@ -27,9 +27,11 @@ pub fn cases() -> impl Strategy<Value = Case> {
     (scenes, techniques()).prop_map(|(scene, technique)| Case { scene, technique })
 }
 
-/// Scenes as those of [`scenes`]; an alpha texture cuts holes into about half of their objects.
+/// Scenes as those of [`scenes`]; an alpha texture, hashed in half of them, cuts holes into about half of their objects.
 pub fn scenes_with_holes() -> impl Strategy<Value = Scene> {
-    let texture = (1..9_u32, 1..9_u32)
+    // Of large ones several texels lie in a pixel.
+    let side = || prop_oneof![1..9_u32, 9..40_u32];
+    let texture = (side(), side())
         .prop_flat_map(|(width, height)| {
             let alphas = vec(0.0..=1.0_f32, (width * height) as usize);
             (Just(UVec2::new(width, height)), alphas)
@@ -39,9 +41,15 @@ pub fn scenes_with_holes() -> impl Strategy<Value = Scene> {
             size,
             texels: alphas.into_iter().map(|a| [0.5, 0.5, 0.5, a]).collect(),
         });
+    let filter = prop_oneof![Just(AlphaFilter::Nearest), Just(AlphaFilter::Hashed)];
+    let alpha = (0.2..0.8_f32, filter).prop_map(|(cutoff, filter)| AlphaCutout {
+        texture: 0,
+        cutoff,
+        filter,
+    });
     let are_cut_out = vec(any::<bool>(), 6);
-    (scenes(), texture, 0.2..0.8_f32, -3.0..3.0_f32, are_cut_out).prop_map(
-        |(mut scene, texture, cutoff, repeats, are_cut_out)| {
+    (scenes(), texture, alpha, -3.0..3.0_f32, are_cut_out).prop_map(
+        |(mut scene, texture, alpha, repeats, are_cut_out)| {
             for mesh in &mut scene.meshes {
                 // Across two sides of boxes at once, so that none is a line of one texel.
                 let uv = |p: &Vec3| Vec2::new(p.x + 0.3 * p.y, p.z - 0.7 * p.y) * repeats;
@@ -49,7 +57,7 @@ pub fn scenes_with_holes() -> impl Strategy<Value = Scene> {
             }
             scene.textures = vec![texture];
             scene.materials = vec![Material {
-                alpha: Some(AlphaCutout { texture: 0, cutoff }),
+                alpha: Some(alpha),
                 ..Material::default()
             }];
             for (instance, is_cut_out) in scene.instances.iter_mut().zip(are_cut_out) {

@@ -3,8 +3,9 @@
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 use std::{ops::Range, sync::Arc};
 use umbrage_core::{
-    AlphaCutout, Backend, Camera, Cascades, Fit, Geometry, Instance, Layout, Light, Material, Mesh,
-    NO_TRIANGLE, Recipe, RecipeError, Scene, ShadowTechnique, Shadows, Source, Texture, View,
+    AlphaCutout, AlphaFilter, Backend, Camera, Cascades, Fit, Geometry, Instance, Layout, Light,
+    Material, Mesh, NO_TRIANGLE, Recipe, RecipeError, Scene, ShadowTechnique, Shadows, Source,
+    Texture, View, light_sample::hash,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{MapFormat, Pcf, ShadowMap, Surface, TechniquePreset, Traced};
@@ -77,6 +78,7 @@ fn card(is_there: Option<fn(u32, u32) -> bool>) -> Scene {
         let alpha = AlphaCutout {
             texture: 0,
             cutoff: 0.5,
+            filter: AlphaFilter::Nearest,
         };
         scene.materials = vec![Material {
             alpha: Some(alpha),
@@ -351,6 +353,76 @@ fn both_backends_agree_on_holes() {
         }
     }
     assert!(told >= 20, "only {told} masks tell holes");
+}
+
+/// Returns a scene whose holes are hashed: a card with a fine texture, of which two thirds are there, so that several texels of it lie in a
+/// pixel of the camera and of coarse maps.
+fn hashed_card(filter: AlphaFilter) -> Scene {
+    const FINE: u32 = 180;
+    let mut scene = card(Some(chequered));
+    let texels = (0..FINE * FINE).map(|i| {
+        let is_there = hash(i) % 3 < 2;
+        [1.0, 1.0, 1.0, f32::from(u8::from(is_there))]
+    });
+    scene.textures[0] = Texture {
+        name: "fine holes".into(),
+        size: UVec2::splat(FINE),
+        texels: texels.collect(),
+    };
+    if let Some(alpha) = &mut scene.materials[0].alpha {
+        alpha.filter = filter;
+    }
+    scene
+}
+
+/// Hashed holes are the same to the last bit on both backends, in the camera's image and in all layouts of maps; they are others than those
+/// of the nearest texel, and rays know nothing of them.
+#[test]
+fn both_backends_agree_on_hashed_holes() {
+    let filters = [AlphaFilter::Hashed, AlphaFilter::Nearest];
+    let [hashed, nearest] =
+        filters.map(|filter| Geometry::bake(&hashed_card(filter)).expect("a good scene"));
+    let camera = camera();
+    let mut gpu = gpu();
+    if !gpu.promises_bits() {
+        return;
+    }
+    // The same points of the floor for both.
+    let traced = Traced { samples: 1 };
+    let uncast = hashed.without_casters();
+    let light = &lights()[0];
+    let view = View::new(&camera, light, &uncast);
+    let recipe = traced.recipe(&view).expect("rays are served");
+    let seen = rendered(&mut Cpu::new(), &recipe, &view).receivers;
+    let seen = seen.expect("the view brings none");
+    let mut told = 0;
+    for light in lights() {
+        for technique in techniques() {
+            let view = View::new(&camera, &light, &hashed);
+            let Ok(recipe) = technique.recipe(&view) else {
+                continue;
+            };
+            let on_cpu = rendered(&mut Cpu::new(), &recipe, &view);
+            let on_gpu = rendered(&mut *gpu, &recipe, &view);
+            let name = technique.name();
+            let off = differing(&on_cpu.mask, &on_gpu.mask);
+            assert_eq!(off, 0, "{name} under {light:?}");
+            let ids = |shadows: &Shadows| shadows.receivers.as_ref().map(|r| r.triangle.clone());
+            assert!(ids(&on_cpu) == ids(&on_gpu), "{name} under {light:?}");
+            let masks = [&hashed, &nearest].map(|geometry| {
+                let view = View::new(&camera, &light, geometry).with_receivers(&seen);
+                let recipe = technique.recipe(&view).expect("it served the same before");
+                rendered(&mut *gpu, &recipe, &view).mask
+            });
+            let changed = differing(&masks[0], &masks[1]);
+            if recipe.casts.is_empty() {
+                assert_eq!(changed, 0, "{name} asks rays");
+            } else {
+                told += usize::from(changed > 100);
+            }
+        }
+    }
+    assert!(told >= 20, "only {told} masks tell hashed holes");
 }
 
 /// Returns how many pixels of two masks differ.

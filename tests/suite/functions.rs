@@ -1,6 +1,8 @@
 //! Net 1: twin functions, both halves on the same inputs.
 
-use umbrage_core::{Module, Twin, bvh, cut_out, displacement, light_sample, math, resolve};
+use umbrage_core::{
+    Module, Twin, bvh, cut_out, displacement, hashed_alpha, light_sample, math, resolve,
+};
 use umbrage_tests::{
     adapter::device,
     twins::{Fault, check, difference, draw, mutants},
@@ -14,6 +16,7 @@ fn all() -> Vec<Twin> {
         light_sample::TWINS,
         displacement::TWINS,
         cut_out::TWINS,
+        hashed_alpha::TWINS,
     ]
     .concat();
     core.into_iter()

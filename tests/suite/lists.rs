@@ -4,8 +4,8 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use std::{cell::Cell, sync::Arc};
 use umbrage_core::{
-    Aabb, AlphaCutout, Backend, Camera, Geometry, Instance, Light, Material, Mesh, Receivers,
-    Recipe, Scene, ShadowTechnique, Simd, Texture, View,
+    Aabb, AlphaCutout, AlphaFilter, Backend, Camera, Geometry, Instance, Light, Material, Mesh,
+    Receivers, Recipe, Scene, ShadowTechnique, Simd, Texture, View,
     light_sample::{LightSampler, hash, origin_offset, segment},
     math::dot3,
 };
@@ -283,6 +283,7 @@ fn soup_with_holes(mut mesh: Mesh) -> Scene {
     let alpha = AlphaCutout {
         texture: 0,
         cutoff: 0.5,
+        filter: AlphaFilter::Nearest,
     };
     let cut_out = Instance {
         material: Some(0),

@@ -32,7 +32,7 @@ pub use geometry::{
     aabb::Aabb,
     bvh::{self, Bvh},
     cut_out::{self, CutOuts},
-    displacement,
+    displacement, hashed_alpha,
     subdivide::MAX_SUBDIVIDED_TRIANGLES,
     weld::WeldedVertices,
 };
@@ -71,7 +71,8 @@ pub use scene::{
     light_marker::LightMarker,
     light_sample,
     material::{
-        AlphaCutout, Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Texture,
+        AlphaCutout, AlphaFilter, Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material,
+        Texture,
     },
 };
 pub use simd::{Simd, SimdTask};

@@ -69,7 +69,7 @@ impl CastStage {
         self.places.write(factory, pipelines, self.list.places());
         let mut layouts = Layouts::new(factory, pipelines);
         if let Some(holes) = frame.holes {
-            let layout = cut_out_layout(factory, pipelines);
+            let layout = cut_out_layout(factory, pipelines, holes.rule());
             let rays = casts
                 .iter()
                 .map(|cast| cast.space.rays(images[cast.image].desc.size));
@@ -168,7 +168,7 @@ impl CastStage {
             if draw.vertex == Vertex::Local {
                 self.places.bind(pass, 1, index);
             }
-            if draw.vertex == Vertex::CutOut {
+            if matches!(draw.vertex, Vertex::CutOut(_)) {
                 self.holes.bind(pass, 1, cast);
             }
             draw.encode(pass);
@@ -204,7 +204,7 @@ impl Layouts {
     pub(crate) fn of(&self, key: &CastKey) -> [Option<&BindGroupLayout>; 3] {
         let second = match key.vertex {
             Vertex::Local => Some(&self.matrix),
-            Vertex::CutOut => self.cut_outs.as_ref(),
+            Vertex::CutOut(_) => self.cut_outs.as_ref(),
             Vertex::World | Vertex::Instanced | Vertex::Homogeneous => None,
         };
         let peeled = (key.peel != Peel::Nothing).then_some(&self.peeled);

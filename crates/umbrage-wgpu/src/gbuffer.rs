@@ -6,7 +6,7 @@ use crate::{
     resources::{
         bindings::{Binding, Bound, Layouts, Slot},
         counters::ResourceFactory,
-        cut_outs::{GpuCutOuts, holes_wgsl},
+        cut_outs::{GpuCutOuts, HoleRule, holes_wgsl},
         geometry::GpuGeometry,
         images::extent,
         pipelines::{Targets, fullscreen_pipeline, pipeline_layout, shader},
@@ -182,7 +182,7 @@ pub(crate) struct GBufferPass {
     uniforms: Option<Buffer>,
     ids_binding: Binding,
     points_binding: Binding,
-    /// Made when a geometry first has holes.
+    /// Made when a geometry first has holes, and when one first has another rule.
     holes: Option<HolesPass>,
     /// The triangles with holes that are drawn; both empty if there are none.
     cut_out: [Range<u32>; 2],
@@ -191,19 +191,25 @@ pub(crate) struct GBufferPass {
 /// Draws ids of triangles with holes.
 #[derive(Debug)]
 struct HolesPass {
+    rule: HoleRule,
     ids: RenderPipeline,
     layout: BindGroupLayout,
     binding: Binding,
 }
 
 impl HolesPass {
-    fn new(factory: &ResourceFactory<'_>) -> Self {
-        let slots = [Slot::Uniform, Slot::Table, Slot::Table, Slot::Table];
+    fn new(factory: &ResourceFactory<'_>, rule: HoleRule) -> Self {
+        let mut slots = vec![Slot::Uniform, Slot::Table, Slot::Table, Slot::Table];
+        let visibility = include_str!("gbuffer_visibility.wgsl");
+        let with_holes = include_str!("gbuffer_holes.wgsl");
+        let mut text = holes_wgsl(rule) + visibility + with_holes;
+        if rule == HoleRule::Hashed {
+            slots.push(Slot::Table);
+            text += include_str!("gbuffer_coverage.wgsl");
+        }
         let layout = Layouts::default().get(factory, ShaderStages::VERTEX_FRAGMENT, &slots);
-        let text = holes_wgsl()
-            + include_str!("gbuffer_visibility.wgsl")
-            + include_str!("gbuffer_holes.wgsl");
         Self {
+            rule,
             ids: ids_pipeline(factory.device, &text, "write_id_outside_holes", &layout),
             layout,
             binding: Binding::default(),
@@ -285,12 +291,15 @@ impl GBufferPass {
             return;
         };
         self.cut_out = cut_outs.cut_outs.runs().clone();
+        let rule = cut_outs.rule();
+        self.holes.take_if(|pass| pass.rule != rule);
         let pass = self.holes.get_or_insert_with(|| {
             factory.counters.pipelines += 1;
-            HolesPass::new(factory)
+            HolesPass::new(factory, rule)
         });
-        let rows = Bound::Buffer(cut_outs.rows.clone());
-        let bound = [bound, &[rows]].concat();
+        let mut bound = bound.to_vec();
+        bound.push(Bound::Buffer(cut_outs.rows.clone()));
+        bound.extend(cut_outs.coverage.clone().map(Bound::Buffer));
         pass.binding.set(
             factory,
             "umbrage visibility with holes",

@@ -1,4 +1,4 @@
-// Whether a pixel lies in a hole of a triangle's. Needs `cut_outs`, the table of cut_out.rs, and `corner(i)`, the i-th corner of all triangles.
+// Which triangles have holes; whether a pixel lies in one is said in holes_nearest.wgsl or holes_hashed.wgsl. Needs `cut_outs`, the table of cut_out.rs, and `corner(i)`, the i-th corner of all triangles.
 
 fn cut_out_row(i: u32) -> vec4u {
     return cut_outs[i];
@@ -11,14 +11,4 @@ fn record_of(triangle: u32) -> u32 {
         return 1u + 2u * (triangle - runs.x);
     }
     return 1u + 2u * (triangle - runs.z + runs.y - runs.x);
-}
-
-fn is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool {
-    let pixel = vec2u(at.xy);
-    let o = at_pixel(rays.origin, rays.origin_dx, rays.origin_dy, pixel.x, pixel.y);
-    let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, pixel.x, pixel.y);
-    let a = corner(3u * triangle);
-    let b = corner(3u * triangle + 1u);
-    let c = corner(3u * triangle + 2u);
-    return is_hole_met(o, d, a, b, c, record_of(triangle));
 }

@@ -4,7 +4,8 @@ use bytemuck::cast_slice;
 use glam::{Affine3A, UVec2};
 use std::{ops::Range, sync::Arc};
 use umbrage_core::{
-    Aabb, Backend, Geometry, Receivers, Recipe, Scene, ShadowTechnique, Shadows, Snapping, View,
+    Aabb, AlphaFilter, Backend, Geometry, Receivers, Recipe, Scene, ShadowTechnique, Shadows,
+    Snapping, View,
     metrics::{Agreement, MAX_UNDECIDED_SHARE},
 };
 use umbrage_cpu::Cpu;
@@ -278,7 +279,21 @@ fn another_map_gives_other_bits() {
 /// Casters with holes come and go with [`LightSet::set_cut_outs`], and what was drawn of them goes with them.
 #[test]
 fn casters_with_holes_come_and_go() {
-    let world = World::new(FENCE);
+    come_and_go(&World::new(FENCE));
+}
+
+/// So do those whose alpha textures are mipmapped and hashed.
+#[test]
+fn casters_with_hashed_holes_come_and_go() {
+    let fence = umbrage_scenes::find(FENCE).expect("a built-in scene");
+    let mut scene = (fence.build)();
+    for holes in scene.materials.iter_mut().filter_map(|m| m.alpha.as_mut()) {
+        holes.filter = AlphaFilter::Hashed;
+    }
+    come_and_go(&World::of(scene));
+}
+
+fn come_and_go(world: &World) {
     let mut set = world.set();
     let light = world.scene.lights[0];
     let technique = small(umbrage_techniques::find("hard").expect("built in"));

@@ -16,8 +16,10 @@
 //! * Textures: one bit a texel, in rows from the top, lowest bits first; 1 where the surface is. Each begins with a row of the table.
 
 use crate::{
-    AlphaCutout, Invalid, Module, Scene, Texture,
+    AlphaCutout, AlphaFilter, CameraRays, Invalid, Module, Scene, Texture,
+    gbuffer::resolve::at_pixel,
     geometry::{
+        hashed_alpha::{Coverage, CoverageBuilder, Levels, squared_footprint},
         placed::PlacedMeshes,
         ray_triangle::{Corners, Segment},
     },
@@ -45,7 +47,7 @@ pub const MAX_ALPHA_SIDE: u32 = 65_535;
 const TEXELS_A_ROW: u32 = 128;
 
 /// From here on floats are whole numbers.
-const WHOLE_NUMBERS: f32 = 8_388_608.0;
+pub(super) const WHOLE_NUMBERS: f32 = 8_388_608.0;
 
 /// The cut-out triangles of a [`Geometry`](crate::Geometry).
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +56,8 @@ pub struct CutOuts {
     runs: [Range<u32>; 2],
     /// The table.
     rows: Arc<[[u32; 4]]>,
+    /// Mipmapped coverages of textures; none if no material asks for them.
+    coverage: Option<Coverage>,
 }
 
 /// What the table holds of one triangle.
@@ -80,6 +84,12 @@ impl Record {
         }
     }
 
+    #[inline(always)]
+    fn uv_met(&self, segment: &Segment, corners: &Corners) -> Vec2 {
+        let [a, b, c] = self.uvs;
+        uv_met(segment, corners, Vec4::new(a.x, a.y, b.x, b.y), c)
+    }
+
     fn rows(&self) -> [[u32; 4]; 2] {
         let [a, b, c] = self.uvs.map(|uv| [uv.x.to_bits(), uv.y.to_bits()]);
         let size = self.size.x | self.size.y << 16;
@@ -87,10 +97,18 @@ impl Record {
     }
 }
 
+/// Returns the ray through a pixel's centre.
+#[inline(always)]
+fn pixel_ray(rays: &CameraRays, x: u32, y: u32) -> Segment {
+    let o = at_pixel(rays.origin, rays.origin_dx, rays.origin_dy, x, y);
+    let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, x, y);
+    Segment::new(o, d)
+}
+
 /// Returns the texel, among `n` along one axis, that holds a texture coordinate. What is not finite has no fraction, as whole numbers
 /// have none.
 #[inline(always)]
-fn nearest_texel(t: f32, n: u32) -> u32 {
+pub(super) fn nearest_texel(t: f32, n: u32) -> u32 {
     if t.abs() < WHOLE_NUMBERS {
         let part = t - t.floor();
         // The part of a tiny negative number rounds to 1, and a product may round to n.
@@ -100,18 +118,24 @@ fn nearest_texel(t: f32, n: u32) -> u32 {
     }
 }
 
-/// Returns the number of the texel where a segment's line meets a triangle's plane. `uv_ab` are the uvs of corners a and b, `size` is the
-/// texture's. Where the segment runs along the plane, texel 0.
+/// Returns the uv where a segment's line meets a triangle's plane. `uv_ab` are the uvs of corners a and b. Not finite where the segment
+/// runs along the plane.
 #[inline(always)]
-fn texel_met(segment: &Segment, corners: &Corners, uv_ab: Vec4, uv_c: Vec2, size: UVec2) -> u32 {
+pub(super) fn uv_met(segment: &Segment, corners: &Corners, uv_ab: Vec4, uv_c: Vec2) -> Vec2 {
     let areas = segment.areas(corners);
     let whole = areas.x + areas.y + areas.z;
     // Sums run from left to right, as in the twin.
     let across = (uv_ab.x * areas.x + uv_ab.z * areas.y + uv_c.x * areas.z) / whole;
     let down = (uv_ab.y * areas.x + uv_ab.w * areas.y + uv_c.y * areas.z) / whole;
-    nearest_texel(down, size.y)
+    Vec2::new(across, down)
+}
+
+/// Returns the number of the texel nearest to a uv in a texture of this size; 0 along an axis where the uv is not finite.
+#[inline(always)]
+pub(super) fn texel_at(uv: Vec2, size: UVec2) -> u32 {
+    nearest_texel(uv.y, size.y)
         .wrapping_mul(size.x)
-        .wrapping_add(nearest_texel(across, size.x))
+        .wrapping_add(nearest_texel(uv.x, size.x))
 }
 
 impl CutOuts {
@@ -167,10 +191,52 @@ impl CutOuts {
         let Some(record) = self.record(triangle) else {
             return false;
         };
-        let [a, b, c] = record.uvs;
-        let uv_ab = Vec4::new(a.x, a.y, b.x, b.y);
-        let texel = texel_met(segment, corners, uv_ab, c, record.size);
-        self.is_clear(&record, texel)
+        let uv = record.uv_met(segment, corners);
+        self.is_clear(&record, texel_at(uv, record.size))
+    }
+
+    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, given its corners. `rays` are those of the pixels' image,
+    /// be it a camera's or a map. Where a material's [`AlphaFilter`](crate::AlphaFilter) says so, the pixel's footprint on the texture chooses
+    /// what is compared; else the answer is that of [`is_hole`](Self::is_hole).
+    pub fn is_hole_at_pixel(
+        &self,
+        triangle: u32,
+        corners: [Vec3; 3],
+        rays: &CameraRays,
+        x: u32,
+        y: u32,
+    ) -> bool {
+        let corners = Corners::new(corners);
+        let segment = pixel_ray(rays, x, y);
+        let Some(levels) = self.levels_of(triangle) else {
+            return self.is_hole_met(triangle, &corners, &segment);
+        };
+        let Some(record) = self.record(triangle) else {
+            return false;
+        };
+        let uv = record.uv_met(&segment, &corners);
+        let right = record.uv_met(&pixel_ray(rays, x.wrapping_add(1), y), &corners);
+        let below = record.uv_met(&pixel_ray(rays, x, y.wrapping_add(1)), &corners);
+        let squared = squared_footprint(uv, right, below, record.size);
+        // False of what is not a number, too.
+        if squared > 1.0 {
+            let is_clear = |texel| self.is_clear(&record, texel);
+            levels.is_hole(uv, squared, triangle, is_clear)
+        } else {
+            self.is_clear(&record, texel_at(uv, record.size))
+        }
+    }
+
+    /// Returns the table of mipmapped coverages, for shaders; none if no material's [`AlphaFilter`](crate::AlphaFilter) asks for it.
+    pub fn coverage_rows(&self) -> Option<&Arc<[[u32; 4]]>> {
+        self.coverage.as_ref().map(Coverage::rows)
+    }
+
+    /// Returns the levels of a triangle's texture; none if it has no holes or they are not to be hashed.
+    fn levels_of(&self, triangle: u32) -> Option<Levels<'_>> {
+        let coverage = self.coverage.as_ref()?;
+        let record = (self.record_row(triangle)? - 1) / 2;
+        coverage.levels_of(record)
     }
 
     fn record(&self, triangle: u32) -> Option<Record> {
@@ -245,6 +311,7 @@ impl CutOuts {
         rows.resize(1 + 2 * count, [0; 4]);
         // The first row of each texture, for each cut-off that is used with it.
         let mut places: BTreeMap<(usize, u32), u32> = BTreeMap::new();
+        let mut coverage = CoverageBuilder::new(count);
         for (k, id) in runs.iter().cloned().flatten().enumerate() {
             let Some(alpha) = alpha_of(scene, placed.materials.get(id as usize)) else {
                 continue;
@@ -265,19 +332,24 @@ impl CutOuts {
                 first_row,
             };
             rows[1 + 2 * k..3 + 2 * k].copy_from_slice(&record.rows());
+            if alpha.filter == AlphaFilter::Hashed {
+                coverage.add(k, key, texture);
+            }
         }
         Ok(Some(Arc::new(Self {
             runs,
             rows: rows.into(),
+            coverage: coverage.finish()?,
         })))
     }
 
-    /// Returns the cut-outs that a table describes, of a geometry with so many triangles; none if it is empty.
+    /// Returns the cut-outs that a table and one of coverages describe, of a geometry with so many triangles; none if it is empty.
     ///
     /// # Errors
-    /// Errors if it is not a table as [`CutOuts::rows`] returns it.
+    /// Errors if they are not tables as [`CutOuts::rows`] and [`CutOuts::coverage_rows`] return them.
     pub(super) fn from_rows(
         rows: &[[u32; 4]],
+        coverage_rows: &[[u32; 4]],
         triangles: usize,
     ) -> Result<Option<Arc<Self>>, Invalid> {
         let Some(&[first, first_end, second, second_end]) = rows.first() else {
@@ -293,8 +365,10 @@ impl CutOuts {
         if rows.len() < 1 + 2 * records {
             return bad("are shorter than their list of triangles");
         }
+        let mut sizes = Vec::with_capacity(records);
         for pair in rows[1..1 + 2 * records].chunks_exact(2) {
             let record = Record::read(pair[0], pair[1]);
+            sizes.push(record.size);
             let texels = u64::from(record.size.x) * u64::from(record.size.y);
             let end = u64::from(record.first_row) + texels.div_ceil(u64::from(TEXELS_A_ROW));
             if texels == 0 || end > rows.len() as u64 {
@@ -304,6 +378,7 @@ impl CutOuts {
         Ok(Some(Arc::new(Self {
             runs,
             rows: rows.into(),
+            coverage: Coverage::from_rows(coverage_rows, &sizes)?,
         })))
     }
 }
@@ -369,13 +444,8 @@ fn cut_out_texel(
     uv_c: Vec2,
     size: UVec2,
 ) -> u32 {
-    texel_met(
-        &Segment::new(o, d),
-        &Corners::new([a, b, c]),
-        uv_ab,
-        uv_c,
-        size,
-    )
+    let uv = uv_met(&Segment::new(o, d), &Corners::new([a, b, c]), uv_ab, uv_c);
+    texel_at(uv, size)
 }
 
 #[cfg(test)]

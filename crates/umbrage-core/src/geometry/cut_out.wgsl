@@ -9,7 +9,7 @@ fn nearest_texel(t: f32, n: u32) -> u32 {
     return 0u;
 }
 
-fn cut_out_texel(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f, uv_ab: vec4f, uv_c: vec2f, size: vec2u) -> u32 {
+fn uv_met(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f, uv_ab: vec4f, uv_c: vec2f) -> vec2f {
     let rows = shear_rows(d);
     let a = sheared(rows, pa - o);
     let b = sheared(rows, pb - o);
@@ -20,7 +20,12 @@ fn cut_out_texel(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f, uv_ab: vec
     let whole = u + v + w;
     let across = (uv_ab.x * u + uv_ab.z * v + uv_c.x * w) / whole;
     let down = (uv_ab.y * u + uv_ab.w * v + uv_c.y * w) / whole;
-    return nearest_texel(down, size.y) * size.x + nearest_texel(across, size.x);
+    return vec2f(across, down);
+}
+
+fn cut_out_texel(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f, uv_ab: vec4f, uv_c: vec2f, size: vec2u) -> u32 {
+    let uv = uv_met(o, d, pa, pb, pc, uv_ab, uv_c);
+    return nearest_texel(uv.y, size.y) * size.x + nearest_texel(uv.x, size.x);
 }
 
 // `row` is the row of the table that holds the texel's bit.

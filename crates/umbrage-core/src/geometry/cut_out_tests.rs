@@ -49,6 +49,7 @@ fn card(texture: Option<Texture>, repeats: f32) -> Scene {
     let alpha = texture.is_some().then_some(AlphaCutout {
         texture: 0,
         cutoff: 0.5,
+        filter: AlphaFilter::Nearest,
     });
     let mut instance = Instance::new(0, Affine3A::IDENTITY);
     instance.material = Some(0);
@@ -183,7 +184,11 @@ fn textures_are_kept_once_for_each_cut_off() {
         let mut scene = card(Some(texture(UVec2::new(20, 10), |x, _| x > 3)), 1.0);
         scene.materials = cutoffs
             .map(|cutoff| Material {
-                alpha: Some(AlphaCutout { texture: 0, cutoff }),
+                alpha: Some(AlphaCutout {
+                    texture: 0,
+                    cutoff,
+                    filter: AlphaFilter::Nearest,
+                }),
                 ..Material::default()
             })
             .to_vec();
@@ -203,13 +208,13 @@ fn textures_are_kept_once_for_each_cut_off() {
 fn tables_are_read_back_and_spoilt_ones_refused() {
     let g = baked(&card(Some(texture(UVec2::splat(12), |x, y| x > y)), 1.0));
     let rows = g.cut_outs().unwrap().rows().to_vec();
-    let read = CutOuts::from_rows(&rows, 2).unwrap();
+    let read = CutOuts::from_rows(&rows, &[], 2).unwrap();
     assert_eq!(read.as_deref(), g.cut_outs().map(|c| &**c));
-    assert_eq!(CutOuts::from_rows(&[], 2), Ok(None));
+    assert_eq!(CutOuts::from_rows(&[], &[], 2), Ok(None));
     let spoilt = |row: usize, word: usize, value: u32| {
         let mut rows = rows.clone();
         rows[row][word] = value;
-        CutOuts::from_rows(&rows, 2).is_err()
+        CutOuts::from_rows(&rows, &[], 2).is_err()
     };
     assert!(spoilt(0, 1, 9), "triangles that are not there");
     assert!(spoilt(0, 2, 1), "runs that do not rise");
@@ -217,7 +222,7 @@ fn tables_are_read_back_and_spoilt_ones_refused() {
     assert!(spoilt(2, 2, 200 | 200 << 16), "a texture beyond the table");
     assert!(spoilt(4, 3, u32::MAX), "bits beyond the table");
     assert!(
-        CutOuts::from_rows(&rows[..4], 2).is_err(),
+        CutOuts::from_rows(&rows[..4], &[], 2).is_err(),
         "a table cut off"
     );
 }
@@ -235,6 +240,7 @@ fn runs_are_split_where_holes_begin_and_end() {
     let cut_outs = CutOuts {
         runs: [5..8, 10..12],
         rows: Arc::new([]),
+        coverage: None,
     };
     let split = |runs: &[Range<u32>]| cut_outs.split(runs);
     assert_eq!(

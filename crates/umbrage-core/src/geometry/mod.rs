@@ -8,6 +8,7 @@ pub mod cut_out;
 mod derived;
 pub(crate) mod displaced_mesh;
 pub mod displacement;
+pub mod hashed_alpha;
 mod placed;
 pub(crate) mod ray_box;
 pub(crate) mod ray_triangle;
@@ -143,6 +144,13 @@ impl Geometry {
         }
         if let Some(cut_outs) = &self.cut_outs {
             for &word in cut_outs.rows().as_flattened() {
+                hash = placed::hash_word(hash, word);
+            }
+            for &word in cut_outs
+                .coverage_rows()
+                .iter()
+                .flat_map(|rows| rows.as_flattened())
+            {
                 hash = placed::hash_word(hash, word);
             }
         }

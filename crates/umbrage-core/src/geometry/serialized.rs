@@ -19,6 +19,8 @@ struct GeometryData<'a> {
     receivers: Range<u32>,
     /// The table of [`CutOuts`]; empty if nothing is cut out.
     cut_outs: Cow<'a, [[u32; 4]]>,
+    /// Its mipmapped coverages; empty if there are none.
+    coverage: Cow<'a, [[u32; 4]]>,
 }
 
 impl Serialize for Geometry {
@@ -36,6 +38,10 @@ impl Serialize for Geometry {
                 Some(cut_outs) => Cow::Borrowed(&**cut_outs.rows()),
                 None => Cow::default(),
             },
+            coverage: match self.cut_outs().and_then(|c| c.coverage_rows()) {
+                Some(rows) => Cow::Borrowed(&**rows),
+                None => Cow::default(),
+            },
         };
         data.serialize(serializer)
     }
@@ -45,7 +51,7 @@ impl<'de> Deserialize<'de> for Geometry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let data = GeometryData::deserialize(deserializer)?;
         data.validate().map_err(D::Error::custom)?;
-        let cut_outs = CutOuts::from_rows(&data.cut_outs, data.triangles.len());
+        let cut_outs = CutOuts::from_rows(&data.cut_outs, &data.coverage, data.triangles.len());
         let cut_outs = cut_outs.map_err(D::Error::custom)?;
         let mut placed = PlacedMeshes {
             positions: data.positions.into_owned(),
@@ -188,6 +194,7 @@ mod tests {
             casters: 0..0,
             receivers: 0..0,
             cut_outs: Cow::default(),
+            coverage: Cow::default(),
         };
         assert!(data.validate().is_ok());
         data.positions.to_mut()[0].x = f32::NAN;

@@ -49,6 +49,22 @@ pub struct AlphaCutout {
     pub texture: usize,
     /// Least alpha of what is there, 0 to 1. With 0 nothing is cut out of a texture whose alpha is not negative.
     pub cutoff: f32,
+    /// What images ask of the texture where their pixels are larger than its texels.
+    #[serde(default)]
+    pub filter: AlphaFilter,
+}
+
+/// What the camera's image and shadow maps ask of an alpha texture where a pixel of theirs is larger than a texel. Rays always ask for the
+/// nearest texel, and so truth does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AlphaFilter {
+    /// The texel at the pixel's centre, as rays do: no approximation. Far away an edge is as noisy as one ray a pixel is.
+    #[default]
+    Nearest,
+    /// How much of the texture is there on the average over about a pixel, compared with a threshold that is hashed from the place on the
+    /// triangle: what is seen from far keeps its mean coverage, and doesn't flicker where the camera moves. It is an
+    /// approximation (Wyman and McGuire 2017, "Hashed Alpha Testing"; [`hashed_alpha`](crate::hashed_alpha) has the rule).
+    Hashed,
 }
 
 impl AlphaCutout {
@@ -203,7 +219,11 @@ mod tests {
     #[test]
     fn cut_outs_that_cannot_be_asked_are_refused() {
         let with = |texture, cutoff| {
-            let alpha = Some(AlphaCutout { texture, cutoff });
+            let alpha = Some(AlphaCutout {
+                texture,
+                cutoff,
+                filter: AlphaFilter::Nearest,
+            });
             let material = Material {
                 alpha,
                 ..Material::default()

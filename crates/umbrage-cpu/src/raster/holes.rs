@@ -1,7 +1,7 @@
 //! Holes of triangles, cut out by alpha textures: pixels in them are as if outside the triangle.
 
 use crate::raster::fill::LANES;
-use umbrage_core::{CameraRays, CutOuts, Geometry, resolve::at_pixel};
+use umbrage_core::{CameraRays, CutOuts, Geometry};
 
 /// What tells which pixels of which triangles are holes. Triangles are those of the geometry, under its ids.
 #[derive(Clone, Copy, Debug)]
@@ -15,13 +15,11 @@ pub(crate) struct Holes<'a> {
 }
 
 impl Holes<'_> {
-    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's.
+    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, by the rule of its material.
     pub(crate) fn is_hole(&self, triangle: u32, x: u32, y: u32) -> bool {
-        let rays = self.rays;
-        let o = at_pixel(rays.origin, rays.origin_dx, rays.origin_dy, x, y);
-        let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, x, y);
         let corners = self.geometry.corners(triangle);
-        self.cut_outs.is_hole(triangle, corners, o, d)
+        self.cut_outs
+            .is_hole_at_pixel(triangle, corners, self.rays, x, y)
     }
 }
 

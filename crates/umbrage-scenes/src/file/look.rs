@@ -8,15 +8,17 @@ use crate::{
 use std::path::Path;
 use umbrage_core::glam::Vec3;
 use umbrage_core::{
-    AlphaCutout, Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Scene, invalid,
+    AlphaCutout, AlphaFilter, Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Scene,
+    invalid,
 };
 
 /// The keys of looks, which stand among an object's others.
-pub(super) const KEYS: [&str; 11] = [
+pub(super) const KEYS: [&str; 12] = [
     "color",
     "texture",
     "alpha_map",
     "alpha_cutoff",
+    "alpha_filter",
     "normal_map",
     "height_map",
     "displacement",
@@ -95,22 +97,37 @@ pub(super) fn read<'a>(
 }
 
 fn alpha(table: &Table<'_>, alpha_map: Option<usize>) -> Result<Option<AlphaCutout>, SceneError> {
-    match (alpha_map, table.get("alpha_cutoff")) {
-        (None, None) => Ok(None),
-        (None, Some(item)) => {
-            Err(item.fault("stands without `alpha_map`", "add alpha_map = \"leaf.png\""))
-        }
-        (Some(texture), None) => Ok(Some(AlphaCutout {
-            texture,
-            cutoff: USUAL_CUTOFF,
-        })),
-        (Some(texture), Some(item)) => {
+    let items = ["alpha_cutoff", "alpha_filter"].map(|key| table.get(key));
+    let Some(texture) = alpha_map else {
+        return match items.iter().flatten().next() {
+            None => Ok(None),
+            Some(item) => {
+                Err(item.fault("stands without `alpha_map`", "add alpha_map = \"leaf.png\""))
+            }
+        };
+    };
+    let [cutoff, filter] = items;
+    let cutoff = match cutoff {
+        None => USUAL_CUTOFF,
+        Some(item) => {
             let cutoff = item.number()?;
             let fits = (0.0..=1.0).contains(&cutoff);
             item.require(fits, &format!("is {cutoff}"), "use 0 to 1")?;
-            Ok(Some(AlphaCutout { texture, cutoff }))
+            cutoff
         }
-    }
+    };
+    let filter = match filter {
+        None => AlphaFilter::Nearest,
+        Some(item) => match item.word(&["nearest", "hashed"])? {
+            "hashed" => AlphaFilter::Hashed,
+            _ => AlphaFilter::Nearest,
+        },
+    };
+    Ok(Some(AlphaCutout {
+        texture,
+        cutoff,
+        filter,
+    }))
 }
 
 fn displacement(

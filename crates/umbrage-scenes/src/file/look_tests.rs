@@ -2,7 +2,7 @@ use super::super::{parse, read};
 use crate::{FilesOnDisk, SceneError};
 use std::path::Path;
 use umbrage_core::glam::Vec3;
-use umbrage_core::{Displacement, Geometry, Material, Scene};
+use umbrage_core::{AlphaFilter, Displacement, Geometry, Material, Scene};
 
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
 
@@ -105,12 +105,18 @@ fn textures_are_read_once_and_decoded_by_meaning() {
 fn alpha_maps_cut_holes() {
     let scene = scene(
         "[[object]]\nshape = \"plane\"\nalpha_map = \"heights.png\"\n\
-         [[object]]\nshape = \"box\"\nalpha_map = \"heights.png\"\nalpha_cutoff = 0\n",
+         [[object]]\nshape = \"box\"\nalpha_map = \"heights.png\"\nalpha_cutoff = 0\n\
+         alpha_filter = \"hashed\"\n",
     )
     .unwrap();
     let alphas: Vec<_> = scene.materials.iter().map(|m| m.alpha.unwrap()).collect();
     let cutoffs = alphas.iter().map(|a| (a.texture, a.cutoff));
     assert_eq!(cutoffs.collect::<Vec<_>>(), [(0, 0.5), (0, 0.0)]);
+    let filters = alphas.iter().map(|a| a.filter);
+    assert_eq!(
+        filters.collect::<Vec<_>>(),
+        [AlphaFilter::Nearest, AlphaFilter::Hashed]
+    );
     // Black to the left, white to the right.
     let texels = scene.textures[0].texels[..2].iter().map(|texel| texel[3]);
     assert_eq!(texels.collect::<Vec<_>>(), [0.0, 1.0]);
@@ -187,6 +193,10 @@ fn faults_name_the_line_and_the_key() {
             "`object.alpha_cutoff`: stands without `alpha_map`; add alpha_map = ",
         ),
         (
+            "alpha_filter = \"hashed\"",
+            "`object.alpha_filter`: stands without `alpha_map`; add alpha_map = ",
+        ),
+        (
             "height_map = \"heights.png\"",
             "`object.displacement`: is missing; add `displacement = 0.05`",
         ),
@@ -212,6 +222,10 @@ fn faults_name_the_line_and_the_key() {
     );
     let beyond = "shape = \"box\"\nalpha_map = \"heights.png\"\nalpha_cutoff = 2";
     assert!(message(beyond).starts_with("scene.toml:7: `object.alpha_cutoff`: is 2; use 0 to 1"));
+    let unknown = "shape = \"box\"\nalpha_map = \"heights.png\"\nalpha_filter = \"hash\"";
+    let text = message(unknown);
+    let start = "scene.toml:7: `object.alpha_filter`: is \"hash\"; use ";
+    assert!(text.starts_with(start), "{text}");
     let bare = "mesh = \"bare.obj\"\ntexture = \"color.png\"";
     assert!(message(bare).starts_with(
         "scene.toml:6: `object.texture`: needs texture coordinates, and `bare` has none"

@@ -16,7 +16,7 @@ use gltf::{
 };
 use std::collections::HashMap;
 use umbrage_core::glam::{Vec2, Vec3};
-use umbrage_core::{AlphaCutout, Invalid, Material, Scene};
+use umbrage_core::{AlphaCutout, AlphaFilter, Invalid, Material, Scene};
 
 /// The materials of a file that were read.
 #[derive(Debug)]
@@ -189,6 +189,7 @@ fn cut_out(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<Cut, Inval
         Some(texture) if least <= 1.0 => Ok(Cut::Holes(AlphaCutout {
             texture,
             cutoff: least,
+            filter: AlphaFilter::Nearest,
         })),
         _ => Ok(Cut::Everything),
     }

@@ -3,7 +3,7 @@
 use super::{Look, matte, texture_with_alpha};
 use crate::{builtin::noise::uniform, detail::USUAL_CUTOFF};
 use umbrage_core::glam::{IVec3, Vec2, Vec3, Vec4};
-use umbrage_core::{AlphaCutout, Material, Texture};
+use umbrage_core::{AlphaCutout, AlphaFilter, Material, Texture};
 
 /// Texels along a side of a sprig and of a piece of netting.
 const SPRIG_SIDE: u32 = 128;
@@ -43,6 +43,7 @@ fn cut_out(texture: Texture) -> Look {
     let alpha = AlphaCutout {
         texture: 0,
         cutoff: USUAL_CUTOFF,
+        filter: AlphaFilter::Nearest,
     };
     let material = Material {
         diffuse_texture: Some(0),

@@ -13,7 +13,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use umbrage_core::glam::Vec3;
-use umbrage_core::{AlphaCutout, MAX_SHININESS_LOG2, Material, Texture};
+use umbrage_core::{AlphaCutout, AlphaFilter, MAX_SHININESS_LOG2, Material, Texture};
 
 /// Longest file that is read.
 const LONGEST: u64 = 16 << 20;
@@ -133,6 +133,7 @@ fn cut_out(texture: usize, textures: &[Texture]) -> Option<AlphaCutout> {
     has_holes.then_some(AlphaCutout {
         texture,
         cutoff: USUAL_CUTOFF,
+        filter: AlphaFilter::Nearest,
     })
 }
 

@@ -198,10 +198,9 @@ impl CastList {
             let key = CastKey {
                 depth: cast.target.state(),
                 layout: mesh.draw.layout,
-                vertex: if mesh.draw.has_holes {
-                    Vertex::CutOut
-                } else {
-                    Vertex::Instanced
+                vertex: match mesh.draw.holes {
+                    Some(rule) => Vertex::CutOut(rule),
+                    None => Vertex::Instanced,
                 },
                 peel: Peel::of(&cast.target),
             };
@@ -233,7 +232,7 @@ impl CastList {
         self.spaces
             .write(factory, pipelines, self.matrices.iter().copied());
         if let Some(holes) = holes {
-            let layout = cut_out_layout(factory, pipelines);
+            let layout = cut_out_layout(factory, pipelines, holes.rule());
             let rays = self.rays.iter().copied();
             self.holes.write(factory, &layout, holes, rays);
         }
@@ -305,7 +304,7 @@ impl CastList {
                 pass.set_pipeline(&draws.pipeline);
                 last = Some(&draws.pipeline);
             }
-            if mesh.has_holes {
+            if mesh.holes.is_some() {
                 self.holes.bind(&mut pass, 1, pass_index);
             }
             mesh.bind(&mut pass);

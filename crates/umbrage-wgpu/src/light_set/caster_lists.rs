@@ -189,7 +189,7 @@ pub(crate) fn why_not_listed(casters: &Casters, limits: &Limits) -> Option<Strin
             "it lists fewer than {MOST_CASTERS} triangles, and there are more"
         ));
     }
-    if casters.meshes().any(|(_, mesh)| mesh.draw.has_holes) {
+    if casters.meshes().any(|(_, mesh)| mesh.draw.holes.is_some()) {
         return Some(
             "it lists triangles with holes only where `SetFrame::geometry` has them".to_owned(),
         );

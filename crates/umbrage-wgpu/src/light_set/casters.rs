@@ -6,7 +6,7 @@
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
     light_set::culling::Boxes,
-    resources::cut_outs::GpuCutOuts,
+    resources::cut_outs::{GpuCutOuts, HoleRule},
 };
 use glam::{Affine3A, Vec3};
 use slotmap::{SlotMap, new_key_type};
@@ -56,8 +56,8 @@ pub(crate) struct MeshDraw {
     range: Range<u32>,
     base_vertex: i32,
     bounds: Aabb,
-    /// Whether its triangles have holes: shaders read it from the lists of its geometry, where it lies in world space.
-    pub(crate) has_holes: bool,
+    /// How its triangles' holes are told, if they have any: shaders read it from the lists of its geometry, where it lies in world space.
+    pub(crate) holes: Option<HoleRule>,
 }
 
 /// A mesh, with the slots of its casters.
@@ -160,7 +160,7 @@ impl MeshDraw {
 
     /// Binds the mesh's buffers.
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>) {
-        if self.has_holes {
+        if self.holes.is_some() {
             return;
         }
         pass.set_vertex_buffer(0, self.vertices.slice(..));
@@ -172,7 +172,7 @@ impl MeshDraw {
     /// Draws the casters in some slots.
     pub(crate) fn draw(&self, pass: &mut RenderPass<'_>, slots: Range<u32>) {
         match self.indices {
-            Some(_) if !self.has_holes => {
+            Some(_) if self.holes.is_none() => {
                 pass.draw_indexed(self.range.clone(), self.base_vertex, slots);
             }
             // Shaders read the indices of triangles with holes themselves.
@@ -197,7 +197,7 @@ impl Casters {
             range: mesh.range.clone(),
             base_vertex: mesh.base_vertex,
             bounds: mesh.bounds,
-            has_holes: false,
+            holes: None,
         };
         Ok(self.insert(draw))
     }
@@ -219,7 +219,7 @@ impl Casters {
             range: 3 * triangles.start..3 * triangles.end,
             base_vertex: 0,
             bounds,
-            has_holes: true,
+            holes: Some(lists.rule()),
         });
         self.add(mesh, Affine3A::IDENTITY)
     }

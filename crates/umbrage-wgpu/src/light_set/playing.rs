@@ -190,7 +190,10 @@ impl LightSet {
             None => Layouts::new(&factory, &mut self.pipelines),
         };
         layouts.cut_outs = match &self.cut_outs {
-            Some(_) => Some(cut_out_layout(&factory, &mut self.pipelines)),
+            Some(held) => {
+                let rule = held.lists.rule();
+                Some(cut_out_layout(&factory, &mut self.pipelines, rule))
+            }
             None => None,
         };
         let lost = self.pool.make_textures(&mut factory);

@@ -15,6 +15,7 @@ use umbrage_core::{
     Aabb, CameraRays, CutOuts, Geometry, Invalid, MATH, Module,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
+    hashed_alpha::{HASHED_ALPHA, HASHED_HOLE},
     join,
     resolve::RESOLVE,
 };
@@ -30,12 +31,17 @@ pub(crate) struct GpuCutOuts {
     pub(crate) positions: Buffer,
     pub(crate) indices: Buffer,
     pub(crate) rows: Buffer,
+    /// Mipmapped coverages of alpha textures; none where all are asked for the nearest texel.
+    pub(crate) coverage: Option<Buffer>,
     pub(crate) casters: Range<u32>,
     pub(crate) triangles: u32,
 }
 
 /// Triangles of a part of the casters, so few that a map leaves out those that it can't show.
 const PART: u32 = 4096;
+
+/// Storage buffers that the rule for holes reads, at most.
+const MOST_BUFFERS: u32 = 4;
 
 /// A geometry's triangles with holes, on the device.
 ///
@@ -52,7 +58,7 @@ impl CutOutBuffers {
     /// Uploads a geometry's triangles with holes; none if it has none, which costs nothing.
     ///
     /// # Errors
-    /// Errors if a list is larger than the device allows, or if its shaders can't read three storage buffers.
+    /// Errors if a list is larger than the device allows, or if its shaders can't read four storage buffers.
     pub fn new(
         device: &Device,
         queue: &Queue,
@@ -62,9 +68,12 @@ impl CutOutBuffers {
             return Ok(None);
         };
         let stage = device.limits().max_storage_buffers_per_shader_stage;
-        if stage < 3 {
-            let why = format!("are read from three storage buffers, and the device allows {stage}");
-            let help = "ask for `max_storage_buffers_per_shader_stage` of 3 or more";
+        if stage < MOST_BUFFERS {
+            let why = format!(
+                "are read from up to {MOST_BUFFERS} storage buffers, and the device allows {stage}"
+            );
+            let help =
+                format!("ask for `max_storage_buffers_per_shader_stage` of {MOST_BUFFERS} or more");
             return Err(Invalid::new("triangles with holes", why, help));
         }
         let mut counters = Counters::default();
@@ -98,8 +107,9 @@ impl CutOutBuffers {
     ///
     /// # Errors
     /// Errors if the prefix can't begin a WGSL identifier.
-    pub fn wgsl(group: u32, prefix: &str) -> Result<String, Invalid> {
-        let tables = format!(
+    pub fn wgsl(&self, group: u32, prefix: &str) -> Result<String, Invalid> {
+        let rule = self.lists.rule();
+        let mut tables = format!(
             "\
 @group({group}) @binding(0) var<storage> positions: array<f32>;
 @group({group}) @binding(1) var<storage> indices: array<u32>;
@@ -110,22 +120,28 @@ fn corner(i: u32) -> vec3f {{
 }}
 "
         );
-        with_prefix(&(holes_wgsl() + &tables), prefix)
+        if rule == HoleRule::Hashed {
+            tables +=
+                &format!("@group({group}) @binding(3) var<storage> coverage: array<vec4u>;\n");
+        }
+        with_prefix(&(holes_wgsl(rule) + &tables), prefix)
     }
 
     /// Returns what [`wgsl`](Self::wgsl) reads, and its layout for pipelines.
     pub fn bind_group(&self, device: &Device) -> (BindGroup, BindGroupLayout) {
         let lists = &self.lists;
-        let buffers = [&lists.positions, &lists.indices, &lists.rows];
-        let entry = |binding| BindGroupLayoutEntry {
+        let mut buffers = vec![&lists.positions, &lists.indices, &lists.rows];
+        buffers.extend(&lists.coverage);
+        let layout_entry = |binding| BindGroupLayoutEntry {
             binding,
             visibility: ShaderStages::VERTEX_FRAGMENT,
             ty: Slot::Table.ty(),
             count: None,
         };
+        let layout_entries: Vec<_> = (0..buffers.len() as u32).map(layout_entry).collect();
         let layout = device.create_bind_group_layout(&BindGroupLayoutDescriptor {
             label: Some("umbrage cut-outs"),
-            entries: &[0, 1, 2].map(entry),
+            entries: &layout_entries,
         });
         let entries: Vec<_> = (0..)
             .zip(buffers)
@@ -154,18 +170,48 @@ pub(crate) struct FrameWithHoles<'a> {
 /// Bytes of the rays through an image's pixels.
 const RAYS: NonZeroU64 = NonZeroU64::new(96).unwrap();
 
-/// Returns the WGSL that tells holes, before whoever declares `cut_outs` and `corner`.
-pub(crate) fn holes_wgsl() -> String {
+/// How images ask alpha textures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum HoleRule {
+    /// All for the nearest texel.
+    Nearest,
+    /// Some for mipmapped coverages.
+    Hashed,
+}
+
+impl GpuCutOuts {
+    pub(crate) fn rule(&self) -> HoleRule {
+        match self.coverage {
+            None => HoleRule::Nearest,
+            Some(_) => HoleRule::Hashed,
+        }
+    }
+}
+
+/// Returns the WGSL that tells holes, before whoever declares `cut_outs`, `corner` and, for the hashed rule, `coverage`.
+pub(crate) fn holes_wgsl(rule: HoleRule) -> String {
     const MODULES: [Module; 6] = [MATH, RESOLVE, RAY_BOX, RAY_TRIANGLE, CUT_OUT, HOLE];
-    join(&MODULES) + include_str!("../holes.wgsl")
+    let common = join(&MODULES);
+    let which = include_str!("../holes.wgsl");
+    match rule {
+        HoleRule::Nearest => common + which + include_str!("../holes_nearest.wgsl"),
+        HoleRule::Hashed => {
+            let hashed = join(&[HASHED_ALPHA, HASHED_HOLE]);
+            common + &hashed + which + include_str!("../holes_hashed.wgsl")
+        }
+    }
 }
 
 /// Returns the layout of what casts of triangles with holes read, in group 1.
 pub(crate) fn cut_out_layout(
     factory: &ResourceFactory<'_>,
     pipelines: &mut Pipelines,
+    rule: HoleRule,
 ) -> BindGroupLayout {
-    let slots = [Slot::Window(RAYS), Slot::Table, Slot::Table, Slot::Table];
+    let mut slots = vec![Slot::Window(RAYS), Slot::Table, Slot::Table, Slot::Table];
+    if rule == HoleRule::Hashed {
+        slots.push(Slot::Table);
+    }
     let stages = ShaderStages::VERTEX_FRAGMENT;
     pipelines.layouts.get(factory, stages, &slots)
 }
@@ -208,12 +254,13 @@ impl CutOutBinding {
         }
         let usage = BufferUsages::UNIFORM;
         let buffer = factory.write(&mut self.buffer, "umbrage texels' rays", usage, &bytes);
-        let bound = vec![
+        let mut bound = vec![
             Bound::Window(buffer, RAYS),
             Bound::Buffer(holes.positions.clone()),
             Bound::Buffer(holes.indices.clone()),
             Bound::Buffer(holes.rows.clone()),
         ];
+        bound.extend(holes.coverage.clone().map(Bound::Buffer));
         self.binding.set(factory, "umbrage cut-outs", layout, bound);
     }
 

@@ -4,7 +4,7 @@ use crate::{
     frame::{Drawable, PositionFormat, VertexLayout},
     resources::{
         counters::ResourceFactory,
-        cut_outs::{FrameWithHoles, GpuCutOuts},
+        cut_outs::{FrameWithHoles, GpuCutOuts, HoleRule},
         faces::{FaceBuffer, FaceBuffers},
     },
 };
@@ -38,7 +38,7 @@ pub(crate) enum Vertex {
     /// Four floats in world space.
     Homogeneous,
     /// The number of a corner in the geometry's lists, whose triangles have holes.
-    CutOut,
+    CutOut(HoleRule),
 }
 
 /// What each cast draws.
@@ -164,7 +164,7 @@ impl Draw {
             indices: None,
             ranges: ranges.collect(),
             layout: VertexLayout::PACKED,
-            vertex: Vertex::CutOut,
+            vertex: Vertex::CutOut(holes.rule()),
             world_from_local: None,
         };
         (!draw.ranges.is_empty()).then_some(draw)

@@ -36,10 +36,13 @@ impl GpuGeometry {
             Some(cut_outs) => bytemuck::cast_slice(cut_outs.rows()),
             None => &[],
         };
+        let coverage = geometry.cut_outs().and_then(|c| c.coverage_rows());
+        let coverage: Option<&[u8]> = coverage.map(|rows| bytemuck::cast_slice(rows));
         let lists = [
             ("vertices", positions),
             ("triangles", indices),
             ("cut-outs", rows),
+            ("mipmaps of cut-outs", coverage.unwrap_or_default()),
         ];
         for (what, bytes) in lists {
             let bytes = bytes.len() as u64;
@@ -58,11 +61,14 @@ impl GpuGeometry {
         let positions = upload(factory, "umbrage positions", vertex_usage, positions);
         let indices = upload(factory, "umbrage triangles", index_usage, indices);
         let triangles = geometry.triangles().len() as u32;
+        let coverage =
+            coverage.map(|rows| upload(factory, "umbrage coverages", BufferUsages::empty(), rows));
         let cut_outs = geometry.cut_outs().map(|cut_outs| GpuCutOuts {
             cut_outs: cut_outs.clone(),
             positions: positions.clone(),
             indices: indices.clone(),
             rows: upload(factory, "umbrage cut-outs", BufferUsages::empty(), rows),
+            coverage,
             casters: geometry.casters(),
             triangles,
         });

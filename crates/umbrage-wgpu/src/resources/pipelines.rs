@@ -3,7 +3,10 @@
 use crate::{
     frame::VertexLayout,
     resources::{
-        bindings::Layouts, counters::ResourceFactory, cut_outs::holes_wgsl, draws::Vertex,
+        bindings::Layouts,
+        counters::ResourceFactory,
+        cut_outs::{HoleRule, holes_wgsl},
+        draws::Vertex,
     },
     targets::{CastTarget, DepthState},
 };
@@ -68,7 +71,7 @@ pub(crate) struct Pipelines {
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
     cast_shader: Option<ShaderModule>,
     /// The same for triangles with holes.
-    cut_out_shader: Option<ShaderModule>,
+    cut_out_shaders: HashMap<HoleRule, ShaderModule>,
     sampler: Option<Sampler>,
 }
 
@@ -82,11 +85,9 @@ impl Pipelines {
         if let Some(pipeline) = self.casts.get(&key) {
             return pipeline.clone();
         }
-        let shader = if key.vertex == Vertex::CutOut {
-            self.cut_out_shader.get_or_insert_with(|| {
-                let text = holes_wgsl()
-                    + include_str!("../cast.wgsl")
-                    + include_str!("../cast_holes.wgsl");
+        let shader = if let Vertex::CutOut(rule) = key.vertex {
+            self.cut_out_shaders.entry(rule).or_insert_with(|| {
+                let text = cast_with_holes_wgsl(rule);
                 shader(factory.device, "umbrage cast with holes", &text)
             })
         } else {
@@ -141,6 +142,16 @@ impl Pipelines {
     }
 }
 
+fn cast_with_holes_wgsl(rule: HoleRule) -> String {
+    let cast = include_str!("../cast.wgsl");
+    let with_holes = include_str!("../cast_holes.wgsl");
+    let text = holes_wgsl(rule) + cast + with_holes;
+    match rule {
+        HoleRule::Nearest => text,
+        HoleRule::Hashed => text + include_str!("../cast_coverage.wgsl"),
+    }
+}
+
 pub(crate) fn shader(device: &Device, label: &str, text: &str) -> ShaderModule {
     let source = ShaderSource::Wgsl(text.into());
     device.create_shader_module(ShaderModuleDescriptor {
@@ -187,7 +198,7 @@ fn cast_pipeline(
         Vertex::Local => ("from_local", key.layout.format.vertex_format()),
         Vertex::Instanced => ("from_instance", key.layout.format.vertex_format()),
         Vertex::Homogeneous => ("from_homogeneous", VertexFormat::Float32x4),
-        Vertex::CutOut => ("from_list", VertexFormat::Float32x3),
+        Vertex::CutOut(_) => ("from_list", VertexFormat::Float32x3),
     };
     let attribute = VertexAttribute {
         format,
@@ -208,7 +219,7 @@ fn cast_pipeline(
     let buffers = match key.vertex {
         Vertex::World | Vertex::Local | Vertex::Homogeneous => &buffers[..1],
         Vertex::Instanced => &buffers,
-        Vertex::CutOut => &[],
+        Vertex::CutOut(_) => &[],
     };
     let vertex = VertexState {
         module,
@@ -225,7 +236,7 @@ fn cast_pipeline(
         multisample: MultisampleState::default(),
         fragment: key
             .peel
-            .entry(key.vertex == Vertex::CutOut)
+            .entry(matches!(key.vertex, Vertex::CutOut(_)))
             .map(|entry| FragmentState {
                 module,
                 entry_point: Some(entry),

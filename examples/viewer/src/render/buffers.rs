@@ -194,9 +194,9 @@ impl SceneBuffers {
         });
     }
 
-    /// Returns the layout of what tells holes, if there are any.
-    pub(crate) fn leaves_layout(&self) -> Option<&wgpu::BindGroupLayout> {
-        self.leaves.as_ref().map(|leaves| &leaves.layout)
+    /// Returns the triangles with holes, if there are any.
+    pub(crate) fn leaves(&self) -> Option<&Leaves> {
+        self.leaves.as_ref()
     }
 
     /// Adds all casters to a set.

@@ -59,8 +59,8 @@ pub(crate) struct Forward {
     pub leaves: Option<wgpu::RenderPipeline>,
 }
 
-/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text stands before the renderer's own. `holes` is the
-/// layout of what tells holes, if the scene has some.
+/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text stands before the renderer's own. `leaves` are
+/// the scene's triangles with holes, if it has some.
 ///
 /// # Errors
 /// Errors if the library's text can't be had.
@@ -69,14 +69,14 @@ pub(crate) fn forward(
     layouts: &Layouts,
     set_text: &str,
     set_layout: &wgpu::BindGroupLayout,
-    holes: Option<&wgpu::BindGroupLayout>,
+    leaves: Option<&Leaves>,
 ) -> Result<Forward> {
     let text = [set_text, include_str!("shaders/forward.wgsl")].concat();
     let groups = [
         Some(&layouts.frame),
         Some(&layouts.material),
         Some(set_layout),
-        holes,
+        leaves.map(|leaves| &leaves.layout),
     ];
     let buffers = [
         Some(wgpu::VertexBufferLayout {
@@ -113,10 +113,10 @@ pub(crate) fn forward(
             COLOR.into(),
         )
     };
-    let leaves = match holes {
-        Some(_) => Some(pipeline(
+    let leaves = match leaves {
+        Some(leaves) => Some(pipeline(
             device,
-            leaves_text(&text)?,
+            leaves_text(&text, &leaves.buffers)?,
             ["place_leaf", "shade_leaf"],
             &groups,
             &[Some(wgpu::VertexBufferLayout {
@@ -138,8 +138,8 @@ pub(crate) fn forward(
 }
 
 /// Returns the text that draws triangles with holes, given that of all others.
-fn leaves_text(forward: &str) -> Result<String> {
-    let rule = CutOutBuffers::wgsl(HOLES_GROUP, holes::PREFIX)?;
+fn leaves_text(forward: &str, buffers: &CutOutBuffers) -> Result<String> {
+    let rule = buffers.wgsl(HOLES_GROUP, holes::PREFIX)?;
     Ok([forward, &rule, include_str!("shaders/leaves.wgsl")].concat())
 }
 

@@ -125,13 +125,8 @@ impl Side {
             .as_ref()
             .is_none_or(|(made_for, _)| *made_for != revision)
         {
-            let forward = pipelines::forward(
-                device,
-                layouts,
-                self.set.wgsl(),
-                layout,
-                scene.leaves_layout(),
-            )?;
+            let forward =
+                pipelines::forward(device, layouts, self.set.wgsl(), layout, scene.leaves())?;
             self.forward = Some((revision, forward));
         }
         let bytes = self.frame_bytes(frame.camera, frame.lights)?;

@@ -9,7 +9,7 @@ use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb};
 use serde_json::{Value, json};
 use std::{f32::consts::FRAC_PI_2, io::Cursor};
 use umbrage_core::glam::{Vec2, Vec3, Vec4};
-use umbrage_core::{AlphaCutout, Material, Mesh, Scene, Texture};
+use umbrage_core::{AlphaCutout, AlphaFilter, Material, Mesh, Scene, Texture};
 
 const UVS: [f32; 8] = [0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
 
@@ -73,7 +73,13 @@ fn masks_cut_out_and_blended_surfaces_cast_by_half() {
         let scene = scene_of(&square(material)).map_err(|e| e.to_string())?;
         Ok::<_, String>((scene.materials[0].alpha, scene.instances[0].casts))
     };
-    let holes = |cutoff| Some(AlphaCutout { texture: 0, cutoff });
+    let holes = |cutoff| {
+        Some(AlphaCutout {
+            texture: 0,
+            cutoff,
+            filter: AlphaFilter::Nearest,
+        })
+    };
     let mask = |texture, factor, cutoff: f32| json!({ "alphaMode": "MASK", "alphaCutoff": cutoff, "pbrMetallicRoughness": base(texture, [1.0, 1.0, 1.0, factor]) });
     let texture = || json!({ "index": 0 });
     assert_eq!(cut(mask(texture(), 1.0, 0.25)), Ok((holes(0.25), true)));

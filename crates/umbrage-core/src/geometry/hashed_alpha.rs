@@ -1,0 +1,428 @@
+//! Holes where a pixel is larger than the texels of an alpha texture: mipmapped coverage against a hashed threshold, after Wyman and
+//! McGuire 2017, "Hashed Alpha Testing" ([`AlphaFilter::Hashed`](crate::AlphaFilter::Hashed)).
+//!
+//! * **Footprint.** The rays through the centres of a pixel and of the next ones along the row and down meet the triangle's plane at three uvs
+//!   (`cut_out.rs`). The longer of the two steps between them, in texels, is s.
+//! * s is 1 or less: the nearest texel decides, as it does for rays.
+//! * **Coverage.** Else a pixel takes the two levels with 2^L <= s < 2^(L + 1). A texel of level L says how much of the texture is there over 2^L x
+//!   2^L texels: what is averaged is whether alpha reaches the cut-off, since alpha that is averaged before it is cut off
+//!   makes thin leaves vanish. Of each level the nearest texel counts; the two answers are weighed by (s^2 / 4^L - 1) / 3, which is 0 at
+//!   the finer level and 1 at the coarser one.
+//! * **Threshold.** Each level's texel, in each repeat of the texture, on each triangle has a threshold from 0 to 1 of its own, hashed from whole
+//!   numbers. That of a pixel is the mean of the two levels' with the same weights, made even again by the mean's distribution (there, section
+//!   3.3). There is a hole where the coverage is less than the threshold.
+//!
+//! So a triangle of which one half is there shows at one half of its pixels, from any distance; and which half follows from places on the
+//! triangle alone, so that it stays where the camera or a map moves, and gives way to another little by little where they come nearer. From
+//! s = 1 on the answers depart from the nearest texel's, without a step.
+//!
+//! All of it is explicit arithmetic: levels are taken from a float's exponent, without logarithms, and hashes are whole numbers'.
+//!
+//! The table: a word for each cut-out triangle in the order of ids, which is the row where its levels begin, or 0 if the nearest texel is to
+//! decide; then for each texture a row for each level (its width and height as the lower and the upper 16 bits; the row where its texels
+//! begin; the number of the last level), and its texels, 8 bits each, from level 1 on: level 0 is the texture, whose bits are elsewhere.
+
+use crate::{
+    Invalid, Module, Texture,
+    geometry::cut_out::{WHOLE_NUMBERS, nearest_texel, texel_at},
+};
+use glam::{UVec2, Vec2};
+use std::{collections::BTreeMap, sync::Arc};
+
+/// The WGSL half. It calls into [`CUT_OUT`](super::cut_out::CUT_OUT).
+pub const HASHED_ALPHA: Module = Module {
+    name: "hashed_alpha",
+    text: include_str!("hashed_alpha.wgsl"),
+};
+
+/// The WGSL of the rule, for a pixel whose footprint is larger than a texel. It calls into [`HASHED_ALPHA`], into
+/// [`HOLE`](super::cut_out::HOLE), and into `fn coverage_row(i: u32) -> vec4u`, which whoever has the table declares.
+pub const HASHED_HOLE: Module = Module {
+    name: "hashed_hole",
+    text: include_str!("hashed_hole.wgsl"),
+};
+
+/// Texels whose coverages a row of the table holds.
+const TEXELS_A_ROW: u32 = 16;
+
+/// The coverage of what is there all over.
+const WHOLLY_THERE: f32 = 255.0;
+
+/// Returns the square of a pixel's extent on a texture of this size, texels: of the longer one of the steps from its uv to those of the next
+/// pixels.
+#[inline(always)]
+pub(super) fn squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2) -> f32 {
+    let across = (right - uv) * size.as_vec2();
+    let down = (below - uv) * size.as_vec2();
+    let squared_across = across.x * across.x + across.y * across.y;
+    let squared_down = down.x * down.x + down.y * down.y;
+    if squared_across > squared_down {
+        squared_across
+    } else {
+        squared_down
+    }
+}
+
+/// Returns the finer one of the two levels between which a footprint lies, given its square, 1 or more: half the exponent is the logarithm of
+/// its root. At most `last`.
+#[inline(always)]
+fn coarser_level(squared: f32, last: u32) -> u32 {
+    let exponent = (squared.to_bits() >> 23).wrapping_sub(127);
+    (exponent >> 1).min(last)
+}
+
+/// Returns how far a footprint is on the way from a level to the next, 0 to 1, given its square. The exponent is lessened by twice the level.
+#[inline(always)]
+fn part_to_next_level(squared: f32, level: u32) -> f32 {
+    let scaled = f32::from_bits(squared.to_bits().wrapping_sub(level << 24));
+    (scaled - 1.0) / 3.0
+}
+
+/// Returns how often a texture has repeated before a texture coordinate; 0 where the coordinate is not finite.
+#[inline(always)]
+fn whole_repeats(t: f32) -> i32 {
+    if t.abs() < WHOLE_NUMBERS {
+        t.floor() as i32
+    } else {
+        0
+    }
+}
+
+/// Returns the threshold of the texel that holds a uv, of a level of this size: more than 0, less than 1.
+#[inline(always)]
+fn cell_threshold(uv: Vec2, size: UVec2, level: u32, triangle: u32) -> f32 {
+    let repeats = [uv.x, uv.y].map(|t| whole_repeats(t).cast_unsigned());
+    let column = repeats[0]
+        .wrapping_mul(size.x)
+        .wrapping_add(nearest_texel(uv.x, size.x));
+    let row = repeats[1]
+        .wrapping_mul(size.y)
+        .wrapping_add(nearest_texel(uv.y, size.y));
+    // 23 bits and a half: exact.
+    ((mixed_words(column, row, level, triangle) >> 9) as f32 + 0.5) * 1.192_092_9e-7
+}
+
+/// Mixes four words into one: the first of the four that `pcg4d` makes (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
+#[inline(always)]
+fn mixed_words(column: u32, row: u32, level: u32, triangle: u32) -> u32 {
+    let [mut x, mut y, mut z, mut w] = [column, row, level, triangle]
+        .map(|word| word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    x = x.wrapping_add(y.wrapping_mul(w));
+    y = y.wrapping_add(z.wrapping_mul(x));
+    z = z.wrapping_add(x.wrapping_mul(y));
+    w = w.wrapping_add(y.wrapping_mul(z));
+    x ^= x >> 16;
+    y ^= y >> 16;
+    w ^= w >> 16;
+    x.wrapping_add(y.wrapping_mul(w))
+}
+
+/// Returns a threshold `part` of the way between those of two levels, made even: the share of all pairs whose mean, with these weights, is less
+/// than theirs. The weighted mean of two even numbers is distributed as a trapezium, whose integral this is, piece by piece.
+#[inline(always)]
+fn threshold_between(fine: f32, coarse: f32, part: f32) -> f32 {
+    let rest = 1.0 - part;
+    let mixed = fine * rest + coarse * part;
+    let lesser = part.min(rest);
+    let greater = part.max(rest);
+    let twice = 2.0 * lesser * greater;
+    if mixed < lesser {
+        return mixed * mixed / twice;
+    }
+    if mixed < greater {
+        return (mixed - 0.5 * lesser) / greater;
+    }
+    let to_one = 1.0 - mixed;
+    1.0 - to_one * to_one / twice
+}
+
+/// Mipmapped coverages of alpha textures.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Coverage {
+    rows: Arc<[[u32; 4]]>,
+}
+
+/// The levels of one texture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Levels<'a> {
+    rows: &'a [[u32; 4]],
+    /// The row of the first one.
+    first: u32,
+}
+
+/// What the table says of a level.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    size: UVec2,
+    /// The row at which its texels begin.
+    row: u32,
+    /// The number of the last level.
+    last: u32,
+}
+
+impl Level {
+    fn read([size, row, last, _]: [u32; 4]) -> Self {
+        Self {
+            size: UVec2::new(size & 0xffff, size >> 16),
+            row,
+            last,
+        }
+    }
+
+    fn to_row(self) -> [u32; 4] {
+        [self.size.x | self.size.y << 16, self.row, self.last, 0]
+    }
+}
+
+impl Levels<'_> {
+    fn level(&self, number: u32) -> Level {
+        Level::read(self.rows[(self.first + number) as usize])
+    }
+
+    /// Returns whether there is a hole at a uv where the footprint's square is `squared`, more than 1. `is_clear` tells whether a texel of
+    /// the texture itself is one.
+    pub(super) fn is_hole(
+        &self,
+        uv: Vec2,
+        squared: f32,
+        triangle: u32,
+        is_clear: impl Fn(u32) -> bool,
+    ) -> bool {
+        let last = self.level(0).last;
+        let level = coarser_level(squared, last);
+        let [fine, fine_threshold] = self.coverage_and_threshold(uv, level, triangle, &is_clear);
+        if level == last {
+            return fine < WHOLLY_THERE * fine_threshold;
+        }
+        let [coarse, coarse_threshold] =
+            self.coverage_and_threshold(uv, level + 1, triangle, &is_clear);
+        let part = part_to_next_level(squared, level);
+        let coverage = fine + (coarse - fine) * part;
+        coverage < WHOLLY_THERE * threshold_between(fine_threshold, coarse_threshold, part)
+    }
+
+    /// Returns the coverage at a uv, 0 to [`WHOLLY_THERE`], and the threshold of the texel there.
+    fn coverage_and_threshold(
+        &self,
+        uv: Vec2,
+        number: u32,
+        triangle: u32,
+        is_clear: impl Fn(u32) -> bool,
+    ) -> [f32; 2] {
+        let level = self.level(number);
+        let texel = texel_at(uv, level.size);
+        let threshold = cell_threshold(uv, level.size, number, triangle);
+        if number == 0 {
+            let coverage = if is_clear(texel) { 0.0 } else { WHOLLY_THERE };
+            return [coverage, threshold];
+        }
+        let row = self.rows[(level.row + texel / TEXELS_A_ROW) as usize];
+        let word = row[(texel / 4 % 4) as usize];
+        let coverage = word >> (8 * (texel % 4)) & 255;
+        [coverage as f32, threshold]
+    }
+}
+
+impl Coverage {
+    /// The table.
+    pub(super) fn rows(&self) -> &Arc<[[u32; 4]]> {
+        &self.rows
+    }
+
+    /// Returns the levels of the texture of the cut-out triangle number `record`; none where the nearest texel decides.
+    pub(super) fn levels_of(&self, record: u32) -> Option<Levels<'_>> {
+        let first = self.rows[record as usize / 4][record as usize % 4];
+        (first != 0).then_some(Levels {
+            rows: &self.rows,
+            first,
+        })
+    }
+
+    /// Returns the coverages that a table describes, of cut-out triangles with textures of these sizes; none if it is empty.
+    ///
+    /// # Errors
+    /// Errors if it is not a table as [`CutOuts::coverage_rows`](crate::CutOuts::coverage_rows) returns it.
+    pub(super) fn from_rows(rows: &[[u32; 4]], sizes: &[UVec2]) -> Result<Option<Self>, Invalid> {
+        if rows.is_empty() {
+            return Ok(None);
+        }
+        let bad = |why: &str| Invalid::new("geometry's coverages", why, "write them anew");
+        let heads = rows.get(..sizes.len().div_ceil(4));
+        let heads = heads.ok_or_else(|| bad("are shorter than their list of triangles"))?;
+        for (&first, &size) in heads.as_flattened().iter().zip(sizes) {
+            if first != 0 && !are_levels(rows, first as usize, size) {
+                return Err(bad("have levels that don't fit their texture or the table"));
+            }
+        }
+        Ok(Some(Self { rows: rows.into() }))
+    }
+}
+
+/// Returns whether the levels of a texture of this size begin at a row of a table.
+fn are_levels(rows: &[[u32; 4]], first: usize, size: UVec2) -> bool {
+    let last = last_level(size);
+    let mut size = size;
+    for number in 0..=last {
+        let Some(&row) = rows.get(first + number as usize) else {
+            return false;
+        };
+        let level = Level::read(row);
+        let texels = u64::from(size.x) * u64::from(size.y);
+        let end = u64::from(level.row) + texels.div_ceil(u64::from(TEXELS_A_ROW));
+        let ends_within = number == 0 || end <= rows.len() as u64;
+        if level.size != size || level.last != last || !ends_within {
+            return false;
+        }
+        size = halved(size);
+    }
+    true
+}
+
+/// Returns the number of the level that is one texel.
+fn last_level(size: UVec2) -> u32 {
+    size.max_element().max(1).ilog2()
+}
+
+/// Returns the size of the next level: sides are halved and rounded down, to no less than 1.
+fn halved(size: UVec2) -> UVec2 {
+    (size / 2).max(UVec2::ONE)
+}
+
+/// Makes a [`Coverage`].
+pub(super) struct CoverageBuilder {
+    rows: Vec<[u32; 4]>,
+    /// Where the levels of each texture begin, for each cut-off that is used with it.
+    places: BTreeMap<(usize, u32), usize>,
+}
+
+impl CoverageBuilder {
+    /// Begins a table for so many cut-out triangles.
+    pub(super) fn new(triangles: usize) -> Self {
+        Self {
+            rows: vec![[0; 4]; triangles.div_ceil(4)],
+            places: BTreeMap::new(),
+        }
+    }
+
+    /// Says that a triangle's holes are hashed. `key` is the texture's number and the bits of the cut-off.
+    pub(super) fn add(&mut self, triangle: usize, key: (usize, u32), texture: &Texture) {
+        let rows = &mut self.rows;
+        let first = *self
+            .places
+            .entry(key)
+            .or_insert_with(|| append_levels(rows, texture, f32::from_bits(key.1)));
+        // Checked by `finish`.
+        self.rows[triangle / 4][triangle % 4] = first as u32;
+    }
+
+    /// Returns the table; none if nothing was added.
+    ///
+    /// # Errors
+    /// Errors if it has too many rows.
+    pub(super) fn finish(self) -> Result<Option<Coverage>, Invalid> {
+        if self.places.is_empty() {
+            return Ok(None);
+        }
+        if u32::try_from(self.rows.len()).is_err() {
+            let why = "have more texels than a table holds";
+            return Err(Invalid::new("alpha textures", why, "use smaller ones"));
+        }
+        let rows = self.rows.into();
+        Ok(Some(Coverage { rows }))
+    }
+}
+
+/// Appends the levels of a texture, and returns the row at which they begin.
+fn append_levels(rows: &mut Vec<[u32; 4]>, texture: &Texture, cutoff: f32) -> usize {
+    let first = rows.len();
+    let last = last_level(texture.size);
+    rows.resize(first + last as usize + 1, [0; 4]);
+    let is_there = |texel: &[f32; 4]| f32::from(u8::from(texel[3] >= cutoff));
+    let mut coverages: Vec<f32> = texture.texels.iter().map(is_there).collect();
+    let mut size = texture.size;
+    let mut row = 0;
+    for number in 0..=last {
+        let level = Level { size, row, last };
+        rows[first + number as usize] = level.to_row();
+        if number > 0 {
+            append_texels(rows, &coverages);
+        }
+        let next = halved(size);
+        coverages = shrunk(&coverages, size, next);
+        size = next;
+        row = rows.len() as u32;
+    }
+    first
+}
+
+/// Appends coverages from 0 to 1 as 8 bits each.
+fn append_texels(rows: &mut Vec<[u32; 4]>, coverages: &[f32]) {
+    for texels in coverages.chunks(TEXELS_A_ROW as usize) {
+        let mut row = [0; 4];
+        for (i, coverage) in texels.iter().enumerate() {
+            let byte = (coverage * WHOLLY_THERE).round() as u32;
+            row[i / 4] |= byte << (8 * (i % 4));
+        }
+        rows.push(row);
+    }
+}
+
+/// Returns the means of a level's texels over those of the next one: of each as much as lies there, as sides need not be even.
+fn shrunk(coverages: &[f32], from: UVec2, to: UVec2) -> Vec<f32> {
+    let [width, height] = from.to_array().map(|n| n as usize);
+    let columns = shares(from.x, to.x);
+    let rows = shares(from.y, to.y);
+    let mut narrow = Vec::with_capacity(columns.len() * height);
+    for line in coverages.chunks_exact(width) {
+        narrow.extend(columns.iter().map(|shares| weighed(shares, |x| line[x])));
+    }
+    let mut out = Vec::with_capacity(columns.len() * rows.len());
+    for shares in &rows {
+        for x in 0..columns.len() {
+            out.push(weighed(shares, |y| narrow[y * columns.len() + x]));
+        }
+    }
+    out
+}
+
+/// Texels of a line, and the share of each.
+type Shares = Vec<(usize, f32)>;
+
+fn weighed(shares: &Shares, coverage: impl Fn(usize) -> f32) -> f32 {
+    shares.iter().map(|&(i, share)| share * coverage(i)).sum()
+}
+
+/// Returns which of `from` texels of a line lie in each of `to` equal parts of it, and what share of the part they are.
+fn shares(from: u32, to: u32) -> Vec<Shares> {
+    let length = f64::from(from) / f64::from(to);
+    let part = |i: u32| {
+        let begin = f64::from(i) * length;
+        let end = f64::from(i + 1) * length;
+        let last = (end.ceil() as u32).min(from);
+        let texels = begin as u32..last;
+        let share = |k: u32| {
+            let common = end.min(f64::from(k + 1)) - begin.max(f64::from(k));
+            (k as usize, (common.max(0.0) / length) as f32)
+        };
+        texels.map(share).collect()
+    };
+    (0..to).map(part).collect()
+}
+
+/// The pairs, for the lockstep tests.
+#[cfg(feature = "testing")]
+pub const TWINS: &[crate::Twin] = {
+    use crate::bvh::{RAY_BOX, RAY_TRIANGLE};
+    use crate::cut_out::CUT_OUT;
+    &[
+        crate::twin!(HASHED_ALPHA, squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
+        crate::twin!(HASHED_ALPHA, coarser_level(squared: f32, last: u32) -> u32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
+        crate::twin!(HASHED_ALPHA, part_to_next_level(squared: f32, level: u32) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
+        crate::twin!(HASHED_ALPHA, cell_threshold(uv: Vec2, size: UVec2, level: u32, triangle: u32) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
+        crate::twin!(HASHED_ALPHA, threshold_between(fine: f32, coarse: f32, part: f32) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
+    ]
+};
+
+#[cfg(test)]
+#[path = "hashed_alpha_tests.rs"]
+mod tests;
