@@ -420,6 +420,13 @@ fn shadow_part_of_corners(f: shadow_Footprint, a: vec3f, b: vec3f, c: vec3f) -> 
     return shadow_part_between(f, vec3f(min(at_a, min(at_b, at_c)), 1.0), vec3f(max(at_a, max(at_b, at_c)), 1.0));
 }
 
+// ---- soft_no_holes.wgsl
+// What a triangle hides where no caster has holes: all of the points that its outline covers.
+
+fn shadow_met_outside_holes(bits: u32, row: u32, o: vec3f, plane: shadow_LightPlane, first: vec2f, step: vec2f) -> u32 {
+    return bits;
+}
+
 // ---- soft_hidden.wgsl
 // Twin of hidden.rs, of one receiver and triangles with sorted corners (table_1).
 
@@ -514,7 +521,7 @@ fn shadow_open_above_horizon(normal: vec3f, plane: shadow_LightPlane, lattice: s
     return shadow_open_rows != 0u;
 }
 
-// Hides what a triangle hides.
+// Hides what a triangle hides. What it hides of what its outline covers is said in no_holes.wgsl or holes.wgsl.
 fn shadow_hide(f: shadow_Footprint, plane: shadow_LightPlane, lattice: shadow_Lattice, row: u32) {
     let a_at = bitcast<vec3f>(shadow_table_1[row].xyz);
     let b_at = bitcast<vec3f>(shadow_table_1[row + 1u].xyz);
@@ -563,7 +570,8 @@ fn shadow_hide(f: shadow_Footprint, plane: shadow_LightPlane, lattice: shadow_La
         if shadow_is_lamp() {
             run = shadow_narrowed(run, cut_before, first);
         }
-        let rest = shadow_open[i] & ~shadow_run_of_bits(run.x, run.y);
+        let covered = shadow_open[i] & shadow_run_of_bits(run.x, run.y);
+        let rest = shadow_open[i] & ~shadow_met_outside_holes(covered, row, f.start, plane, first, lattice.step);
         shadow_open[i] = rest;
         shadow_open_rows &= ~select(0u, 1u << i, rest == 0u);
     }

@@ -28,6 +28,6 @@ fn check_no_holes(geometry: &Geometry, why: &str) -> Result<(), RecipeError> {
         return Ok(());
     }
     Err(RecipeError::unsupported(format!(
-        "holes that alpha textures cut into casters are not told here, {why}: use `traced`, `exact` or a map"
+        "holes that alpha textures cut into casters are not told here, {why}: use `traced`, `exact`, `soft` or a map"
     )))
 }

@@ -14,14 +14,15 @@
 //!
 //! Surfaces are opaque and two-sided, as with [`Traced`](crate::Traced). Under ideal lights the one point decides.
 //!
-//! Casters with holes that alpha textures cut out are refused: a run of points is hidden at once by a triangle's edges, and holes would
-//! have to be asked of each point, in loops longer than Mesa's lavapipe plays to their end (`soft/hidden.wgsl`).
+//! Where alpha textures cut holes into casters, the points that such a triangle's outline covers are asked one by one (`soft/holes.rs`), and what
+//! is slow about rays is slow again.
 //!
 //! Known failures: suns more than [`MAX_SUN_DEGREES`] wide are refused. Their points are spread evenly over a plane instead of over
 //! the sky, at the rim by up to a tenth more thinly.
 
 mod footprint;
 mod hidden;
+mod holes;
 mod lattice;
 mod light_plane;
 pub mod search;
@@ -29,22 +30,21 @@ pub mod search;
 use crate::{
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter},
     shadow_map::ShadowMap,
-    techniques::{
-        check_no_holes,
-        traced::{check_stack, longest_ray},
-    },
+    techniques::traced::{check_stack, longest_ray},
 };
 use footprint::FOOTPRINT;
 use hidden::{HIDDEN, sorted};
+use holes::{HOLES, NO_HOLES};
 use lattice::{LATTICE, LATTICES, Lattices, MAX_ROWS, rows_for};
 use light_plane::{LIGHT_PLANE, domain_of, spread_of};
 use search::{Search, look_up_span};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Bvh, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel,
-    Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
-    bvh::{RAY_BOX, SHAFT},
+    Bvh, CutOuts, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
+    ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    bvh::{RAY_BOX, RAY_TRIANGLE, SHAFT},
+    cut_out::{CUT_OUT, HOLE},
     glam::Vec4,
     light_sample::{LIGHT_SAMPLE, LightSampler},
     uniforms,
@@ -126,7 +126,6 @@ impl ShadowTechnique for Soft {
             )));
         }
         check_stack(geometry)?;
-        check_no_holes(geometry, "where whole triangles hide points of the light")?;
         let kernel = self.kernel(view, geometry);
         let [nodes, triangles] = geometry.bvh_tables();
         let sorted = geometry.derived(|_| SortedTriangles::of(triangles));
@@ -134,19 +133,25 @@ impl ShadowTechnique for Soft {
             label,
             rows: rows.clone().into(),
         };
+        let mut tables = vec![
+            table("hierarchy", nodes),
+            table("sorted triangles", &sorted.0),
+            table("light points", &kernel.lattices.table().into()),
+        ];
+        if let Some(cut_outs) = &kernel.cut_outs {
+            tables.push(table("triangles", triangles));
+            tables.push(table("cut-outs", cut_outs.rows()));
+        }
+        let table_ids = (0..tables.len()).collect();
         Ok(Recipe {
             images: Vec::new(),
-            tables: vec![
-                table("hierarchy", nodes),
-                table("sorted triangles", &sorted.0),
-                table("light points", &kernel.lattices.table().into()),
-            ],
+            tables,
             casts: Vec::new(),
             filters: Vec::new(),
             receive: Receive {
                 kernel: Arc::new(kernel),
                 inputs: Vec::new(),
-                tables: vec![0, 1, 2],
+                tables: table_ids,
             },
             shade: None,
             keep_images: false,
@@ -256,10 +261,14 @@ impl Soft {
             rows: lattices.rows,
             lattices: LATTICES,
         };
+        let cut_outs = geometry
+            .cut_outs()
+            .filter(|_| geometry.has_cut_out_casters());
         SoftKernel {
             uniforms,
             lattices,
             bvh: geometry.bvh().clone(),
+            cut_outs: cut_outs.cloned(),
         }
     }
 }
@@ -293,23 +302,42 @@ pub struct SoftKernel {
     uniforms: SoftUniforms,
     lattices: Lattices,
     bvh: Arc<Bvh>,
+    /// Holes of casters; none if none has any.
+    cut_outs: Option<Arc<CutOuts>>,
+}
+
+impl SoftKernel {
+    fn search(&self) -> Search<'_> {
+        Search {
+            uniforms: &self.uniforms,
+            lattices: &self.lattices,
+            bvh: &self.bvh,
+            cut_outs: self.cut_outs.as_deref(),
+        }
+    }
 }
 
 impl Kernel for SoftKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![
+        let mut modules = vec![
             RAY_BOX,
             SHAFT,
             LIGHT_SAMPLE,
             LIGHT_PLANE,
             LATTICE,
             FOOTPRINT,
-            HIDDEN,
-            Module {
-                name: "soft",
-                text: include_str!("soft.wgsl"),
-            },
-        ]
+        ];
+        if self.cut_outs.is_some() {
+            modules.extend([RAY_TRIANGLE, CUT_OUT, HOLE, HOLES]);
+        } else {
+            modules.push(NO_HOLES);
+        }
+        modules.push(HIDDEN);
+        modules.push(Module {
+            name: "soft",
+            text: include_str!("soft.wgsl"),
+        });
+        modules
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -319,12 +347,7 @@ impl Kernel for SoftKernel {
 
 impl ReceiveKernel for SoftKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let search = Search {
-            uniforms: &self.uniforms,
-            lattices: &self.lattices,
-            bvh: &self.bvh,
-        };
-        look_up_span(inputs.simd, &search, span, out);
+        look_up_span(inputs.simd, &self.search(), span, out);
     }
 
     fn knows_horizon(&self) -> bool {

@@ -66,6 +66,7 @@
 //! | `emissive` | `[r, g, b]`, linear: light of its own, which no shadow touches | `[0, 0, 0]` |
 //! | `alpha_map` | a `.png` file that cuts holes, through which light falls and the camera sees: its alpha, or, without, its first channel | none |
 //! | `alpha_cutoff` | least alpha of what is there, 0 to 1; of the nearest texel | 0.5 |
+//! | `alpha_filter` | `"nearest"`, or `"hashed"`: the camera and maps take mipmapped coverages against hashed thresholds where their pixels are larger than texels | `"nearest"` |
 //! | `normal_map` | a `.png` file of tangent-space normals, green up (OpenGL's convention) | none |
 //! | `height_map` | a `.png` file of heights, 0 to 1 in its first channel, best of 16 bits; it moves the vertices | none |
 //! | `displacement` | metres (before scaling) that white moves out and black in; negative turns the relief inside out | needed with `height_map` |

@@ -114,6 +114,18 @@ impl Seers {
         }
     };
 
+    /// Returns the ray of a receiver to a point of its light: its origin and its vector.
+    #[inline(always)]
+    pub(super) fn ray(&self, lane: usize, point: Vec2) -> [Vec3; 2] {
+        let center = vector_of(&self.center, lane);
+        let u = vector_of(&self.u, lane);
+        let v = vector_of(&self.v, lane);
+        [
+            vector_of(&self.origin, lane),
+            center + u * point.x + v * point.y,
+        ]
+    }
+
     /// Makes receiver `lane` the one at `o` on a surface with normal `n`.
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, o: Vec3, n: Vec3, plane: &LightPlane) {
@@ -305,15 +317,26 @@ impl Shade {
     /// Closes what the triangle hides of a row. `first` is the row's first point.
     #[inline(always)]
     pub(super) fn close<const LAMP: bool>(&self, first: Vec2, open: &mut Words) {
+        let covered = self.covered::<LAMP>(first);
+        for (open, covered) in open.iter_mut().zip(covered) {
+            *open &= !covered;
+        }
+    }
+
+    /// Returns the points of a row that the triangle covers.
+    #[inline(always)]
+    pub(super) fn covered<const LAMP: bool>(&self, first: Vec2) -> Words {
         let mut since = [0.0; LANES];
         let mut until = [ALL_PLACES; LANES];
         let functions = if LAMP { FUNCTIONS } else { FUNCTIONS - 1 };
         for cuts in &self.cuts[..functions] {
             cuts.cut(first, &mut since, &mut until);
         }
+        let mut covered = [0; LANES];
         for i in 0..LANES {
-            open[i] &= !(run_of_bits(since[i], until[i]) & self.may_hide[i]);
+            covered[i] = run_of_bits(since[i], until[i]) & self.may_hide[i];
         }
+        covered
     }
 }
 

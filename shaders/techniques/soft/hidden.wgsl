@@ -91,7 +91,7 @@ fn open_above_horizon(normal: vec3f, plane: LightPlane, lattice: Lattice) -> boo
     return open_rows != 0u;
 }
 
-// Hides what a triangle hides.
+// Hides what a triangle hides. What it hides of what its outline covers is said in no_holes.wgsl or holes.wgsl.
 fn hide(f: Footprint, plane: LightPlane, lattice: Lattice, row: u32) {
     let a_at = bitcast<vec3f>(table_1[row].xyz);
     let b_at = bitcast<vec3f>(table_1[row + 1u].xyz);
@@ -140,7 +140,8 @@ fn hide(f: Footprint, plane: LightPlane, lattice: Lattice, row: u32) {
         if is_lamp() {
             run = narrowed(run, cut_before, first);
         }
-        let rest = open[i] & ~run_of_bits(run.x, run.y);
+        let covered = open[i] & run_of_bits(run.x, run.y);
+        let rest = open[i] & ~met_outside_holes(covered, row, f.start, plane, first, lattice.step);
         open[i] = rest;
         open_rows &= ~select(0u, 1u << i, rest == 0u);
     }

@@ -34,8 +34,6 @@ const SCENES: [&str; 5] = [
 const FENCE: &str = "wire-fence";
 /// What a set can't play: it draws from the camera.
 const REFUSED: [&str; 2] = ["planar", "volumes"];
-/// What takes casters for whole, beside those.
-const WITHOUT_HOLES: &str = "soft";
 
 /// A scene whose casters are one mesh of a set.
 pub(super) struct World {
@@ -213,10 +211,7 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
             let checked = set.check(&light, &*small(entry), &world.frame());
             let refusal = checked.map_err(Unserved::Refused).err();
             assert_eq!(refusal.as_ref(), why.map(|(_, why)| why), "{}", entry.name);
-            let has_holes = world.geometry.has_cut_out_casters();
-            let is_refused =
-                REFUSED.contains(&entry.name) || (has_holes && entry.name == WITHOUT_HOLES);
-            if is_refused {
+            if REFUSED.contains(&entry.name) {
                 let is_refused = matches!(why, Some((_, Unserved::Refused(_))));
                 assert!(is_refused, "{}: {why:?}", entry.name);
                 assert!(mask.iter().all(|&v| v == 1.0), "{} is lit", entry.name);

@@ -53,7 +53,7 @@ pub fn soft(
             continue;
         }
         let geometry = Geometry::bake(&scene)?;
-        // `soft` doesn't tell holes: who names such a scene is told so, and otherwise it is no row of this table.
+        // Holes are asked point by point, which is no price of shafts: only who names such a scene gets a row of it.
         if scenes.is_empty() && geometry.has_cut_out_casters() {
             continue;
         }

@@ -1,12 +1,18 @@
 //! Buffers of a set: the numbers of all lights in one, and all tables in another.
 
-use crate::{light_set::light::LightId, resources::counters::ResourceFactory};
+use crate::{
+    light_set::{
+        light::LightId,
+        text::{MAX_IMAGES, MAX_TABLES},
+    },
+    resources::counters::ResourceFactory,
+};
 use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
 
 /// Words of a light's entry: `ShadowLight` in text.rs.
-const ENTRY_WORDS: usize = 12;
+const ENTRY_WORDS: usize = 16;
 /// Most lights of a set, and with them most records of a kind: an index takes 12 bits of a light's entry.
 pub(crate) const MAX_LIGHTS: usize = 1 << 12;
 /// Most layers of a texture that lights can name: the first one's index takes 12 bits of a light's entry.
@@ -255,8 +261,8 @@ pub(crate) struct LightEntry {
     pub(crate) kind: u32,
     /// Index of the kernel's uniforms.
     pub(crate) kernel: u32,
-    pub(crate) images: [ImagePlace; 4],
-    pub(crate) tables: [TablePlace; 4],
+    pub(crate) images: [ImagePlace; MAX_IMAGES],
+    pub(crate) tables: [TablePlace; MAX_TABLES],
 }
 
 impl LightEntry {
@@ -271,10 +277,13 @@ impl LightEntry {
         words[1] = texture[0] | texture[1] << 8 | texture[2] << 16 | texture[3] << 24;
         words[2] = first[1] | first[2] << 16;
         words[3] = first[3];
-        for (i, table) in self.tables.iter().enumerate() {
+        let (of_vectors, fifth) = self.tables.split_at(4);
+        for (i, table) in of_vectors.iter().enumerate() {
             words[4 + i] = table.first;
             words[8 + i] = table.count;
         }
+        words[12] = fifth[0].first;
+        words[13] = fifth[0].count;
         words
     }
 }
@@ -521,13 +530,15 @@ mod tests {
             };
         }
         entry.tables[3] = TablePlace { first: 5, count: 6 };
+        entry.tables[4] = TablePlace { first: 8, count: 9 };
         let words = entry.words();
         assert_eq!(words[0], 0x0070_0201);
         assert_eq!(words[1], 0x0605_0403);
         assert_eq!(words[2..4], [0x0009_0008, 10]);
         assert_eq!(words[7], 5);
         assert_eq!(words[11], 6);
-        assert_eq!(LightEntry::BYTES, 48);
+        assert_eq!(words[12..14], [8, 9]);
+        assert_eq!(LightEntry::BYTES, 64);
     }
 
     /// Lists take all of a uniform buffer; beyond it they are in a storage buffer.

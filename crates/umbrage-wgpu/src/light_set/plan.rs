@@ -1,6 +1,6 @@
 //! What a light's shadows are made of, as the set plays it.
 
-use crate::light_set::text::{KernelKind, MAX_INPUTS};
+use crate::light_set::text::{KernelKind, MAX_IMAGES, MAX_TABLES};
 use crate::wgsl::KernelInterface;
 use std::sync::Arc;
 use umbrage_core::{
@@ -39,9 +39,9 @@ impl LightPlan {
         check_casts(&recipe)?;
         let receive = &recipe.receive;
         let kernel = &*receive.kernel;
-        if receive.inputs.len() > MAX_INPUTS || receive.tables.len() > MAX_INPUTS {
+        if receive.inputs.len() > MAX_IMAGES || receive.tables.len() > MAX_TABLES {
             let why = format!(
-                "its kernel reads {} images and {} tables, and in a light set it may read {MAX_INPUTS} of each",
+                "its kernel reads {} images and {} tables, and in a light set it may read {MAX_IMAGES} images and {MAX_TABLES} tables",
                 receive.inputs.len(),
                 receive.tables.len()
             );

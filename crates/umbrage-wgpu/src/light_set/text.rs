@@ -14,8 +14,10 @@ use crate::{
 use std::fmt::Write as _;
 use umbrage_core::{Invalid, MATH, Module, join};
 
-/// Most images and most tables of a kernel.
-pub(crate) const MAX_INPUTS: usize = 4;
+/// Most images of a kernel.
+pub(crate) const MAX_IMAGES: usize = 4;
+/// Most tables of a kernel: a table of holes beside four others.
+pub(crate) const MAX_TABLES: usize = 5;
 
 /// A kernel's WGSL half, and what it needs to be bound: lights of one kind differ in numbers alone.
 #[derive(Debug, PartialEq, Eq)]
@@ -59,10 +61,12 @@ struct ShadowLight {
     // to 19), and first layer of image 0 (20 to 31). y: index of each image's texture, 8 bits each. z, w: first layers of images 1, 2
     // (16 bits each) and 3.
     places: vec4u,
-    // Each table's first row.
+    // First row of tables 0 to 3.
     rows: vec4u,
-    // Each table's number of rows.
+    // Their numbers of rows.
     row_counts: vec4u,
+    // x: first row of table 4, y: its number of rows.
+    fifth: vec4u,
 }
 ";
 /// The entry of the light that is asked for.
@@ -312,7 +316,11 @@ fn push_table_length<'a>(out: &mut String, rest: &'a str) -> &'a str {
     if let Some((name, after)) = argument
         && let Some(table) = table_index(name)
     {
-        let _ = write!(out, "{OF_LIGHT}.row_counts[{table}]");
+        let count = match table {
+            4 => "fifth.y".to_owned(),
+            _ => format!("row_counts[{table}]"),
+        };
+        let _ = write!(out, "{OF_LIGHT}.{count}");
         return after;
     }
     out.push_str("arrayLength");
@@ -333,7 +341,11 @@ fn push_table_row<'a>(out: &mut String, table: usize, rest: &'a str, kind: usize
     // A text without the closing bracket is no WGSL; the compiler will say so.
     let (end, _) = closing.unwrap_or((rest.len() - 1, ']'));
     let row = read_from_light(&rest[1..end], kind);
-    let _ = write!(out, "shadow_tables[{OF_LIGHT}.rows[{table}] + u32({row})]");
+    let first = match table {
+        4 => "fifth.x".to_owned(),
+        _ => format!("rows[{table}]"),
+    };
+    let _ = write!(out, "shadow_tables[{OF_LIGHT}.{first} + u32({row})]");
     &rest[end + 1..]
 }
 

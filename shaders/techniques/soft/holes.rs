@@ -1,0 +1,68 @@
+//! Holes of casters: a triangle hides no point of the light whose ray passes it in a hole that an alpha texture cut out.
+//!
+//! Which points a triangle's outline covers is found row by row (`hidden.rs`); those of a triangle with holes are asked one by one, by
+//! the rule that rays have (core's `cut_out.rs`).
+
+use super::{
+    hidden::{LANES, Seers, Shade, Words},
+    lattice::Lattice,
+};
+use umbrage_core::{CutOuts, Module, glam::Vec3};
+
+/// What a triangle hides where none has holes.
+pub(super) const NO_HOLES: Module = Module {
+    name: "soft_no_holes",
+    text: include_str!("no_holes.wgsl"),
+};
+
+/// The WGSL half.
+pub(super) const HOLES: Module = Module {
+    name: "soft_holes",
+    text: include_str!("holes.wgsl"),
+};
+
+/// A triangle with holes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf<'a> {
+    pub(super) cut_outs: &'a CutOuts,
+    pub(super) id: u32,
+    pub(super) corners: [Vec3; 3],
+}
+
+impl<'a> Leaf<'a> {
+    /// Returns a triangle that has holes; none if it has none.
+    #[inline(always)]
+    pub(super) fn new(cut_outs: Option<&'a CutOuts>, id: u32, corners: [Vec3; 3]) -> Option<Self> {
+        let cut_outs = cut_outs?;
+        cut_outs.record_row(id).map(|_| Self {
+            cut_outs,
+            id,
+            corners,
+        })
+    }
+
+    /// Closes what the triangle hides of a row. `shade` is the triangle's.
+    pub(super) fn close<const LAMP: bool>(
+        &self,
+        shade: &Shade,
+        seers: &Seers,
+        lattice: &Lattice,
+        row: usize,
+        open: &mut Words,
+    ) {
+        let first = lattice.first_of(row);
+        let covered = shade.covered::<LAMP>(first);
+        for lane in 0..LANES {
+            let mut rest = covered[lane] & open[lane];
+            while rest != 0 {
+                let place = rest.trailing_zeros();
+                rest &= rest - 1;
+                let point = first + lattice.step * place as f32;
+                let [o, d] = seers.ray(lane, point);
+                if !self.cut_outs.is_hole(self.id, self.corners, o, d) {
+                    open[lane] &= !(1 << place);
+                }
+            }
+        }
+    }
+}
