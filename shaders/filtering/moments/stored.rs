@@ -82,7 +82,7 @@ pub(crate) fn store_powers(b: Vec4) -> Vec4 {
 /// The square root of 3.
 const ROOT_3: f32 = 1.732_050_8;
 /// Three quarters of it.
-const ROOT_3_BY_4_THIRDS: f32 = 1.299_038_1;
+const ROOT_3_BY_4_THIRDS: f32 = 1.299_038;
 const THIRD: f32 = 0.333_333_34;
 
 /// Returns what [`store_powers`] was given.

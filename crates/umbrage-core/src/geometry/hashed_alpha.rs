@@ -161,11 +161,12 @@ struct Level {
 }
 
 impl Level {
-    fn read([size, row, last, _]: [u32; 4]) -> Self {
+    fn of_row(words: [u32; 4]) -> Self {
+        let size = words[0];
         Self {
             size: UVec2::new(size & 0xffff, size >> 16),
-            row,
-            last,
+            row: words[1],
+            last: words[2],
         }
     }
 
@@ -176,7 +177,7 @@ impl Level {
 
 impl Levels<'_> {
     fn level(&self, number: u32) -> Level {
-        Level::read(self.rows[(self.first + number) as usize])
+        Level::of_row(self.rows[(self.first + number) as usize])
     }
 
     /// Returns whether there is a hole at a uv where the footprint's square is `squared`, more than 1. `is_clear` tells whether a texel of
@@ -266,7 +267,7 @@ fn are_levels(rows: &[[u32; 4]], first: usize, size: UVec2) -> bool {
         let Some(&row) = rows.get(first + number as usize) else {
             return false;
         };
-        let level = Level::read(row);
+        let level = Level::of_row(row);
         let texels = u64::from(size.x) * u64::from(size.y);
         let end = u64::from(level.row) + texels.div_ceil(u64::from(TEXELS_A_ROW));
         let ends_within = number == 0 || end <= rows.len() as u64;
