@@ -2,7 +2,7 @@
 
 use super::{
     buffers::Looks,
-    holes::{self, LeafVertex},
+    holes::{self, LeafVertex, Leaves},
 };
 use anyhow::Result;
 use umbrage::{glam::UVec2, wgpu::CutOutBuffers};
