@@ -1,6 +1,9 @@
 //! Buffers of a set: the numbers of all lights in one, and all tables in another.
 
-use crate::{light_set::light::LightId, resources::counters::ResourceFactory};
+use crate::{
+    light_set::{light::LightId, text::MAX_TABLES},
+    resources::counters::ResourceFactory,
+};
 use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
@@ -256,7 +259,8 @@ pub(crate) struct LightEntry {
     /// Index of the kernel's uniforms.
     pub(crate) kernel: u32,
     pub(crate) images: [ImagePlace; 4],
-    pub(crate) tables: [TablePlace; 4],
+    /// The last one lies where images 1 to 3 do, and excludes these.
+    pub(crate) tables: [TablePlace; MAX_TABLES],
 }
 
 impl LightEntry {
@@ -271,9 +275,14 @@ impl LightEntry {
         words[1] = texture[0] | texture[1] << 8 | texture[2] << 16 | texture[3] << 24;
         words[2] = first[1] | first[2] << 16;
         words[3] = first[3];
-        for (i, table) in self.tables.iter().enumerate() {
+        let [tables @ .., last] = self.tables;
+        for (i, table) in tables.iter().enumerate() {
             words[4 + i] = table.first;
             words[8 + i] = table.count;
+        }
+        if last.count > 0 {
+            words[2] = last.count;
+            words[3] = last.first;
         }
         words
     }
@@ -527,6 +536,8 @@ mod tests {
         assert_eq!(words[2..4], [0x0009_0008, 10]);
         assert_eq!(words[7], 5);
         assert_eq!(words[11], 6);
+        entry.tables[4] = TablePlace { first: 8, count: 9 };
+        assert_eq!(entry.words()[2..4], [9, 8]);
         assert_eq!(LightEntry::BYTES, 48);
     }
 
