@@ -74,7 +74,14 @@ fn oldest(manifest: &str) -> Result<&str> {
 /// Checks licences, known vulnerabilities, sources and bans of all dependencies: see `deny.toml`.
 fn licences() -> Result<()> {
     needs("deny", "cargo-deny")?;
-    run(cargo().args(["deny", "--all-features", "check"]))
+    let checks = ["deny", "--all-features", "check"];
+    run(cargo().args(checks).args(["bans", "licenses", "sources"]))?;
+    // The database is fetched from the network.
+    run(cargo().args(checks).arg("advisories")).context(
+        "either a dependency has a known vulnerability, which is told above, or the database of them, \
+         https://github.com/RustSec/advisory-db, can't be reached: then nothing is known of vulnerabilities. \
+         Bans, licences and sources are well",
+    )
 }
 
 /// Checks that version numbers say what changed since the last release.

@@ -361,6 +361,7 @@ fn receive(kernel_size: u32) -> f32 {
     let row = table_0[i / 4u];
     let nested = table_1[table_0[kernel.first].x + 1u];
     if i >= arrayLength(&table_0) { return kernel.lookup.kernel; }
+    let last = table_4[arrayLength(&table_4) - 1u];
     return f32(arrayLength(&others));
 }
 ";
@@ -370,6 +371,7 @@ fn receive(kernel_size: u32) -> f32 {
     let row = shadow_tables[shadow_set.lights[shadow_index].rows[0] + u32(i / 4u)];
     let nested = shadow_tables[shadow_set.lights[shadow_index].rows[1] + u32(shadow_tables[shadow_set.lights[shadow_index].rows[0] + u32(KERNEL.first)].x + 1u)];
     if i >= shadow_set.lights[shadow_index].row_counts[0] { return KERNEL.lookup.kernel; }
+    let last = shadow_tables[shadow_set.lights[shadow_index].fifth.x + u32(shadow_set.lights[shadow_index].fifth.y - 1u)];
     return f32(arrayLength(&others));
 }
 ";
