@@ -78,7 +78,7 @@ impl Default for Evsm {
     fn default() -> Self {
         Self {
             map: ShadowMap::default(),
-            blur: 1,
+            blur: 3,
             precision: MomentPrecision::Bits32,
             moments: EvsmMoments::Four,
             positive_exponent: 40.0,
@@ -242,7 +242,7 @@ impl ListedTechnique for Evsm {
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [1, 8]
+        [3, 8]
             .map(|blur| {
                 Candidate::of(Self {
                     map,

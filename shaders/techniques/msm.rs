@@ -73,7 +73,7 @@ impl Default for Msm {
     fn default() -> Self {
         Self {
             map: ShadowMap::default(),
-            blur: 1,
+            blur: 3,
             precision: MomentPrecision::Bits32,
             reconstruction: Reconstruction::Hausdorff,
             moment_bias: None,
@@ -185,7 +185,7 @@ impl ListedTechnique for Msm {
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [1, 8]
+        [3, 8]
             .map(|blur| {
                 Candidate::of(Self {
                     map,

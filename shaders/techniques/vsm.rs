@@ -54,7 +54,7 @@ impl Default for Vsm {
     fn default() -> Self {
         Self {
             map: ShadowMap::default(),
-            blur: 1,
+            blur: 3,
             precision: MomentPrecision::Bits32,
             least_deviation: None,
             bleeding_reduction: 0.2,

@@ -53,10 +53,16 @@ pub(crate) fn store_variance(moments: Vec2) -> Vec2 {
     Vec2::new(moments.x * 0.5 + 0.5, moments.y)
 }
 
-/// Returns what [`store_variance`] was given.
+/// Returns what [`store_variance`] was given. The bounds change nothing, but keep drivers from taking the 1 out of differences of such
+/// depths.
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "WGSL's min and max, in this order, also for NaN"
+)]
 pub(crate) fn load_variance(channels: Vec2) -> Vec2 {
-    Vec2::new(channels.x * 2.0 - 1.0, channels.y)
+    let depth = channels.x * 2.0 - 1.0;
+    Vec2::new(depth.max(-1.0).min(1.0), channels.y)
 }
 
 /// Half of the square root of 3.
@@ -69,12 +75,20 @@ const ROOT_3_BY_4_5: f32 = 0.384_900_18;
 /// Moments of depth are close to each other, so that most of the range of four channels would never be used. An affine map gives each
 /// channel its full range over all depths: odd powers and even ones apart (Peters, Münstermann, Wetzstein, Klein 2017, "Improved moment
 /// shadow maps for translucent occluders, soft shadows and single scattering").
+///
+/// The bounds change nothing, but keep drivers from adding the half to one of the two products first.
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "WGSL's min and max, in this order, also for NaN"
+)]
 pub(crate) fn store_powers(b: Vec4) -> Vec4 {
+    let first = (1.5 * b.x - 2.0 * b.z).max(-0.5).min(0.5);
+    let third = (HALF_ROOT_3 * b.x - ROOT_3_BY_4_5 * b.z).max(-0.5).min(0.5);
     Vec4::new(
-        1.5 * b.x - 2.0 * b.z + 0.5,
+        first + 0.5,
         4.0 * b.y - 4.0 * b.w,
-        HALF_ROOT_3 * b.x - ROOT_3_BY_4_5 * b.z + 0.5,
+        third + 0.5,
         0.5 * b.y + 0.5 * b.w,
     )
 }
@@ -85,37 +99,39 @@ const ROOT_3: f32 = 1.732_050_8;
 const ROOT_3_BY_4_THIRDS: f32 = 1.299_038;
 const THIRD: f32 = 0.333_333_34;
 
-/// Returns what [`store_powers`] was given.
+/// Returns what [`store_powers`] was given, bounded likewise.
 #[inline(always)]
 pub(crate) fn load_powers(channels: Vec4) -> Vec4 {
     let first = channels.x - 0.5;
     let third = channels.z - 0.5;
-    Vec4::new(
+    let moments = Vec4::new(
         ROOT_3 * third - THIRD * first,
         0.125 * channels.y + channels.w,
         ROOT_3_BY_4_THIRDS * third - 0.75 * first,
         channels.w - 0.125 * channels.y,
-    )
+    );
+    moments.max(Vec4::NEG_ONE).min(Vec4::ONE)
 }
 
 /// Returns the channel, 0..=1, of a positive number: its exponent and the first eight bits of its fraction, rounded to the nearest, halves
-/// to even, as a whole number of 65535.
+/// upwards, as a whole number of 65535.
 ///
 /// Half floats of hardware end at 65504, so that exponents would end at 5.5 (Lauritzen and McCool 2008), and the error of a depth is the
 /// relative error over the exponent. Three bits of fraction less for an exponent of 40 make that error smaller.
 #[inline(always)]
 pub(crate) fn store_exponential(value: f32) -> f32 {
-    let bits = value.to_bits();
-    // What lies below the half, and one more where the last bit that stays is odd.
-    let rounded = bits.wrapping_add(0x3fff).wrapping_add((bits >> 15) & 1) >> 15;
+    let rounded = value.to_bits().wrapping_add(0x4000) >> 15;
     rounded as f32 * (1.0 / 65_535.0)
 }
+
+/// The greatest channel, times 65535, of a number that is finite.
+const GREATEST_FINITE: u32 = 0xfeff;
 
 /// Returns the number whose channel that is.
 #[inline(always)]
 pub(crate) fn load_exponential(channel: f32) -> f32 {
-    let rounded = (channel * 65_535.0 + 0.5) as u32;
-    f32::from_bits(rounded << 15)
+    let rounded = (channel.max(0.0) * 65_535.0 + 0.5) as u32;
+    f32::from_bits(rounded.min(GREATEST_FINITE) << 15)
 }
 
 macro_rules! choice {
@@ -320,7 +336,7 @@ mod tests {
     /// Every number of 16 bits is its own channel's.
     #[test]
     fn numbers_of_16_bits_are_kept() {
-        for bits in 0..0xff00_u32 {
+        for bits in 0..=GREATEST_FINITE {
             let value = f32::from_bits(bits << 15);
             let got = load_exponential(nearest_step(store_exponential(value)));
             assert_eq!(got, value, "{bits:x}");

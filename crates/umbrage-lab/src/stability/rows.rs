@@ -175,7 +175,7 @@ fn cascaded(size: u32) -> ConfiguredTechniques {
     ]
 }
 
-/// Returns maps of moments, blurred widely, without what hides their light bleeding, by all ways in which they tell light from shadow.
+/// Returns maps of moments without what hides their light bleeding, by all ways in which they tell light from shadow.
 fn unreduced_moments(size: u32) -> ConfiguredTechniques {
     let map = ShadowMap {
         size,
@@ -183,7 +183,6 @@ fn unreduced_moments(size: u32) -> ConfiguredTechniques {
     };
     let mut out: ConfiguredTechniques = vec![Arc::new(Vsm {
         map,
-        blur: 3,
         bleeding_reduction: 0.0,
         ..Vsm::default()
     })];
@@ -191,7 +190,6 @@ fn unreduced_moments(size: u32) -> ConfiguredTechniques {
         out.push(Arc::new(Evsm {
             map,
             moments,
-            blur: 3,
             bleeding_reduction: 0.0,
             ..Evsm::default()
         }));
@@ -200,7 +198,6 @@ fn unreduced_moments(size: u32) -> ConfiguredTechniques {
         out.push(Arc::new(Msm {
             map,
             reconstruction,
-            blur: 3,
             bleeding_reduction: 0.0,
             ..Msm::default()
         }));
