@@ -1,10 +1,7 @@
 //! Buffers of a set: the numbers of all lights in one, and all tables in another.
 
 use crate::{
-    light_set::{
-        light::LightId,
-        text::{MAX_IMAGES, MAX_TABLES},
-    },
+    light_set::{light::LightId, text::MAX_TABLES},
     resources::counters::ResourceFactory,
 };
 use std::sync::Arc;
@@ -12,7 +9,7 @@ use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
 
 /// Words of a light's entry: `ShadowLight` in text.rs.
-const ENTRY_WORDS: usize = 16;
+const ENTRY_WORDS: usize = 12;
 /// Most lights of a set, and with them most records of a kind: an index takes 12 bits of a light's entry.
 pub(crate) const MAX_LIGHTS: usize = 1 << 12;
 /// Most layers of a texture that lights can name: the first one's index takes 12 bits of a light's entry.
@@ -261,7 +258,8 @@ pub(crate) struct LightEntry {
     pub(crate) kind: u32,
     /// Index of the kernel's uniforms.
     pub(crate) kernel: u32,
-    pub(crate) images: [ImagePlace; MAX_IMAGES],
+    pub(crate) images: [ImagePlace; 4],
+    /// The last one lies where images 1 to 3 do, and excludes these.
     pub(crate) tables: [TablePlace; MAX_TABLES],
 }
 
@@ -277,13 +275,15 @@ impl LightEntry {
         words[1] = texture[0] | texture[1] << 8 | texture[2] << 16 | texture[3] << 24;
         words[2] = first[1] | first[2] << 16;
         words[3] = first[3];
-        let (of_vectors, fifth) = self.tables.split_at(4);
-        for (i, table) in of_vectors.iter().enumerate() {
+        let [tables @ .., last] = self.tables;
+        for (i, table) in tables.iter().enumerate() {
             words[4 + i] = table.first;
             words[8 + i] = table.count;
         }
-        words[12] = fifth[0].first;
-        words[13] = fifth[0].count;
+        if last.count > 0 {
+            words[2] = last.count;
+            words[3] = last.first;
+        }
         words
     }
 }
@@ -530,15 +530,15 @@ mod tests {
             };
         }
         entry.tables[3] = TablePlace { first: 5, count: 6 };
-        entry.tables[4] = TablePlace { first: 8, count: 9 };
         let words = entry.words();
         assert_eq!(words[0], 0x0070_0201);
         assert_eq!(words[1], 0x0605_0403);
         assert_eq!(words[2..4], [0x0009_0008, 10]);
         assert_eq!(words[7], 5);
         assert_eq!(words[11], 6);
-        assert_eq!(words[12..14], [8, 9]);
-        assert_eq!(LightEntry::BYTES, 64);
+        entry.tables[4] = TablePlace { first: 8, count: 9 };
+        assert_eq!(entry.words()[2..4], [9, 8]);
+        assert_eq!(LightEntry::BYTES, 48);
     }
 
     /// Lists take all of a uniform buffer; beyond it they are in a storage buffer.

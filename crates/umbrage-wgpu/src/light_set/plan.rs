@@ -1,6 +1,6 @@
 //! What a light's shadows are made of, as the set plays it.
 
-use crate::light_set::text::{KernelKind, MAX_IMAGES, MAX_TABLES};
+use crate::light_set::text::{KernelKind, MAX_IMAGES, MAX_IMAGES_BESIDE_ALL_TABLES, MAX_TABLES};
 use crate::wgsl::KernelInterface;
 use std::sync::Arc;
 use umbrage_core::{
@@ -39,11 +39,17 @@ impl LightPlan {
         check_casts(&recipe)?;
         let receive = &recipe.receive;
         let kernel = &*receive.kernel;
-        if receive.inputs.len() > MAX_IMAGES || receive.tables.len() > MAX_TABLES {
+        let images = receive.inputs.len();
+        let tables = receive.tables.len();
+        let most_images = if tables < MAX_TABLES {
+            MAX_IMAGES
+        } else {
+            MAX_IMAGES_BESIDE_ALL_TABLES
+        };
+        if images > most_images || tables > MAX_TABLES {
             let why = format!(
-                "its kernel reads {} images and {} tables, and in a light set it may read {MAX_IMAGES} images and {MAX_TABLES} tables",
-                receive.inputs.len(),
-                receive.tables.len()
+                "its kernel reads {images} images and {tables} tables, and in a light set it may read {MAX_IMAGES} images beside fewer than \
+                 {MAX_TABLES} tables, or {MAX_TABLES} tables and {MAX_IMAGES_BESIDE_ALL_TABLES} image"
             );
             return Err(RecipeError::unsupported(why));
         }

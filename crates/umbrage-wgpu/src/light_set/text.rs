@@ -16,8 +16,10 @@ use umbrage_core::{Invalid, MATH, Module, join};
 
 /// Most images of a kernel.
 pub(crate) const MAX_IMAGES: usize = 4;
-/// Most tables of a kernel: a table of holes beside four others.
+/// Most tables of a kernel.
 pub(crate) const MAX_TABLES: usize = 5;
+/// Most images of a kernel with all tables: the last one's place is where those of further images are.
+pub(crate) const MAX_IMAGES_BESIDE_ALL_TABLES: usize = 1;
 
 /// A kernel's WGSL half, and what it needs to be bound: lights of one kind differ in numbers alone.
 #[derive(Debug, PartialEq, Eq)]
@@ -59,14 +61,12 @@ const ENTRY: &str = "\
 struct ShadowLight {
     // x: the kind of kernel, counted from 1 (bits 0 to 7; 0: the light is not served, so it is lit), index of the kernel's uniforms (8
     // to 19), and first layer of image 0 (20 to 31). y: index of each image's texture, 8 bits each. z, w: first layers of images 1, 2
-    // (16 bits each) and 3.
+    // (16 bits each) and 3; where there is a fifth table, its number of rows, and its first row.
     places: vec4u,
-    // First row of tables 0 to 3.
+    // Each of the first four tables' first row.
     rows: vec4u,
-    // Their numbers of rows.
+    // And their numbers of rows.
     row_counts: vec4u,
-    // x: first row of table 4, y: its number of rows.
-    fifth: vec4u,
 }
 ";
 /// The entry of the light that is asked for.
@@ -308,6 +308,24 @@ fn table_index(word: &str) -> Option<usize> {
     word.strip_prefix("table_")?.parse().ok()
 }
 
+/// Returns the field that holds a table's number of rows.
+fn row_count(table: usize) -> String {
+    if table + 1 == MAX_TABLES {
+        "places.z".to_owned()
+    } else {
+        format!("row_counts[{table}]")
+    }
+}
+
+/// Returns the field that holds a table's first row.
+fn first_row(table: usize) -> String {
+    if table + 1 == MAX_TABLES {
+        "places.w".to_owned()
+    } else {
+        format!("rows[{table}]")
+    }
+}
+
 /// Appends what stands for `arrayLength`, and returns what follows; `rest` begins behind that word.
 fn push_table_length<'a>(out: &mut String, rest: &'a str) -> &'a str {
     let argument = rest
@@ -316,11 +334,7 @@ fn push_table_length<'a>(out: &mut String, rest: &'a str) -> &'a str {
     if let Some((name, after)) = argument
         && let Some(table) = table_index(name)
     {
-        let count = match table {
-            4 => "fifth.y".to_owned(),
-            _ => format!("row_counts[{table}]"),
-        };
-        let _ = write!(out, "{OF_LIGHT}.{count}");
+        let _ = write!(out, "{OF_LIGHT}.{}", row_count(table));
         return after;
     }
     out.push_str("arrayLength");
@@ -341,10 +355,7 @@ fn push_table_row<'a>(out: &mut String, table: usize, rest: &'a str, kind: usize
     // A text without the closing bracket is no WGSL; the compiler will say so.
     let (end, _) = closing.unwrap_or((rest.len() - 1, ']'));
     let row = read_from_light(&rest[1..end], kind);
-    let first = match table {
-        4 => "fifth.x".to_owned(),
-        _ => format!("rows[{table}]"),
-    };
+    let first = first_row(table);
     let _ = write!(out, "shadow_tables[{OF_LIGHT}.{first} + u32({row})]");
     &rest[end + 1..]
 }
@@ -371,7 +382,7 @@ fn receive(kernel_size: u32) -> f32 {
     let row = shadow_tables[shadow_set.lights[shadow_index].rows[0] + u32(i / 4u)];
     let nested = shadow_tables[shadow_set.lights[shadow_index].rows[1] + u32(shadow_tables[shadow_set.lights[shadow_index].rows[0] + u32(KERNEL.first)].x + 1u)];
     if i >= shadow_set.lights[shadow_index].row_counts[0] { return KERNEL.lookup.kernel; }
-    let last = shadow_tables[shadow_set.lights[shadow_index].fifth.x + u32(shadow_set.lights[shadow_index].fifth.y - 1u)];
+    let last = shadow_tables[shadow_set.lights[shadow_index].places.w + u32(shadow_set.lights[shadow_index].places.z - 1u)];
     return f32(arrayLength(&others));
 }
 ";
