@@ -353,6 +353,10 @@ fn shadow_lit_by_falling(moments: vec2f, receiver: f32, least_variance: f32) -> 
     return select(1.0, shadow_chebyshev(1.0 - depth, variance), receiver < moments.x);
 }
 
+// ---- choice: moments of 32 bits
+fn shadow_stored_moments(moments: vec4f) -> vec4f { return moments; }
+fn shadow_loaded_moments(channels: vec4f) -> vec4f { return channels; }
+
 // ---- look_up.wgsl
 // Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth` are the technique's.
 
@@ -364,10 +368,10 @@ fn shadow_blended_moments(at: vec2f, layer: i32) -> vec4f {
     let share = place - corner;
     let first = clamp(vec2i(corner), vec2i(0), last);
     let second = clamp(vec2i(corner) + 1, vec2i(0), last);
-    let top_left = shadow_load_0(first, layer);
-    let top_right = shadow_load_0(vec2i(second.x, first.y), layer);
-    let bottom_left = shadow_load_0(vec2i(first.x, second.y), layer);
-    let bottom_right = shadow_load_0(second, layer);
+    let top_left = shadow_loaded_moments(shadow_load_0(first, layer));
+    let top_right = shadow_loaded_moments(shadow_load_0(vec2i(second.x, first.y), layer));
+    let bottom_left = shadow_loaded_moments(shadow_load_0(vec2i(first.x, second.y), layer));
+    let bottom_right = shadow_loaded_moments(shadow_load_0(second, layer));
     let top = top_left + (top_right - top_left) * share.x;
     let bottom = bottom_left + (bottom_right - bottom_left) * share.x;
     return top + (bottom - top) * share.y;
