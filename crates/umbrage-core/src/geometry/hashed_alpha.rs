@@ -161,10 +161,11 @@ struct Level {
 }
 
 impl Level {
-    fn read([size, row, last, _]: [u32; 4]) -> Self {
+    fn read(row: [u32; 4]) -> Self {
+        let [size, first_row, last, _] = row;
         Self {
             size: UVec2::new(size & 0xffff, size >> 16),
-            row,
+            row: first_row,
             last,
         }
     }
