@@ -28,7 +28,7 @@ pub use shading::blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms,
 pub use shadow_map::{
     BetweenKernel, BeyondFar, Bias, Border, CompareMethod, MapFormat, ShadowMap, Surface,
 };
-pub use techniques::evsm::{EvsmKernel, EvsmMoments, EvsmUniforms, MAX_EXPONENT};
+pub use techniques::evsm::{EvsmKernel, EvsmMoments, EvsmUniforms, MAX_EVSM_EXPONENT};
 pub use techniques::exact::{AskedCell, ExactKernel, ExactUniforms};
 pub use techniques::hard::HardKernel;
 pub use techniques::msm::{MsmKernel, MsmUniforms, Reconstruction};

@@ -17,7 +17,7 @@ use crate::{
     filtering::moments::{
         bounds::{lit_by_falling, lit_by_rising},
         exp2::power_of_two,
-        look_up::{self, Bound, MomentMap, look_up},
+        look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
         of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
@@ -35,10 +35,8 @@ use umbrage_core::{
     ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
-/// Greatest least deviation accepted, clip depth.
-const MAX_DEVIATION: f32 = 0.5;
 /// Greatest exponent accepted: exp(84), its greatest value's square, is a 32-bit float, and so are 65 times as much.
-pub const MAX_EXPONENT: f32 = 42.0;
+pub const MAX_EVSM_EXPONENT: f32 = 42.0;
 
 /// Which exponentials of depth a map holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,7 +61,7 @@ pub struct Evsm {
     pub precision: MomentPrecision,
     /// Which exponentials.
     pub moments: EvsmMoments,
-    /// Exponent of the rising one at the far plane, 0 to [`MAX_EXPONENT`]; at the near plane it is the negative of that.
+    /// Exponent of the rising one at the far plane, 0 to [`MAX_EVSM_EXPONENT`]; at the near plane it is the negative of that.
     pub positive_exponent: f32,
     /// Exponent of the falling one at the near plane, likewise.
     pub negative_exponent: f32,
@@ -95,7 +93,7 @@ impl ShadowTechnique for Evsm {
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.blur + 1;
+        let side = 2 * u64::from(self.blur) + 1;
         let moments = match self.moments {
             EvsmMoments::Two => 2,
             EvsmMoments::Four => 4,
@@ -118,20 +116,20 @@ impl ShadowTechnique for Evsm {
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if let Some(deviation) = self.least_deviation {
-            map::check("least deviation", deviation, 0.0, MAX_DEVIATION)?;
+            map::check_deviation(deviation)?;
         }
         let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
         map::check(
             "positive exponent",
             self.positive_exponent,
             0.0,
-            MAX_EXPONENT,
+            MAX_EVSM_EXPONENT,
         )?;
         map::check(
             "negative exponent",
             self.negative_exponent,
             0.0,
-            MAX_EXPONENT,
+            MAX_EVSM_EXPONENT,
         )?;
         let rising = self.positive_exponent * LOG2_E;
         let falling = self.negative_exponent * LOG2_E;
@@ -379,7 +377,7 @@ impl ReceiveKernel for EvsmKernel {
     }
 }
 
-impl Bound<2> for EvsmUniforms {
+impl LightBound<2> for EvsmUniforms {
     #[inline(always)]
     fn lit(&self, moments: [f32; 2], depth: f32) -> f32 {
         let receiver = power_of_two(self.rising * depth);
@@ -387,14 +385,14 @@ impl Bound<2> for EvsmUniforms {
     }
 }
 
-impl Bound<4> for EvsmUniforms {
+impl LightBound<4> for EvsmUniforms {
     #[inline(always)]
     fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
         let [up, up_squared, down, down_squared] = moments;
         let receiver = power_of_two(-(self.falling * depth));
         let falling = Vec2::new(down, down_squared);
         let lit = lit_by_falling(falling, receiver, self.least_falling);
-        let rising: f32 = Bound::<2>::lit(self, [up, up_squared], depth);
+        let rising: f32 = LightBound::<2>::lit(self, [up, up_squared], depth);
         rising.min(lit)
     }
 }

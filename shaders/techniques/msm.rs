@@ -22,7 +22,7 @@ use crate::{
     filtering::moments::{
         hamburger::{HAMBURGER, hamburger},
         hausdorff::{HAUSDORFF, hausdorff},
-        look_up::{self, Bound, MomentMap, look_up},
+        look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
         of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
@@ -88,7 +88,7 @@ impl ShadowTechnique for Msm {
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.blur + 1;
+        let side = 2 * u64::from(self.blur) + 1;
         let reconstruction = match self.reconstruction {
             Reconstruction::Hamburger => "hamburger",
             Reconstruction::Hausdorff => "hausdorff",
@@ -358,7 +358,7 @@ impl MsmUniforms {
 struct HamburgerBound<'a>(&'a MsmUniforms);
 struct HausdorffBound<'a>(&'a MsmUniforms);
 
-impl Bound<4> for HamburgerBound<'_> {
+impl LightBound<4> for HamburgerBound<'_> {
     #[inline(always)]
     fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
         hamburger(self.0.biased(moments), depth)
@@ -370,7 +370,7 @@ impl Bound<4> for HamburgerBound<'_> {
     }
 }
 
-impl Bound<4> for HausdorffBound<'_> {
+impl LightBound<4> for HausdorffBound<'_> {
     #[inline(always)]
     fn lit(&self, moments: [f32; 4], depth: f32) -> f32 {
         hausdorff(self.0.biased(moments), depth)

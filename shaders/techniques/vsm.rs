@@ -8,12 +8,12 @@
 //! of a near blocker within the shadow of a far one, under stacks of thin slices, and through a hedge. `bleeding_reduction` darkens
 //! it, and narrows all penumbrae with it. Like any filter of depths it has one width for all penumbrae, and lets light into contacts
 //! as far as the blur reaches. Squares of depth have 24 bits: what is nearer to its blocker than `least_deviation` is lit in part. Every
-//! map's failures: see [`shadow_map`](crate::shadow_map). Maps take 16 bytes a texel, and as much again as they are blurred.
+//! map's failures: see [`shadow_map`](crate::shadow_map). Maps take 16 bytes a texel while they are blurred, with 16 bits a moment 8.
 
 use crate::{
     filtering::moments::{
         bounds::lit_by_variance,
-        look_up::{self, Bound, MomentMap, look_up},
+        look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
         of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
@@ -29,9 +29,6 @@ use umbrage_core::{
     Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
-
-/// Greatest least deviation accepted, clip depth.
-const MAX_DEVIATION: f32 = 0.5;
 
 /// Chebyshev's bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,7 +65,7 @@ impl ShadowTechnique for Vsm {
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.blur + 1;
+        let side = 2 * u64::from(self.blur) + 1;
         let mut words = format!("blur {side}x{side}, ");
         words += self.precision.words();
         let default = Self::default();
@@ -86,7 +83,7 @@ impl ShadowTechnique for Vsm {
             MomentPrecision::Bits32 => LEAST_DEVIATION_32,
             MomentPrecision::Bits16 => LEAST_DEVIATION_16,
         });
-        map::check("least deviation", least_deviation, 0.0, MAX_DEVIATION)?;
+        map::check_deviation(least_deviation)?;
         let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
         // Centred depth has twice the range of clip depth.
         let deviation = 2.0 * least_deviation;
@@ -177,6 +174,7 @@ impl ListedTechnique for Vsm {
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        // A wider blur bleeds more; `evsm` and `msm` are tried with one.
         vec![Candidate::of(Self {
             map,
             ..Self::default()
@@ -276,7 +274,7 @@ impl ReceiveKernel for VsmKernel {
     }
 }
 
-impl Bound<2> for VsmUniforms {
+impl LightBound<2> for VsmUniforms {
     #[inline(always)]
     fn lit(&self, moments: [f32; 2], depth: f32) -> f32 {
         lit_by_variance(Vec2::from_array(moments), depth, self.least_variance)

@@ -10,7 +10,7 @@ pub(crate) const EXP2: Module = Module {
 };
 
 /// The greatest exponent by size: powers beyond are no normal numbers.
-const MAX_EXPONENT: f32 = 126.0;
+const GREATEST_POWER: f32 = 126.0;
 
 /// Returns 2 to the power `exponent`, with a relative error below 1.3e-7; exponents beyond -126..=126 count as these.
 ///
@@ -22,7 +22,7 @@ const MAX_EXPONENT: f32 = 126.0;
     reason = "WGSL's min and max, in this order, also for NaN"
 )]
 pub(crate) fn power_of_two(exponent: f32) -> f32 {
-    let t = exponent.max(-MAX_EXPONENT).min(MAX_EXPONENT);
+    let t = exponent.max(-GREATEST_POWER).min(GREATEST_POWER);
     let whole = (t + 0.5).floor();
     let rest = t - whole;
     // By Horner's scheme, each product rounded before the sum.

@@ -37,7 +37,7 @@ pub(crate) fn modules(
 }
 
 /// The share of light that `CHANNELS` moments allow at a depth. A trait and not a closure, as [`Taps`] is.
-pub(crate) trait Bound<const CHANNELS: usize> {
+pub(crate) trait LightBound<const CHANNELS: usize> {
     /// Returns the share of light, 0..=1, at a centred depth. WGSL's `lit_by_moments`.
     fn lit(&self, moments: [f32; CHANNELS], depth: f32) -> f32;
 
@@ -63,7 +63,7 @@ pub(crate) fn look_up<const CHANNELS: usize>(
     map: MomentMap<'_>,
     span: &Span<'_>,
     out: &mut [f32],
-    bound: &impl Bound<CHANNELS>,
+    bound: &impl LightBound<CHANNELS>,
     bleeding: BleedingReduction,
 ) {
     let lookup = map.lookup;
@@ -92,7 +92,7 @@ struct MomentLookups<'a, const CHANNELS: usize, B> {
     bleeding: BleedingReduction,
 }
 
-impl<const CHANNELS: usize, B: Bound<CHANNELS>> Taps for MomentLookups<'_, CHANNELS, B> {
+impl<const CHANNELS: usize, B: LightBound<CHANNELS>> Taps for MomentLookups<'_, CHANNELS, B> {
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
         let size = self.size as f32;

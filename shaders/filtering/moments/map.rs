@@ -83,6 +83,14 @@ pub(crate) fn check(what: &str, value: f32, least: f32, most: f32) -> Result<(),
     Err(Invalid::new(what, why, format!("use {least} to {most}")))
 }
 
+/// Checks a least standard deviation of depth, clip depth: half of the map's range at most.
+///
+/// # Errors
+/// Errors if it is more, negative, or no number.
+pub(crate) fn check_deviation(least: f32) -> Result<(), Invalid> {
+    check("least deviation", least, 0.0, 0.5)
+}
+
 /// Which moments a map holds, and how.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MomentImages {
