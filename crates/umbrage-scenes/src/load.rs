@@ -7,7 +7,7 @@ use crate::{
     nearest::{listed, nearest},
     obj,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use umbrage_core::Scene;
 
 /// What scenes are read from, in errors.
@@ -84,6 +84,26 @@ pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneErr
 /// Whether a path is a model's by its name: one that is read here.
 pub fn is_model(path: impl AsRef<Path>) -> bool {
     Kind::of(path.as_ref()).is_some_and(|kind| kind != Kind::SceneFile)
+}
+
+/// Returns the file that a path names if it is a scene file's or a model's by its name: `model.glb` of `model.glb#night`.
+///
+/// ```
+/// use std::path::Path;
+/// use umbrage_scenes::file_of;
+///
+/// assert_eq!(file_of("rooms/hall.obj").as_deref(), Some(Path::new("rooms/hall.obj")));
+/// assert_eq!(file_of("cubes"), None);
+/// # #[cfg(feature = "gltf")]
+/// assert_eq!(file_of("model.glb#night").as_deref(), Some(Path::new("model.glb")));
+/// ```
+pub fn file_of(path: impl AsRef<Path>) -> Option<PathBuf> {
+    let path = path.as_ref();
+    match Kind::of(path)? {
+        #[cfg(feature = "gltf")]
+        Kind::Gltf(wanted) => Some(wanted.file),
+        _ => Some(path.to_path_buf()),
+    }
 }
 
 fn neither(path: &Path) -> SceneError {

@@ -11,7 +11,6 @@ use clap::Parser;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::{
     panic::{self, AssertUnwindSafe},
-    path::Path,
     process::ExitCode,
     sync::Arc,
 };
@@ -105,8 +104,8 @@ pub(crate) fn main() -> ExitCode {
 fn run(options: &Options) -> Result<()> {
     if let Some(scene) = options.scene.as_ref().filter(|_| !options.failure) {
         // A scene that isn't there is told before there is a window. One that is may take long, and is read behind it.
-        let is_file = scene.ends_with(".toml") || scenes::is_model(scene);
-        if scenes::find(scene).is_none() && !(is_file && Path::new(scene).is_file()) {
+        let is_there = scenes::file_of(scene).is_some_and(|file| file.is_file());
+        if scenes::find(scene).is_none() && !is_there {
             scenes::by_argument(scene)?;
         }
     }
