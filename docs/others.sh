@@ -58,7 +58,7 @@ fi
 
 if [[ "$with_three_d" == yes ]]; then
   cargo run --release --manifest-path examples/three_d/Cargo.toml -- street thin-plate --out "$report/three_d"
-  for setting in truth three-d-2048 three-d-4096 umbrage-pcf-3x3-2048 umbrage-pcf-3x3-4-cascades-of-2048; do
+  for setting in truth three-d-2048 umbrage-pcf-3x3-2048 umbrage-pcf-3x3-4-cascades-of-2048; do
     crop "$report/three_d/street.$setting.png" "docs/others/three_d.$setting.png"
   done
 fi

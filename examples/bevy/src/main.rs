@@ -10,12 +10,7 @@ use app::{BevyProgram, BevyShadows, ShadowSource};
 use bevy::light::ShadowFilteringMethod as Filter;
 use clap::Parser;
 use judge::{COLUMNS, Judged, make_folder};
-use std::{
-    fmt::Write as _,
-    fs,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{fmt::Write as _, fs, path::PathBuf, sync::Arc};
 use umbrage::{
     Cascades, Fit, Layout, ShadowTechnique,
     techniques::{Exact, Pcf, Pcss, ShadowMap},
