@@ -1,8 +1,20 @@
 #!/usr/bin/env bash
 # Makes the figures and pictures of docs/others.md again, into target/others, and the pictures that the page shows into docs/others.
-# Bevy is built first (examples/bevy, which is long); `docs/others.sh --without-bevy` leaves it out.
+# Bevy (examples/bevy, whose build is long) and three-d (examples/three_d) are built, too; `--without-bevy` and `--without-three-d` leave them out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+with_bevy=yes
+with_three_d=yes
+for argument in "$@"; do
+  case "$argument" in
+    --without-bevy) with_bevy=no ;;
+    --without-three-d) with_three_d=no ;;
+    *)
+      echo "docs/others.sh: '$argument' is no option: use --without-bevy, --without-three-d" >&2
+      exit 2
+      ;;
+  esac
+done
 report=target/others
 mkdir -p "$report/presets" docs/others
 
@@ -37,9 +49,16 @@ done
 
 cargo run --release --example panes -- docs/others
 
-if [[ "${1:-}" != --without-bevy ]]; then
+if [[ "$with_bevy" == yes ]]; then
   cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street thin-plate street-soft --out "$report/bevy"
   for setting in truth Bevy-as-far-as-is-seen Bevy-as-far-as-is-seen-contact-shadows umbrage-pcf-3x3-4-cascades-of-2048 umbrage-exact; do
     crop "$report/bevy/street.$setting.png" "docs/others/bevy.$setting.png"
+  done
+fi
+
+if [[ "$with_three_d" == yes ]]; then
+  cargo run --release --manifest-path examples/three_d/Cargo.toml -- street thin-plate --out "$report/three_d"
+  for setting in truth three-d-2048 umbrage-pcf-3x3-2048 umbrage-pcf-3x3-4-cascades-of-2048; do
+    crop "$report/three_d/street.$setting.png" "docs/others/three_d.$setting.png"
   done
 fi

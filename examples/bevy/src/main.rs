@@ -2,25 +2,22 @@
 //! `cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street forest`.
 
 mod app;
+mod judge;
 mod plugin;
 
 use anyhow::{Context as _, Result};
 use app::{BevyProgram, BevyShadows, ShadowSource};
 use bevy::light::ShadowFilteringMethod as Filter;
 use clap::Parser;
-use std::{
-    fmt::Write as _,
-    fs,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use judge::{COLUMNS, Judged, make_folder};
+use std::{fmt::Write as _, fs, path::PathBuf, sync::Arc};
 use umbrage::{
-    Cascades, Fit, Geometry, Layout, Scene, ShadowTechnique,
-    cpu::Cpu,
-    metrics::{Pixel, ReferenceMask},
+    Cascades, Fit, Layout, ShadowTechnique,
     techniques::{Exact, Pcf, Pcss, ShadowMap},
 };
-use umbrage_plan::truth::{Truth, TruthOptions, trace};
+
+/// What Bevy's picture shows where the sun doesn't reach is less.
+const DARK: f32 = 1e-4;
 
 /// Bevy's own shadows and this library's in the same scenes, judged by rays.
 #[derive(Parser)]
@@ -39,20 +36,13 @@ struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// A scene with what is known of it.
-struct Judged {
-    scene: Scene,
-    geometry: Geometry,
-    truth: Truth,
-}
-
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
-    let mut table = String::from(
-        "| scene | shadows | RMSE | false shadow % | false light % | ms | ms without shadows | MiB |\n|---|---|--:|--:|--:|--:|--:|--:|\n",
+    let mut table = format!(
+        "{COLUMNS} ms | ms without shadows | MiB |\n|---|---|--:|--:|--:|--:|--:|--:|\n"
     );
     if let Some(folder) = &arguments.out {
-        fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
+        make_folder(folder)?;
     }
     print!("{table}");
     for name in &arguments.scenes {
@@ -68,29 +58,6 @@ fn main() -> Result<()> {
 }
 
 impl Judged {
-    fn new(name: &str) -> Result<Self> {
-        let scene = umbrage::scenes::by_argument(name)?;
-        let geometry = Geometry::bake(&scene)?;
-        let mut cpu = Cpu::new();
-        let options = TruthOptions {
-            samples: 256,
-            ..TruthOptions::default()
-        };
-        let truth = trace(
-            &scene.cameras[0],
-            &scene.lights[0],
-            &geometry,
-            &options,
-            &mut |camera, geometry| cpu.receivers(camera, geometry),
-            &|_, _| (),
-        )?;
-        Ok(Self {
-            scene,
-            geometry,
-            truth,
-        })
-    }
-
     /// Plays all settings, and returns the table's lines.
     fn play_all(&self, arguments: &Arguments) -> Result<Vec<String>> {
         let mut without = BevyProgram::start(&self.scene, &self.geometry, &ShadowSource::Nothing)?;
@@ -120,21 +87,7 @@ impl Judged {
     ) -> Result<String> {
         let mut program = BevyProgram::start(&self.scene, &self.geometry, source)?;
         let shadowed = program.picture()?;
-        let mut pixels = self.truth.pixels.clone();
-        let mut mask = vec![1.0; lit.len()];
-        for i in 0..lit.len() {
-            // What the sun doesn't reach at all tells nothing of shadows.
-            if lit[i] < 1e-4 {
-                if pixels[i] == Pixel::Counted {
-                    pixels[i] = Pixel::Elsewhere;
-                }
-                continue;
-            }
-            mask[i] = (shadowed[i] / lit[i]).clamp(0.0, 1.0);
-        }
-        let truth = &self.truth;
-        let reference = ReferenceMask::new(truth.size, &truth.visibility, &truth.pixels)?;
-        let errors = reference.with_pixels(&pixels)?.errors(&mask)?;
+        let verdict = self.judge(lit, &shadowed, DARK)?;
         let mut with_shadows = Vec::new();
         let mut without_shadows = Vec::new();
         for _ in 0..arguments.frames {
@@ -144,21 +97,11 @@ impl Judged {
         let milliseconds = median(with_shadows);
         let bare_milliseconds = median(without_shadows);
         if let Some(folder) = &arguments.out {
-            let file = format!(
-                "{}.{}.png",
-                self.scene.name,
-                label.replace(", ", "-").replace(' ', "-")
-            );
-            save(&folder.join(file), truth, &pixels, &mask)?;
-            let file = format!("{}.truth.png", self.scene.name);
-            save(&folder.join(file), truth, &pixels, &truth.visibility)?;
+            self.save(&verdict, label, folder)?;
         }
         Ok(format!(
-            "| `{}` | {label} | {:.3} | {:.2} | {:.2} | {milliseconds:.0} | {bare_milliseconds:.0} | {:.0} |",
-            self.scene.name,
-            errors.rmse,
-            errors.false_shadow,
-            errors.false_light,
+            "{} {milliseconds:.0} | {bare_milliseconds:.0} | {:.0} |",
+            verdict.row(&self.scene.name, label),
             program.bytes() as f64 / (1 << 20) as f64
         ))
     }
@@ -277,40 +220,4 @@ fn umbrage_settings(farthest: f32, is_soft: bool) -> Vec<(&'static str, Arc<dyn 
         ("pcf 3x3, 4 cascades of 1024", pcf(small)),
         ("exact", Arc::new(Exact::default())),
     ]
-}
-
-/// Lit and in shadow, and where the difference lies.
-const SHADOW_TOO_MUCH: [f32; 3] = [0.0, 90.0, 220.0];
-const LIGHT_TOO_MUCH: [f32; 3] = [230.0, 120.0, 0.0];
-/// Pixels that don't count.
-const NOT_COUNTED: [u8; 3] = [150, 150, 150];
-
-/// Writes a mask, and beside it where it differs from truth: blue is shadow too much, orange light too much, grey counts nowhere.
-fn save(path: &Path, truth: &Truth, pixels: &[Pixel], mask: &[f32]) -> Result<()> {
-    let mut shown = Vec::with_capacity(3 * mask.len());
-    let mut errors = Vec::with_capacity(3 * mask.len());
-    for (i, &lit) in mask.iter().enumerate() {
-        if pixels[i] != Pixel::Counted {
-            shown.extend(NOT_COUNTED);
-            errors.extend(NOT_COUNTED);
-            continue;
-        }
-        let grey = (lit * 255.0).round() as u8;
-        shown.extend([grey; 3]);
-        let difference = lit - truth.visibility[i];
-        let colour = if difference < 0.0 {
-            SHADOW_TOO_MUCH
-        } else {
-            LIGHT_TOO_MUCH
-        };
-        let share = difference.abs();
-        for channel in colour {
-            errors.push((255.0 + (channel - 255.0) * share).round() as u8);
-        }
-    }
-    let size = truth.size;
-    image::save_buffer(path, &shown, size.x, size.y, image::ColorType::Rgb8)?;
-    let beside = path.with_extension("error.png");
-    image::save_buffer(beside, &errors, size.x, size.y, image::ColorType::Rgb8)?;
-    Ok(())
 }
