@@ -38,9 +38,8 @@ struct Arguments {
 
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
-    let mut table = format!(
-        "{COLUMNS} ms | ms without shadows | MiB |\n|---|---|--:|--:|--:|--:|--:|--:|\n"
-    );
+    let mut table =
+        format!("{COLUMNS} ms | ms without shadows | MiB |\n|---|---|--:|--:|--:|--:|--:|--:|\n");
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
     }
