@@ -9,7 +9,7 @@ use umbrage::{
 };
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 
-/// The heads of the columns that [`Verdict::row`] begins with.
+/// The heads of the columns that [`JudgedPicture::row`] begins with.
 pub const COLUMNS: &str = "| scene | shadows | RMSE | false shadow % | false light % |";
 
 /// A scene with what is known of it.
@@ -23,7 +23,7 @@ pub struct Judged {
 }
 
 /// What a renderer's picture says of the sun's visibility, and how far that is from truth.
-pub struct Verdict {
+pub struct JudgedPicture {
     mask: Vec<f32>,
     /// Truth's, less what the sun doesn't reach in the renderer's picture.
     pixels: Vec<Pixel>,
@@ -63,7 +63,7 @@ impl Judged {
     ///
     /// # Errors
     /// Errors if the pictures' sizes are not truth's.
-    pub fn judge(&self, lit: &[f32], shadowed: &[f32], dark: f32) -> Result<Verdict> {
+    pub fn judge(&self, lit: &[f32], shadowed: &[f32], dark: f32) -> Result<JudgedPicture> {
         let truth = &self.truth;
         let mut pixels = truth.pixels.clone();
         anyhow::ensure!(
@@ -85,7 +85,7 @@ impl Judged {
         }
         let reference = ReferenceMask::new(truth.size, &truth.visibility, &truth.pixels)?;
         let errors = reference.with_pixels(&pixels)?.errors(&mask)?;
-        Ok(Verdict {
+        Ok(JudgedPicture {
             mask,
             pixels,
             errors,
@@ -96,7 +96,7 @@ impl Judged {
     ///
     /// # Errors
     /// Errors if a file can't be written.
-    pub fn save(&self, verdict: &Verdict, label: &str, folder: &Path) -> Result<()> {
+    pub fn save(&self, verdict: &JudgedPicture, label: &str, folder: &Path) -> Result<()> {
         let name = &self.scene.name;
         let label = label.replace(", ", "-").replace(' ', "-");
         let file = folder.join(format!("{name}.{label}.png"));
@@ -106,7 +106,7 @@ impl Judged {
     }
 }
 
-impl Verdict {
+impl JudgedPicture {
     /// Returns the beginning of a table's row: see [`COLUMNS`].
     pub fn row(&self, scene: &str, label: &str) -> String {
         let errors = &self.errors;
