@@ -89,9 +89,10 @@ impl InputKind {
         match self {
             Self::Floats => load.to_owned(),
             Self::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
-            // A texture of one word has 0 in the second.
+            // A texture of one word has 0 in the second. The bound changes nothing, but keeps drivers from taking the factor out of
+            // differences of two channels, which would round otherwise.
             Self::Words => format!(
-                "vec4f(({load}.xxyy >> vec4u(0u, 16u, 0u, 16u)) & vec4u(0xffffu)) * (1.0 / 65535.0)"
+                "min(vec4f(({load}.xxyy >> vec4u(0u, 16u, 0u, 16u)) & vec4u(0xffffu)) * (1.0 / 65535.0), vec4f(1.0))"
             ),
             Self::Compared => format!("vec4f({load}, 0.0, 0.0, 1.0)"),
         }
