@@ -725,6 +725,10 @@ def main():
         subprocess.run(["cargo", "build", "--release", "-p", "umbrage-viewer"], cwd=ROOT, check=True)
         target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
         program = target / "release/umbrage-viewer"
+    # Windows run in folders of their own.
+    program = program.resolve()
+    if not program.is_file():
+        sys.exit(f"{program} is not there: build it, or leave --viewer out")
     options.out.mkdir(parents=True, exist_ok=True)
     if not options.bless:
         goldens.test()
