@@ -7,6 +7,7 @@
 
 use crate::raster::viewport::Viewport;
 use glam::{Vec3, Vec4};
+use umbrage_core::Cull;
 
 /// The planes x <= w, -w <= x, y <= w, -w <= y, 0 <= z, z <= w; bit `i` of an outcode stands for plane `i`.
 const PLANES: [[f32; 4]; 6] = [
@@ -141,6 +142,25 @@ pub(crate) fn clip(
                 project(&pair[1], viewport),
             ]);
         }
+    }
+}
+
+/// Returns whether culling leaves out a piece of a clipped triangle before its corners (window space) are moved to the grid.
+///
+/// Mesa's software drivers ask twice which way a piece turns: as clipping leaves it, and again on the grid. Both have to be faces that
+/// are kept. The two differ for pieces thinner than a step of the grid, such as a wall's that a vertical sun sees edge-on; without
+/// an area a piece is a back face. (Measured; the first question is Mesa's `draw_pipe_cull.c`.)
+pub(crate) fn is_culled(piece: [Vec3; 3], cull: Cull) -> bool {
+    let [a, b, c] = piece;
+    let from_c_to_a = a - c;
+    let from_c_to_b = b - c;
+    // Window y points down.
+    let turn = from_c_to_a.x * from_c_to_b.y - from_c_to_a.y * from_c_to_b.x;
+    let is_front = turn < 0.0;
+    match cull {
+        Cull::None => false,
+        Cull::Front => is_front,
+        Cull::Back => !is_front,
     }
 }
 

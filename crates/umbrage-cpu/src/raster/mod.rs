@@ -26,7 +26,7 @@ pub(crate) use crate::raster::{holes::Holes, mode::Mode};
 
 use crate::raster::{
     bin::{Bins, FETCH, TILE},
-    clip::{clip, outcode},
+    clip::{clip, is_culled, outcode},
     fill::{Canvas, fill},
     holes::{HoleTest, NoHoles},
     mode::{Depth, Depth16, DepthOp, DepthPeel, DepthPeel16, DepthWithIds, StencilDepthFail},
@@ -38,7 +38,7 @@ use crate::raster::{
 };
 use glam::{Mat4, UVec2, Vec3};
 use rayon::prelude::*;
-use umbrage_core::{Cull, RasterBias, Simd, SimdTask, Snapping};
+use umbrage_core::{Cull, DepthPlanes, RasterBias, Simd, SimdTask, Snapping};
 
 /// Triangles that one task sets up.
 const CHUNK: usize = 4096;
@@ -301,6 +301,8 @@ impl Worker {
             mode: draw.mode,
             rounding,
         };
+        // Pieces of clipped triangles, on devices that leave their planes as they are.
+        let culls_twice = rounding.snapping.planes == DepthPlanes::Unsnapped;
         let first = self.transform(draw, &viewport);
         let mut group = Group::new();
         self.bins.clear(draw.size);
@@ -331,8 +333,11 @@ impl Worker {
                     });
                     group.flush_pieces(&whole, &rules, &mut self.bins);
                 } else {
-                    let emit = |piece| group.push(piece, id, &rules, &mut self.bins);
-                    clip(triangle, mask, &viewport, emit);
+                    clip(triangle, mask, &viewport, |piece| {
+                        if !(culls_twice && is_culled(piece, draw.cull)) {
+                            group.push(piece, id, &rules, &mut self.bins);
+                        }
+                    });
                 }
             }
         }

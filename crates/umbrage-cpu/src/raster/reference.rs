@@ -4,7 +4,7 @@
 
 use crate::raster::{
     Draw, Mode, Position, Rounding,
-    clip::{clip, outcode},
+    clip::{clip, is_culled, outcode},
     record::DepthPlane,
     viewport::Viewport,
     whole::Whole,
@@ -31,6 +31,7 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
     };
     let mut drawn = (vec![start; n], vec![NO_TRIANGLE; n]);
     let viewport = Viewport::new(draw.size);
+    let culls_twice = snapping.planes == DepthPlanes::Unsnapped;
     for (i, triangle) in draw.triangles.iter().enumerate() {
         let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
@@ -51,6 +52,7 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
                 codes[0] | codes[1] | codes[2],
                 &viewport,
                 |window| match &whole {
+                    None if culls_twice && is_culled(window, draw.cull) => {}
                     None => piece(window, None),
                     Some(whole) => {
                         whole

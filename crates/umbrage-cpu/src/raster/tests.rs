@@ -439,6 +439,27 @@ fn faces_are_culled_by_their_turn_on_screen() {
     assert!(drawn(front, Cull::Back) && !drawn(back, Cull::Back));
 }
 
+/// A wall that a vertical sun sees edge-on, reaching beyond the far plane and the image: clipping rounds a piece of it to a front
+/// face, the grid to a back face. Mesa's drivers draw it only where nothing is culled. (A random scene found it.)
+#[test]
+fn pieces_are_culled_as_clipped_and_as_moved_to_the_grid() {
+    let positions = [
+        Vec3::new(-0.649_832_96, -0.824_291_77, 1.031_084_5),
+        Vec3::new(-0.741_049_77, 1.256_222_4, 0.260_613_02),
+        Vec3::new(-0.649_832_96, -0.824_291_77, 0.260_613_02),
+    ];
+    for (cull, covered) in [(Cull::None, 1), (Cull::Front, 0), (Cull::Back, 0)] {
+        let draw = Draw {
+            size: UVec2::splat(44),
+            cull,
+            ..draw_of(&positions, &[[0, 1, 2]])
+        };
+        let count = depth(&draw).iter().filter(|&&z| z < 1.0).count();
+        assert_eq!(count, covered, "{cull:?}");
+        compare(&draw, "a wall");
+    }
+}
+
 #[test]
 fn slope_bias_moves_a_slanted_plane_by_its_slope() {
     // z grows by 1/64 a pixel to the right over 32 pixels: slope 2 adds 2/64 everywhere, and the clamp cuts it off.
