@@ -196,7 +196,7 @@ impl CutOuts {
     }
 
     /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, given its corners. `rays` are those of the pixels' image,
-    /// be it a camera's or a map. Where a material's [`AlphaFilter`](crate::AlphaFilter) says so, the pixel's footprint on the texture chooses
+    /// be it a camera's or a map. Where a material's [`AlphaFilter`] says so, the pixel's footprint on the texture chooses
     /// what is compared; else the answer is that of [`is_hole`](Self::is_hole).
     pub fn is_hole_at_pixel(
         &self,
@@ -227,7 +227,7 @@ impl CutOuts {
         }
     }
 
-    /// Returns the table of mipmapped coverages, for shaders; none if no material's [`AlphaFilter`](crate::AlphaFilter) asks for it.
+    /// Returns the table of mipmapped coverages, for shaders; none if no material's [`AlphaFilter`] asks for it.
     pub fn coverage_rows(&self) -> Option<&Arc<[[u32; 4]]>> {
         self.coverage.as_ref().map(Coverage::rows)
     }
