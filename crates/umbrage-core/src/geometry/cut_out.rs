@@ -4,7 +4,7 @@
 //! (`ray_triangle.rs`) over their sum. They give the point's uv, the uv its nearest texel (textures repeat), and one bit says whether the
 //! texel's alpha is less than the material's cut-off: then there is no surface, and the segment goes on.
 //!
-//! A pixel is asked in the same way, along the ray through its centre ([`CameraRays`](crate::CameraRays)). So what a rasteriser
+//! A pixel is asked in the same way, along the ray through its centre ([`CameraRays`]). So what a rasteriser
 //! interpolates, and how it rounds that, decides nothing: CPU, GPU and truth have the same holes, to the last bit where a
 //! driver's arithmetic is that of WGSL as it is written.
 //!
