@@ -76,7 +76,7 @@ pub fn show(
 
 /// Takes a preset from the clipboard, and says why where it is none.
 fn pasted(ui: &mut egui::Ui, settings: &mut Settings) {
-    let message = egui::Id::new("what is wrong with what was pasted");
+    let message = egui::Id::unique("what is wrong with what was pasted");
     for event in ui.input(|input| input.events.clone()) {
         if let egui::Event::Paste(text) = event {
             let wrong = settings.paste(&text).err().map(|error| error.to_string());
