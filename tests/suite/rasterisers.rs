@@ -3,7 +3,7 @@
 use glam::{DVec3, Mat4, UVec2, Vec4};
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, Cast, DepthPlanes, Faces, Format, Geometry, ImageDesc, LightSpace, Recipe,
+    Backend, Cast, Cull, DepthPlanes, Faces, Format, Geometry, ImageDesc, LightSpace, Recipe,
     ShadowTechnique, Snapping, Source, View,
 };
 use umbrage_cpu::{Cpu, CpuOptions};
@@ -219,4 +219,66 @@ fn another_rounding_is_noticed() {
             assert!(moved && tilted, "{other}: {differences:?}");
         }
     });
+}
+
+/// A triangle thinner than a step of the grid, along a line through a pixel's centre, that reaches beyond the window.
+fn sliver(random: &mut Random) -> [Vec4; 3] {
+    let pixel = || SIDE as f32 / 2.0;
+    let mut centre = || (random.range(-pixel(), pixel()).floor() + 0.5) / pixel();
+    let (x, y) = (centre(), centre());
+    let angle = random.range(0.0, std::f32::consts::TAU);
+    let mut along = |distance: f32| {
+        // A step is 1/256 pixel.
+        let step = 1.0 / 256.0 / pixel();
+        let mut aside = || random.range(-0.5, 0.5) * step;
+        Vec4::new(
+            x + angle.cos() * distance + aside(),
+            y + angle.sin() * distance + aside(),
+            0.5,
+            1.0,
+        )
+    };
+    // Two corners beyond the window, one within: moved to the grid, it may come to lie on the other side of the line between them.
+    [along(-3.0), along(3.0), along(0.125)]
+}
+
+/// Which faces are left out is asked of slivers as clipping leaves them and again on the grid. So some show neither of their
+/// faces; on the CPU they are the same ones.
+#[test]
+fn slivers_that_are_clipped_are_culled_alike() {
+    if !gpu().promises_bits() {
+        // Other drivers clip otherwise, and take slivers for what they like.
+        return;
+    }
+    let mut scene = (umbrage_scenes::find("cubes")
+        .expect("a built-in scene")
+        .build)();
+    scene.cameras[0].size = UVec2::splat(8);
+    let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let mut random = Random(5);
+    let mut shown_by_neither_face = 0;
+    for _ in 0..4 {
+        let slivers: Vec<_> = (0..COUNT).map(|_| sliver(&mut random)).collect();
+        let [all, front, back] = [Cull::None, Cull::Back, Cull::Front].map(|cull| {
+            let mut recipe = recipe(&slivers, &view);
+            for cast in &mut recipe.casts {
+                cast.cull = cull;
+            }
+            let theirs = layers(&mut *gpu(), &view, &recipe);
+            let mine = layers(&mut Cpu::new(), &view, &recipe);
+            let bits = compare(&slivers, &mine, &theirs).bits;
+            assert_eq!(bits, 0, "{cull:?}");
+            theirs
+        });
+        for ((all, front), back) in all.iter().zip(&front).zip(&back) {
+            let shows = |layer: &[f32]| layer.iter().any(|depth| *depth < 1.0);
+            let neither = shows(all) && !shows(front) && !shows(back);
+            shown_by_neither_face += u32::from(neither);
+        }
+    }
+    assert!(
+        shown_by_neither_face >= 10,
+        "only {shown_by_neither_face} slivers turn round on the grid"
+    );
 }
