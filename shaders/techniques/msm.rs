@@ -221,11 +221,7 @@ impl ListedTechnique for Msm {
         Self {
             map,
             blur: numbers[0] as u32,
-            precision: if numbers[4] > 0.0 {
-                MomentPrecision::Bits16
-            } else {
-                MomentPrecision::Bits32
-            },
+            precision: MomentPrecision::of_switch(numbers[4]),
             moment_bias: Some(numbers[1]),
             bleeding_reduction: numbers[2],
             reconstruction: if numbers[3] > 0.0 {

@@ -205,11 +205,7 @@ impl ListedTechnique for Vsm {
         Self {
             map,
             blur: numbers[0] as u32,
-            precision: if numbers[3] > 0.0 {
-                MomentPrecision::Bits16
-            } else {
-                MomentPrecision::Bits32
-            },
+            precision: MomentPrecision::of_switch(numbers[3]),
             least_deviation: Some(numbers[1]),
             bleeding_reduction: numbers[2],
         }

@@ -4,7 +4,7 @@ use glam::{DVec3, Mat4, UVec2, Vec4};
 use std::sync::Arc;
 use umbrage_core::{
     Backend, Cast, Cull, DepthPlanes, Faces, Format, Geometry, ImageDesc, LightSpace, Recipe,
-    ShadowTechnique, Snapping, Source, View,
+    Scene, ShadowTechnique, Snapping, Source, View,
 };
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_techniques::Hard;
@@ -155,13 +155,18 @@ fn compare(triangles: &[[Vec4; 3]], mine: &[Vec<f32>], theirs: &[Vec<f32>]) -> D
     sum
 }
 
-/// Runs `check` on the triangles, recipe and device's layers of every class.
-fn for_each_class(mut check: impl FnMut(&str, &[[Vec4; 3]], &View<'_>, &Recipe, &[Vec<f32>])) {
-    let mut scene = (umbrage_scenes::find("cubes")
-        .expect("a built-in scene")
-        .build)();
+/// Returns a scene whose camera has few pixels: recipes here bring faces of their own, and look nothing up.
+fn small_scene() -> (Scene, Geometry) {
+    let entry = umbrage_scenes::find("cubes").expect("a built-in scene");
+    let mut scene = (entry.build)();
     scene.cameras[0].size = UVec2::splat(8);
     let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+    (scene, geometry)
+}
+
+/// Runs `check` on the triangles, recipe and device's layers of every class.
+fn for_each_class(mut check: impl FnMut(&str, &[[Vec4; 3]], &View<'_>, &Recipe, &[Vec<f32>])) {
+    let (scene, geometry) = small_scene();
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let mut random = Random(77);
     for class in CLASSES {
@@ -250,11 +255,7 @@ fn slivers_that_are_clipped_are_culled_alike() {
         // Other drivers clip otherwise, and take slivers for what they like.
         return;
     }
-    let mut scene = (umbrage_scenes::find("cubes")
-        .expect("a built-in scene")
-        .build)();
-    scene.cameras[0].size = UVec2::splat(8);
-    let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+    let (scene, geometry) = small_scene();
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let mut random = Random(5);
     let mut shown_by_neither_face = 0;

@@ -102,7 +102,7 @@
 //! | lights | `KHR_lights_punctual`. Masks know no brightness: intensities, colours and ranges are checked and left aside, but a light that is black or of intensity 0 is off. Cones end at 89.9 degrees at most |
 //! | sizes of lights | the format has none: `shadow_soft_size` or `radius` (metres) of points and spots, `angle` (radians) of suns, in the `extras` of the light or its node. Blender writes its custom properties there; its own radius needs one |
 //! | materials | base colour with its texture, normal map, colour of emission; `KHR_texture_transform`. Textures repeat. Metals, roughness and other textures are left aside; so is a normal map that lies otherwise on the mesh than the colours |
-//! | masks | `alphaMode` `MASK` cuts out texels below `alphaCutoff`; `BLEND` those below one half, and what is less than half there altogether throws no shadow. Holes are kept as [`Material::alpha`](umbrage_core::Material::alpha); the techniques `soft`, `planar` and `volumes` refuse such casters |
+//! | masks | `alphaMode` `MASK` cuts out texels below `alphaCutoff`; `BLEND` those below one half, and what is less than half there altogether throws no shadow. Holes are kept as [`Material::alpha`](umbrage_core::Material::alpha); the techniques `planar` and `volumes` refuse such casters |
 //! | sides | all surfaces are seen, and cast, on both sides, whatever `doubleSided` says |
 //! | pictures | PNG and JPEG, embedded or beside the file, whatever their names say. One that isn't there, or of another kind, is left aside unless a mask needs it |
 //!

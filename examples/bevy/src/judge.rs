@@ -92,17 +92,27 @@ impl Judged {
         })
     }
 
-    /// Writes truth and the mask of a verdict into a folder, and beside them where they differ.
+    /// Writes truth and the mask of a judged picture into a folder, and beside them where they differ.
     ///
     /// # Errors
     /// Errors if a file can't be written.
-    pub fn save(&self, verdict: &JudgedPicture, label: &str, folder: &Path) -> Result<()> {
+    pub fn save(&self, judged_picture: &JudgedPicture, label: &str, folder: &Path) -> Result<()> {
         let name = &self.scene.name;
         let label = label.replace(", ", "-").replace(' ', "-");
         let file = folder.join(format!("{name}.{label}.png"));
-        save(&file, &self.truth, &verdict.pixels, &verdict.mask)?;
+        save(
+            &file,
+            &self.truth,
+            &judged_picture.pixels,
+            &judged_picture.mask,
+        )?;
         let file = folder.join(format!("{name}.truth.png"));
-        save(&file, &self.truth, &verdict.pixels, &self.truth.visibility)
+        save(
+            &file,
+            &self.truth,
+            &judged_picture.pixels,
+            &self.truth.visibility,
+        )
     }
 }
 

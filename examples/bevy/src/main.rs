@@ -86,7 +86,7 @@ impl Judged {
     ) -> Result<String> {
         let mut program = BevyProgram::start(&self.scene, &self.geometry, source)?;
         let shadowed = program.picture()?;
-        let verdict = self.judge(lit, &shadowed, DARK)?;
+        let judged_picture = self.judge(lit, &shadowed, DARK)?;
         let mut with_shadows = Vec::new();
         let mut without_shadows = Vec::new();
         for _ in 0..arguments.frames {
@@ -96,11 +96,11 @@ impl Judged {
         let milliseconds = median(with_shadows);
         let bare_milliseconds = median(without_shadows);
         if let Some(folder) = &arguments.out {
-            self.save(&verdict, label, folder)?;
+            self.save(&judged_picture, label, folder)?;
         }
         Ok(format!(
             "{} {milliseconds:.0} | {bare_milliseconds:.0} | {:.0} |",
-            verdict.row(&self.scene.name, label),
+            judged_picture.row(&self.scene.name, label),
             program.bytes() as f64 / (1 << 20) as f64
         ))
     }

@@ -131,7 +131,7 @@ impl Judged {
         let without = program.sun();
         let mut sun = Sun::new(source, program, &self.geometry, self)?;
         let shadowed = program.picture(sun.light())?;
-        let verdict = self.judge(lit, &shadowed, DARK)?;
+        let judged_picture = self.judge(lit, &shadowed, DARK)?;
         let mut bare = Vec::new();
         let mut all_move = Vec::new();
         let mut camera_moves = Vec::new();
@@ -154,11 +154,11 @@ impl Judged {
             }
         }
         if let Some(folder) = &arguments.out {
-            self.save(&verdict, label, folder)?;
+            self.save(&judged_picture, label, folder)?;
         }
         Ok(format!(
             "{} {:.0} | {:.0} | {:.0} | {:.0} |",
-            verdict.row(&self.scene.name, label),
+            judged_picture.row(&self.scene.name, label),
             median(bare),
             median(all_move),
             median(camera_moves),

@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice;
 use glam::{Affine3A, UVec2};
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 use umbrage_core::{
     Aabb, AlphaFilter, Backend, Geometry, Receivers, Recipe, Scene, ShadowTechnique, Shadows,
     Snapping, View,
@@ -90,7 +90,7 @@ impl World {
         let vertices = foreign::buffer(d, storage | BufferUsages::VERTEX, cast_slice(&positions));
         let indices = foreign::buffer(d, storage | BufferUsages::INDEX, cast_slice(casters));
         let first = self.geometry.casters().start;
-        for run in self.whole_casters() {
+        for run in self.geometry.casters_without_holes() {
             let mesh = CasterMesh {
                 label: "casters",
                 vertices: &vertices,
@@ -114,16 +114,6 @@ impl World {
     fn cut_outs(&self) -> Option<CutOutBuffers> {
         let d = self.program.d;
         CutOutBuffers::new(&d.device, &d.queue, &self.geometry).expect("valid")
-    }
-
-    /// Returns the casters without holes.
-    fn whole_casters(&self) -> Vec<Range<u32>> {
-        let casters = self.geometry.casters();
-        let Some(cut_outs) = self.geometry.cut_outs() else {
-            return vec![casters];
-        };
-        let [whole, _] = cut_outs.split(std::slice::from_ref(&casters));
-        whole
     }
 
     /// Returns a light's shadows by a technique that plays alone.

@@ -66,7 +66,7 @@ pub(super) fn squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2)
 /// Returns the finer one of the two levels between which a footprint lies, given its square, 1 or more: half the exponent is the logarithm of
 /// its root. At most `last`.
 #[inline(always)]
-fn coarser_level(squared: f32, last: u32) -> u32 {
+fn finer_level(squared: f32, last: u32) -> u32 {
     let exponent = (squared.to_bits() >> 23).wrapping_sub(127);
     (exponent >> 1).min(last)
 }
@@ -190,7 +190,7 @@ impl Levels<'_> {
         is_clear: impl Fn(u32) -> bool,
     ) -> bool {
         let last = self.level(0).last;
-        let level = coarser_level(squared, last);
+        let level = finer_level(squared, last);
         let [fine, fine_threshold] = self.coverage_and_threshold(uv, level, triangle, &is_clear);
         if level == last {
             return fine < WHOLLY_THERE * fine_threshold;
@@ -417,7 +417,7 @@ pub const TWINS: &[crate::Twin] = {
     use crate::cut_out::CUT_OUT;
     &[
         crate::twin!(HASHED_ALPHA, squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
-        crate::twin!(HASHED_ALPHA, coarser_level(squared: f32, last: u32) -> u32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
+        crate::twin!(HASHED_ALPHA, finer_level(squared: f32, last: u32) -> u32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
         crate::twin!(HASHED_ALPHA, part_to_next_level(squared: f32, level: u32) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
         crate::twin!(HASHED_ALPHA, cell_threshold(uv: Vec2, size: UVec2, level: u32, triangle: u32) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
         crate::twin!(HASHED_ALPHA, threshold_between(fine: f32, coarse: f32, part: f32) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),

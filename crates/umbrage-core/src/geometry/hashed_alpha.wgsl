@@ -11,7 +11,7 @@ fn squared_footprint(uv: vec2f, right: vec2f, below: vec2f, size: vec2u) -> f32 
     return squared_down;
 }
 
-fn coarser_level(squared: f32, last: u32) -> u32 {
+fn finer_level(squared: f32, last: u32) -> u32 {
     let exponent = (bitcast<u32>(squared) >> 23u) - 127u;
     return min(exponent >> 1u, last);
 }

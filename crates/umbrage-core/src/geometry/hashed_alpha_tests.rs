@@ -215,12 +215,12 @@ fn footprints_have_levels() {
         (8.0, 3, 0.0),
     ] {
         let squared = footprint * footprint;
-        assert_eq!(coarser_level(squared, 9), level, "{footprint}");
+        assert_eq!(finer_level(squared, 9), level, "{footprint}");
         let found = part_to_next_level(squared, level);
         assert!((found - part).abs() < 1e-6, "{footprint}: {found}");
     }
-    assert_eq!(coarser_level(1e30, 6), 6);
-    assert_eq!(coarser_level(f32::INFINITY, 6), 6);
+    assert_eq!(finer_level(1e30, 6), 6);
+    assert_eq!(finer_level(f32::INFINITY, 6), 6);
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn coverage_and_threshold(uv: vec2f, level: u32, levels: u32, bits: u32, triangl
 // `squared` is the footprint's square, more than 1.
 fn is_hashed_hole(uv: vec2f, squared: f32, levels: u32, bits: u32, triangle: u32) -> bool {
     let last = coverage_row(levels).z;
-    let level = coarser_level(squared, last);
+    let level = finer_level(squared, last);
     let fine = coverage_and_threshold(uv, level, levels, bits, triangle);
     if level == last {
         return fine.x < 255.0 * fine.y;

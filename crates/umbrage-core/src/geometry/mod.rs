@@ -251,6 +251,18 @@ impl Geometry {
         self.casters.clone()
     }
 
+    /// Returns the casters without holes, as ranges of ids that rise.
+    pub fn casters_without_holes(&self) -> Vec<Range<u32>> {
+        let casters = self.casters();
+        match &self.cut_outs {
+            Some(cut_outs) => {
+                let [whole, _] = cut_outs.split(std::slice::from_ref(&casters));
+                whole
+            }
+            None => Vec::from([casters]),
+        }
+    }
+
     /// Ids of the triangles that receive.
     pub fn receivers(&self) -> Range<u32> {
         self.receivers.clone()

@@ -130,7 +130,7 @@ impl<'a> Materials<'a> {
             diffuse_texture: color.map(|(texture, _)| texture),
             emissive: match glows_evenly {
                 true => colour(Vec3::from_array(file.emissive_factor())),
-                // Which part of the surface glows_evenly, is told by a texture that is not read.
+                // Which part of the surface glows, is told by a texture that is not read.
                 false => Vec3::ZERO,
             },
             // A mesh has one set of coordinates here.

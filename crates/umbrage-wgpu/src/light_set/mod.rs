@@ -290,7 +290,7 @@ impl LightSet {
     /// Sets the triangles with holes that cast beside the set's casters, those of a geometry, where that has them (world space). They
     /// replace those before; none leaves the set without any. Maps leave their holes out by the rule of all backends.
     ///
-    /// The set's own meshes must not hold these triangles: `CutOuts::split` returns a geometry's runs without holes.
+    /// The set's own meshes must not hold these triangles: they hold [`Geometry::casters_without_holes`](umbrage_core::Geometry::casters_without_holes).
     /// Techniques that ask triangles ([`SetFrame::geometry`]) find the holes in that geometry.
     ///
     /// # Errors

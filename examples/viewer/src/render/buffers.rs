@@ -360,7 +360,7 @@ impl SeenPart {
 
 fn casters(geometry: &Geometry) -> Vec<(Range<u32>, Aabb)> {
     let mut parts = Vec::new();
-    for run in whole_casters(geometry) {
+    for run in geometry.casters_without_holes() {
         for begin in run.clone().step_by(CASTER_TRIANGLES as usize) {
             let part = begin..(begin + CASTER_TRIANGLES).min(run.end);
             let bounds = Aabb::around(geometry.vertices_of(part.clone()));
@@ -368,18 +368,6 @@ fn casters(geometry: &Geometry) -> Vec<(Range<u32>, Aabb)> {
         }
     }
     parts
-}
-
-/// Returns the casters without holes.
-fn whole_casters(geometry: &Geometry) -> Vec<Range<u32>> {
-    let casters = geometry.casters();
-    match geometry.cut_outs() {
-        Some(cut_outs) => {
-            let [whole, _] = cut_outs.split(std::slice::from_ref(&casters));
-            whole
-        }
-        None => vec![casters],
-    }
 }
 
 /// Bind groups with the looks of materials; the last material is that of triangles without one.
