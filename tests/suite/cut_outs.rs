@@ -5,7 +5,7 @@ use std::{ops::Range, sync::Arc};
 use umbrage_core::{
     AlphaCutout, AlphaFilter, Backend, Camera, Cascades, Fit, Geometry, Instance, Layout, Light,
     Material, Mesh, NO_TRIANGLE, Recipe, RecipeError, Scene, ShadowTechnique, Shadows, Source,
-    Texture, View, light_sample::hash,
+    Texture, View, Work, light_sample::hash,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{MapFormat, Pcf, ShadowMap, Surface, TechniquePreset, Traced};
@@ -465,4 +465,36 @@ fn runs_may_reach_beyond_casters_with_holes() {
         assert_eq!(differing(&whole, &same), 0, "{}", backend.name());
         assert!(differing(&whole, &fewer) > 100, "{}", backend.name());
     }
+}
+
+/// Texels that ask for holes have a price of their own: those of the card, and no others.
+#[test]
+fn work_counts_texels_that_ask_for_holes() {
+    let with_holes = card(Some(chequered));
+    let mut among_whole_casters = with_holes.clone();
+    let beside = Affine3A::from_translation(Vec3::new(2.5, 0.8, 0.0));
+    among_whole_casters.instances.push(Instance::new(1, beside));
+    let camera = camera();
+    let [sun, _] = lights();
+    let work_of = |scene: &Scene| {
+        let geometry = Geometry::bake(scene).expect("a good scene");
+        let view = View::new(&camera, &sun, &geometry);
+        let pcf = Pcf {
+            map: ShadowMap {
+                fit: Fit::Whole,
+                ..ShadowMap::default()
+            },
+            radius: 1,
+        };
+        Work::of(&view, &pcf.recipe(&view).expect("a map knows holes"))
+    };
+    assert_eq!(work_of(&card(None)).cut_out, 0);
+    let alone = work_of(&with_holes);
+    assert!(alone.covered > 1000, "{alone:?}");
+    assert_eq!(alone.cut_out, alone.covered);
+    let among = work_of(&among_whole_casters);
+    assert!(among.cut_out > 1000, "{among:?}");
+    assert!(among.covered > among.cut_out + 1000, "{among:?}");
+    assert_eq!(among.lookup().cut_out, 0);
+    assert_eq!(among.drawing().cut_out, among.cut_out);
 }

@@ -35,7 +35,7 @@ const STAGES: [Stage; 2] = [
         maps: [256, 1024],
     },
     Stage {
-        scenes: &["night-room", "dancer-soft", "nave", "valley"],
+        scenes: &["night-room", "dancer-soft", "nave", "valley", "leaf-cards"],
         sizes: &[UVec2::new(1280, 720)],
         maps: [1024, 2048],
     },

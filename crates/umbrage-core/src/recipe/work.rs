@@ -5,6 +5,7 @@ use crate::{
 };
 use glam::{DMat4, DVec2, DVec4, UVec2};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A clip-space triangle cut by the six planes of the view volume: at most nine corners.
 type ClipPolygon = Polygon<DVec4, 9>;
@@ -67,6 +68,9 @@ pub struct Work {
     pub triangles: u64,
     /// Texels that these triangles cover, each as often as it is covered: their area within the view, rounded.
     pub covered: u64,
+    /// Those of the covered texels that triangles with holes cover: each asks an alpha texture whether there is a hole.
+    #[serde(default)]
+    pub cut_out: u64,
     /// Faces that casts of [`CastMode::StencilDepthFail`] draw, those outside their view included.
     #[serde(default)]
     pub faces: u64,
@@ -124,7 +128,11 @@ impl Work {
         };
         for cast in &recipe.casts {
             let size = recipe.images[cast.image].size;
-            let (triangles, covered) = drawn(view.geometry, cast, size);
+            let Drawn {
+                triangles,
+                covered,
+                cut_out,
+            } = drawn(view.geometry, cast, size);
             // Closed casters turn about half of their faces to the light, and a face that is left out takes next to nothing.
             let sides = if cast.cull == Cull::None { 1 } else { 2 };
             let triangles = triangles / sides;
@@ -132,6 +140,7 @@ impl Work {
                 CastMode::Depth | CastMode::DepthPeel(_) => {
                     work.triangles += triangles;
                     work.covered += covered;
+                    work.cut_out += cut_out;
                 }
                 CastMode::StencilDepthFail { .. } => {
                     work.faces += triangles;
@@ -159,6 +168,7 @@ impl Work {
             passes: 1,
             triangles: 0,
             covered: 0,
+            cut_out: 0,
             listed: 0,
             faces: 0,
             counted: 0,
@@ -190,11 +200,22 @@ impl Work {
     }
 }
 
-/// Returns how many triangles a cast draws, and how many texels they cover on a map of `size`.
-fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
+/// What a cast draws.
+struct Drawn {
+    /// Triangles.
+    triangles: u64,
+    /// Texels that they cover.
+    covered: u64,
+    /// Those of the texels that triangles with holes cover.
+    cut_out: u64,
+}
+
+/// Returns what a cast draws on a map of `size`.
+fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> Drawn {
     let clip_from_world = cast.space.clip_from_world().as_dmat4();
     let mut count = 0;
     let mut area = 0.0;
+    let mut area_with_holes = 0.0;
     match (&cast.source, geometry) {
         (Source::Faces(faces), _) => {
             count = faces.triangles.len();
@@ -204,18 +225,30 @@ fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
         }
         (_, None) => {}
         (source, Some(geometry)) => {
-            for run in source.runs(geometry) {
-                let triangles = geometry.run(&run);
-                count += triangles.len();
-                area += total_area(triangles, clip_from_world, cast.cull, |v| {
+            let area_of = |run: &Range<u32>| {
+                total_area(geometry.run(run), clip_from_world, cast.cull, |v| {
                     geometry.positions()[v as usize].as_dvec3().extend(1.0)
-                });
+                })
+            };
+            let runs = source.runs(geometry);
+            count = runs.iter().map(ExactSizeIterator::len).sum();
+            area = runs.iter().map(area_of).sum();
+            if let Some(cut_outs) = geometry.cut_outs() {
+                let [_, with_holes] = cut_outs.split(&runs);
+                area_with_holes = with_holes.iter().map(area_of).sum();
             }
         }
     }
     // The view's area is four square units.
-    let covered = (area * 0.25 * f64::from(size.x) * f64::from(size.y)).round() as u64;
-    (count as u64, covered)
+    let texels_of = |area: f64| {
+        let texels = area * 0.25 * f64::from(size.x) * f64::from(size.y);
+        texels.round() as u64
+    };
+    Drawn {
+        triangles: count as u64,
+        covered: texels_of(area),
+        cut_out: texels_of(area_with_holes),
+    }
 }
 
 /// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` gives a vertex' homogeneous world

@@ -15,6 +15,7 @@ struct WorkLine {
     passes: u64,
     triangles: u64,
     covered: u64,
+    cut_out: u64,
     cleared: u64,
     filtered: u64,
     filter_taps: u64,
@@ -58,6 +59,7 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Option<WorkLine> {
         passes,
         triangles,
         covered,
+        cut_out,
         // No part of what was timed.
         listed: _,
         cleared,
@@ -79,6 +81,7 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Option<WorkLine> {
         passes,
         triangles,
         covered,
+        cut_out,
         cleared,
         filtered,
         filter_taps,

@@ -210,6 +210,7 @@ mod tests {
             passes: mix(i, 0) % 7 + 1,
             triangles: mix(i, 1),
             covered: mix(i, 2),
+            cut_out: mix(i, 12),
             cleared: mix(i, 3),
             filtered: mix(i, 4),
             filter_taps: mix(i, 11),
@@ -238,7 +239,7 @@ mod tests {
     fn known_prices_are_found_again() {
         let known = CostModel {
             nanoseconds: [
-                900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0, 90.0, 4.0, 7.0,
+                900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0, 90.0, 4.0, 7.0, 11.0,
             ],
         };
         let found = fit(samples(&known));

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use umbrage_core::Work;
 
 /// Kinds of work that have a price.
-pub const KINDS: usize = 12;
+pub const KINDS: usize = 13;
 
 /// Names of the kinds, in the order of [`CostModel::nanoseconds`].
 pub const KIND_NAMES: [&str; KINDS] = [
@@ -35,6 +35,7 @@ pub const KIND_NAMES: [&str; KINDS] = [
     "shadow volume's face drawn",
     "texel counted",
     "texel loaded by a filter, beyond the first",
+    "covered texel that asks for holes",
 ];
 
 /// The place of rays in [`KIND_NAMES`].
@@ -54,14 +55,14 @@ impl CostModel {
     /// filtered texel does here.
     pub const CPU: Self = Self {
         nanoseconds: [
-            16_100.0, 32.6, 0.392, 0.663, 0.654, 9.85, 1.83, 10.9, 5.56, 281.0, 3.47, 0.5,
+            16_100.0, 32.6, 0.392, 0.663, 0.654, 9.85, 1.83, 10.9, 5.56, 281.0, 3.47, 0.5, 10.0,
         ],
     };
 
     /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.2, nine of ten within 1.7.
     pub const SOFTWARE_GPU: Self = Self {
         nanoseconds: [
-            217_000.0, 138.0, 1.72, 0.286, 10.4, 16.5, 6.0, 14.6, 46.0, 380.0, 4.76, 3.0,
+            217_000.0, 138.0, 1.72, 0.286, 10.4, 16.5, 6.0, 14.6, 46.0, 380.0, 4.76, 3.0, 10.0,
         ],
     };
 
@@ -110,6 +111,7 @@ fn counts(work: &Work) -> [f64; KINDS] {
         work.faces,
         work.counted,
         work.filter_taps,
+        work.cut_out,
     ];
     let mut counts = counts.map(|count| count as f64);
     counts[RAYS] *= levels;
@@ -177,6 +179,10 @@ mod tests {
                 },
                 Work {
                     filter_taps: 1 << 20,
+                    ..little
+                },
+                Work {
+                    cut_out: 1 << 20,
                     ..little
                 },
             ] {

@@ -90,6 +90,7 @@ const KEYS: [&str; KINDS] = [
     "volume_face",
     "counted_texel",
     "filter_load",
+    "cut_out_texel",
 ];
 
 /// [`CostModel`] in files: each price by its name.
