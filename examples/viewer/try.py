@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Tries the viewer's window as a user would, without a display: real keys, a real mouse, and what came of it.
 
-    apt-get install xvfb xdotool imagemagick libxkbcommon-x11-0 libxcursor1 libxi6 mesa-vulkan-drivers
+    apt-get install xvfb xdotool xclip imagemagick libxkbcommon-x11-0 libxcursor1 libxi6 mesa-vulkan-drivers
     pip install pillow
     python3 examples/viewer/try.py          # some minutes; screenshots in target/viewer-tried
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
 Regions of the pictures are compared with those in `goldens` (see `goldens.py`); `--bless` keeps the present ones instead.
-`--only NAME` plays one part: keyboard, moving, loading, holes, readable, fluent, or mouse.
+`--only NAME` plays one part: keyboard, moving, loading, holes, readable, fluent, mouse, or handed.
+`handed` takes a model of one's own, has the least for it found, and pastes what was copied into `examples/embed`. With
+`--copied FILE...` it also pastes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
 The program keeps what it shows and measures in a file (`--report`), with the places of the panel's parts: they are found by their words.
 """
 
@@ -15,6 +17,7 @@ import argparse
 import base64
 import io
 import json
+import math
 import os
 import pathlib
 import random
@@ -602,6 +605,78 @@ def loading(program, out):
     print("a newer choice replaces a scene that is read, Esc gives it up, and a broken file leaves the old one")
 
 
+def bowl(file):
+    """Writes a small model: a bowl over a floor."""
+    points, faces, steps = [(-3, 0, -3), (-3, 0, 3), (3, 0, 3), (3, 0, -3)], ["f 1 2 3 4"], 24
+    for ring_ in range(6):
+        height, radius = 0.4 + 0.15 * ring_ * ring_ / 5, 0.2 + 0.2 * ring_
+        turns = [2 * math.pi * i / steps for i in range(steps)]
+        points += [(radius * math.cos(a), height, radius * math.sin(a)) for a in turns]
+    for ring_ in range(5):
+        for i in range(steps):
+            a, b = 5 + ring_ * steps + i, 5 + ring_ * steps + (i + 1) % steps
+            faces.append(f"f {a} {b} {b + steps} {a + steps}")
+    file.write_text("\n".join("v {:.4f} {:.4f} {:.4f}".format(*p) for p in points) + "\n" + "\n".join(faces) + "\n")
+
+
+def taken(copied, embed, out, name):
+    """Pastes what the clipboard holds into examples/embed, which must show that technique then; another one before."""
+    technique = copied.split('technique = "')[1].split('"')[0]
+    before = "pcf" if technique != "pcf" else "hard"
+    program = subprocess.Popen([embed, "--technique", before, "--time", "2", "--size", "640x480"])
+    try:
+        window = subprocess.run(["xdotool", "search", "--sync", "--onlyvisible", "--name", "^embed"],
+                                check=True, capture_output=True, text=True, timeout=120).stdout.split()[0]
+
+        def title():
+            return subprocess.run(["xdotool", "getwindowname", window], check=True, capture_output=True, text=True).stdout.strip()
+
+        def wait(words):
+            for _ in range(600):
+                if words in title():
+                    return
+                time.sleep(0.1)
+            raise AssertionError(f"`{title()}` has no `{words}`")
+
+        wait(f": {before},")
+        subprocess.run(["xdotool", "windowfocus", window, "mousemove", "--window", window, "600", "440"], check=True)
+        time.sleep(1)
+        subprocess.run(["xdotool", "key", "ctrl+v"], check=True)
+        wait(f": {technique},")
+        # The title comes before its frame does.
+        time.sleep(3)
+        subprocess.run(["import", "-window", window, out / f"{name}.png"], check=True)
+        print(f"examples/embed shows {technique} after Ctrl+V: {title()}")
+    finally:
+        program.terminate()
+        program.wait()
+
+
+def handed(program, out, embed, copied):
+    """A model of one's own, the least for it, and its preset in a renderer of one's own."""
+    folder = pathlib.Path(tempfile.mkdtemp())
+    model = folder / "bowl.obj"
+    bowl(model)
+    window = Window(program, out, ["cubes", "--fresh"])
+    window.press("F2")
+    window.type(str(model))
+    window.press("Return", holds=lambda r: r["scene"] == "bowl", what="the model")
+    window.click("Find it")
+    report = window.wait(lambda r: r["plan"] is not None, "a plan", 300)
+    print(f"the least for the model: {report['plan']}")
+    window.click("Copy preset")
+    window.wait(lambda r: "clipboard" in (r["message"] or ""), "the preset in the clipboard")
+    text = subprocess.run(["xclip", "-selection", "clipboard", "-o"], check=True, capture_output=True, text=True, timeout=30).stdout
+    (out / "handed.preset.toml").write_text(text)
+    # The window has the clipboard while it is open.
+    taken(text, embed, out, "handed")
+    window.close()
+    for i, file in enumerate(copied):
+        text = file.read_text()
+        subprocess.run(["xclip", "-selection", "clipboard"], check=True, input=text, text=True, stdout=subprocess.DEVNULL)
+        taken(text, embed, out, f"handed-{i}")
+
+
 def checked_card(file, mode):
     """Writes a glTF model: an upright card whose texture is clear in every other of 8 x 8 squares."""
     image = Image.new("RGBA", (64, 64), (60, 150, 50, 255))
@@ -715,9 +790,11 @@ def main():
     parser.add_argument("--viewer", type=pathlib.Path)
     parser.add_argument("--out", default=ROOT / "target/viewer-tried", type=pathlib.Path)
     parser.add_argument("--bless", action="store_true")
-    parser.add_argument("--only", choices=["keyboard", "moving", "loading", "holes", "readable", "fluent", "mouse"])
+    parser.add_argument("--only", choices=["keyboard", "moving", "loading", "holes", "readable", "fluent", "mouse", "handed"])
+    parser.add_argument("--embed", type=pathlib.Path, help="the program of examples/embed; it is built if left out")
+    parser.add_argument("--copied", type=pathlib.Path, nargs="*", default=[], help="presets that are pasted into it, too")
     options = parser.parse_args()
-    missing = [tool for tool in ["Xvfb", "xdotool", "import"] if not shutil.which(tool)]
+    missing = [tool for tool in ["Xvfb", "xdotool", "xclip", "import"] if not shutil.which(tool)]
     if missing:
         sys.exit(f"needs {', '.join(missing)}: see the head of this file")
     program = options.viewer
@@ -725,6 +802,13 @@ def main():
         subprocess.run(["cargo", "build", "--release", "-p", "umbrage-viewer"], cwd=ROOT, check=True)
         target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
         program = target / "release/umbrage-viewer"
+    embed = options.embed
+    if embed is None and options.only in (None, "handed"):
+        folder = ROOT / "examples/embed"
+        subprocess.run(["cargo", "build", "--release"], cwd=folder, check=True)
+        told = subprocess.run(["cargo", "metadata", "--format-version", "1", "--no-deps"], cwd=folder, check=True,
+                              capture_output=True, text=True).stdout
+        embed = pathlib.Path(json.loads(told)["target_directory"]) / "release/embed"
     # Windows run in folders of their own.
     program = program.resolve()
     if not program.is_file():
@@ -747,6 +831,7 @@ def main():
         "readable": lambda: readable(program, options.out),
         "fluent": lambda: fluent(program, options.out),
         "mouse": lambda: mouse(program, options.out, kept),
+        "handed": lambda: handed(program, options.out, embed.resolve(), options.copied),
     }
     try:
         for name, play in parts.items():

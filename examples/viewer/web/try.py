@@ -537,6 +537,25 @@ def planned(viewer):
     print("a plan is called off")
 
 
+def handed(viewer):
+    """The least for a model of one's own, copied: kept as `copied.preset.toml`, which ../try.py pastes into examples/embed."""
+    viewer.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    viewer.open("?scene=cubes&left=hard&right=exact&split=left")
+    viewer.drop({"hills.obj": large_model(40)})
+    viewer.wait(lambda r: r["scene"] == "hills", "the dropped model")
+    viewer.click("Button", "Find it")
+    report = viewer.wait(lambda r: r["plan"] is not None or r["message"], "a plan", 400)
+    assert report["message"] is None, report
+    print(f"the least for a dropped model: {report['plan']}")
+    viewer.click("Button", "Copy preset")
+    viewer.wait(lambda r: "clipboard" in (r["message"] or ""), "the preset in the clipboard")
+    copied = viewer.page.evaluate("navigator.clipboard.readText()")
+    technique = report["plan"].split(" ")[0]
+    assert f'technique = "{technique}"' in copied, copied
+    (viewer.out / "copied.preset.toml").write_text(copied)
+    viewer.shot("handed")
+
+
 def broken_workers(viewer):
     """Workers that can't start, panic, or run out of memory: each becomes a message, and the page goes on."""
     script = (ROOT / "examples/viewer/web/worker.js").read_text()
@@ -643,7 +662,7 @@ def first(viewer):
 
 PARTS = {
     "first": first, "masks": masks, "switched": switched, "dropped": dropped, "together": dropped_together, "large": read_beside,
-    "made": made_beside, "plan": planned, "broken": broken_workers, "moving": moving,
+    "made": made_beside, "plan": planned, "handed": handed, "broken": broken_workers, "moving": moving,
     "narrow": narrow, "others": others,
 }
 
