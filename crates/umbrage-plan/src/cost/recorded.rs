@@ -125,7 +125,7 @@ fn built_in_prices_are_those_that_fit() {
 fn prices_rank_recorded_times() {
     let rows = recorded();
     let frames = frames(&rows);
-    assert_eq!(frames.len(), 24, "12 frames on 2 backends");
+    assert_eq!(frames.len(), 28, "14 frames on 2 backends");
     let prices = PriceList::default();
     let mut low = Vec::new();
     for ([scene, backend], rows) in &frames {
