@@ -125,7 +125,10 @@ pub(super) fn scene_file(bytes: &[u8]) {
 /// Returns `model.obj`, and `0.glb` and on: all that is read of glTF.
 fn models() -> FilesInMemory {
     let mut files = FilesInMemory::default();
-    files.insert("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1");
+    files.insert(
+        "model.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1",
+    );
     for (i, model) in gltf_model::first_inputs().into_iter().enumerate() {
         files.insert(format!("{i}.glb"), model.glb());
     }

@@ -33,7 +33,14 @@ fn scene_files() {
 /// Scene files that name models, glTF's among them, and in damaged copies: with a byte replaced.
 #[test]
 fn scene_files_with_models() {
-    for mesh in ["model.obj", "0.glb", "0.glb#other", "1.glb", "2.glb", "3.glb"] {
+    for mesh in [
+        "model.obj",
+        "0.glb",
+        "0.glb#other",
+        "1.glb",
+        "2.glb",
+        "3.glb",
+    ] {
         for look in ["", "casts = false\n", "color = [1, 0, 0]\n"] {
             let input = format!(
                 "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n\
