@@ -16,6 +16,10 @@ pub(crate) fn add(
     Err(left_out(wanted))
 }
 
+pub(crate) fn brings_light(wanted: &SceneOfFile, _: &dyn Files) -> Result<bool, SceneError> {
+    Err(left_out(wanted))
+}
+
 fn left_out(wanted: &SceneOfFile) -> SceneError {
     SceneError::Unreadable {
         file: wanted.file.display().to_string(),

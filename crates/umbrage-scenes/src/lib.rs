@@ -159,4 +159,4 @@ pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
 pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile};
-pub use load::{by_argument, file_of, is_model, load, parse, read};
+pub use load::{brings_light, by_argument, file_of, is_model, load, parse, read};

@@ -88,6 +88,21 @@ pub fn is_model(path: impl AsRef<Path>) -> bool {
     }
 }
 
+/// Returns whether a file brings lights of its own. Scene files do, `.obj` files don't, and of glTF files some (`KHR_lights_punctual`, unless
+/// all of them are off); where there is none, [`load`] adds a sun.
+///
+/// # Errors
+/// Errors if the file can't be read or understood as far as its lights need.
+pub fn brings_light(path: impl AsRef<Path>) -> Result<bool, SceneError> {
+    let path = path.as_ref();
+    match Kind::of(path) {
+        Some(Kind::SceneFile) => Ok(true),
+        Some(Kind::Obj) => Ok(false),
+        Some(Kind::Gltf(wanted)) => gltf::brings_light(&wanted, &FilesOnDisk),
+        None => Err(neither(path)),
+    }
+}
+
 /// Returns the file that a path names if it is a scene file's or a model's by its name: `model.glb` of `model.glb#night`.
 ///
 /// ```

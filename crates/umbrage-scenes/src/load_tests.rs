@@ -66,6 +66,13 @@ fn text_is_read_without_a_file() {
     );
 }
 
+#[test]
+fn scene_files_bring_light_and_obj_files_don_t() {
+    assert_eq!(brings_light("scene.toml"), Ok(true));
+    assert_eq!(brings_light("model.obj"), Ok(false));
+    assert!(brings_light("cubes").is_err());
+}
+
 /// Programs print an error and then its sources: what is told already must not be one.
 #[test]
 fn errors_are_told_once() {

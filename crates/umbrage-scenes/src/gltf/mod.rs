@@ -67,6 +67,26 @@ pub(crate) fn add(
     })
 }
 
+/// Returns whether one scene of a file has a light that is on. Its meshes are not read.
+pub(crate) fn brings_light(wanted: &SceneOfFile, files: &dyn Files) -> Result<bool, SceneError> {
+    let bytes = bytes_of(&wanted.file, files)?;
+    has_light(&bytes, wanted).map_err(|fault| SceneError::Invalid {
+        file: wanted.file.display().to_string(),
+        fault,
+    })
+}
+
+fn has_light(bytes: &[u8], wanted: &SceneOfFile) -> Result<bool, Invalid> {
+    let container = container::split(bytes)?;
+    let document = document::parse(container.json)?;
+    let chosen = document::scene(&document, wanted.scene.as_deref())?;
+    let mut lights = Scene::default();
+    for node in nodes::placed(&document, chosen)? {
+        add_cameras_and_lights(&node, &mut lights).map_err(|e| e.within(node.told()))?;
+    }
+    Ok(!lights.lights.is_empty())
+}
+
 fn bytes_of(path: &Path, files: &dyn Files) -> Result<Vec<u8>, SceneError> {
     let mut bytes = Vec::new();
     files
