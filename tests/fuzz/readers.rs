@@ -107,9 +107,11 @@ fn render(view: &View<'_>, technique: &dyn ShadowTechnique) {
     );
 }
 
-/// A scene file, and cameras of a path.
+/// A scene file, beside the models that it may name; and cameras of a path. All that a scene file names is looked for in memory, so
+/// none leads to the machine's files.
 pub(super) fn scene_file(bytes: &[u8]) {
-    let files: FilesInMemory = [("scene.toml", bytes)].into_iter().collect();
+    let mut files = models();
+    files.insert("scene.toml", bytes);
     if let Ok(scene) = scenes::read("scene.toml", &files) {
         play(&scene);
     }
@@ -118,6 +120,19 @@ pub(super) fn scene_file(bytes: &[u8]) {
     if let Ok(cameras) = scenes::cameras(&file("path.toml", bytes), &geometry) {
         assert!(!cameras.is_empty());
     }
+}
+
+/// Returns `model.obj`, and `0.glb` and on: all that is read of glTF.
+fn models() -> FilesInMemory {
+    let mut files = FilesInMemory::default();
+    files.insert(
+        "model.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1",
+    );
+    for (i, model) in gltf_model::first_inputs().into_iter().enumerate() {
+        files.insert(format!("{i}.glb"), model.glb());
+    }
+    files
 }
 
 /// A model, and after [`PART`] its materials.

@@ -30,6 +30,32 @@ fn scene_files() {
     play("scene_file", readers::scene_file);
 }
 
+/// Scene files that name models, glTF's among them, and in damaged copies: with a byte replaced.
+#[test]
+fn scene_files_with_models() {
+    for mesh in [
+        "model.obj",
+        "0.glb",
+        "0.glb#other",
+        "1.glb",
+        "2.glb",
+        "3.glb",
+    ] {
+        for look in ["", "casts = false\n", "color = [1, 0, 0]\n"] {
+            let input = format!(
+                "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n\
+                 [[object]]\nmesh = \"{mesh}\"\nscale = [1, 2, -3]\n{look}"
+            );
+            readers::scene_file(input.as_bytes());
+            for place in (0..input.len()).step_by(3) {
+                let mut damaged = input.clone().into_bytes();
+                damaged[place] = damaged[place].wrapping_mul(31).wrapping_add(place as u8);
+                readers::scene_file(&damaged);
+            }
+        }
+    }
+}
+
 #[test]
 fn models() {
     play("model", readers::model);

@@ -52,7 +52,7 @@
 //! | `half_u`, `half_v` | rect: from the centre to the middles of two neighbouring sides, metres | needed |
 //! | `normal` | disc: across it, any length; it shines to both sides | needed |
 //! | **`[[object]]`** | one or more | needed |
-//! | `mesh` | an `.obj` file, relative to the scene file | this or `shape` |
+//! | `mesh` | a model, relative to the scene file: an `.obj` file, or (feature `gltf`) a `.glb` or `.gltf` file, of which `model.glb#night` is one scene; see [below](#models-in-scene-files) | this or `shape` |
 //! | `shape` | `"plane"` (a square in x and z that faces +y), `"box"` or `"sphere"`; all reach from -1 to 1 | this or `mesh` |
 //! | `matrix` | four rows of four, world from local for column vectors; the last row is `[0, 0, 0, 1]` | identity |
 //! | `scale` | one number, or `[x, y, z]`; negative ones mirror; placed objects are 1e-6 to 1e8 m across | 1 |
@@ -110,6 +110,16 @@
 //! `data:`. Extensions that a file requires and that aren't named here are errors, but for `KHR_materials_..`, which no shadow needs. What
 //! a file asks for is bounded by its length: a few kilobytes that name a gigabyte are refused.
 //!
+//! ## Models in scene files
+//!
+//! A model that a scene file names as `mesh` is one object, however many meshes it has: the object's place is that of the whole model, and
+//! `casts` and `receives` hold for all of it. Several objects that name one model share its meshes.
+//!
+//! Of a glTF file, this is all meshes of its default scene (or of the one that is named behind `#`), each where its nodes put it, in the
+//! looks of its materials, with their holes; what throws no shadow by its material throws none here. Its cameras and lights are left aside:
+//! they are the scene file's. An object with any look of its own wears no other, glTF's masks and panes of glass included; its
+//! textures then lie as `TEXCOORD_0` says.
+//!
 //! # Detailed surfaces
 //!
 //! [`with_tangents`] prepares a mesh for normal maps, [`fitting_normal_map`] makes the normal map of a height map, and
@@ -127,14 +137,19 @@ mod files;
 mod framing;
 #[cfg(feature = "gltf")]
 mod gltf;
+#[cfg(not(feature = "gltf"))]
+#[path = "gltf_left_out.rs"]
+mod gltf;
 mod load;
 mod lone_model;
 mod looks;
+mod model_part;
 pub mod motion;
 mod nearest;
 mod obj;
 mod polygon;
 mod primitives;
+mod scene_of_file;
 mod stage;
 
 pub use builtin::textbook::TEXTBOOK_FIT;
@@ -144,4 +159,4 @@ pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use file::cameras;
 pub use files::{Files, FilesInMemory, FilesOnDisk, OpenFile};
-pub use load::{by_argument, file_of, is_model, load, parse, read};
+pub use load::{brings_light, by_argument, file_of, is_model, load, parse, read};

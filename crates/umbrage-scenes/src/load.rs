@@ -1,11 +1,10 @@
 //! One way in for all kinds of scenes.
 
-#[cfg(feature = "gltf")]
-use crate::gltf::{self, SceneOfFile};
 use crate::{
-    Files, FilesOnDisk, SceneError, all, file, find,
+    Files, FilesOnDisk, SceneError, all, file, find, gltf,
     nearest::{listed, nearest},
     obj,
+    scene_of_file::SceneOfFile,
 };
 use std::path::{Path, PathBuf};
 use umbrage_core::Scene;
@@ -75,7 +74,6 @@ pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneErr
     match Kind::of(path) {
         Some(Kind::SceneFile) => file::read(path, files),
         Some(Kind::Obj) => obj::read_scene(path, files),
-        #[cfg(feature = "gltf")]
         Some(Kind::Gltf(wanted)) => gltf::read_scene(&wanted, files),
         None => Err(neither(path)),
     }
@@ -83,7 +81,26 @@ pub fn read(path: impl AsRef<Path>, files: &dyn Files) -> Result<Scene, SceneErr
 
 /// Whether a path is a model's by its name: one that is read here.
 pub fn is_model(path: impl AsRef<Path>) -> bool {
-    Kind::of(path.as_ref()).is_some_and(|kind| kind != Kind::SceneFile)
+    match Kind::of(path.as_ref()) {
+        Some(Kind::Obj) => true,
+        Some(Kind::Gltf(_)) => cfg!(feature = "gltf"),
+        Some(Kind::SceneFile) | None => false,
+    }
+}
+
+/// Returns whether a file brings lights of its own. Scene files do, `.obj` files don't, and of glTF files some (`KHR_lights_punctual`, unless
+/// all of them are off); where there is none, [`load`] adds a sun.
+///
+/// # Errors
+/// Errors if the file can't be read or understood as far as its lights need.
+pub fn brings_light(path: impl AsRef<Path>) -> Result<bool, SceneError> {
+    let path = path.as_ref();
+    match Kind::of(path) {
+        Some(Kind::SceneFile) => Ok(true),
+        Some(Kind::Obj) => Ok(false),
+        Some(Kind::Gltf(wanted)) => gltf::brings_light(&wanted, &FilesOnDisk),
+        None => Err(neither(path)),
+    }
 }
 
 /// Returns the file that a path names if it is a scene file's or a model's by its name: `model.glb` of `model.glb#night`.
@@ -100,9 +117,8 @@ pub fn is_model(path: impl AsRef<Path>) -> bool {
 pub fn file_of(path: impl AsRef<Path>) -> Option<PathBuf> {
     let path = path.as_ref();
     match Kind::of(path)? {
-        #[cfg(feature = "gltf")]
-        Kind::Gltf(wanted) => Some(wanted.file),
-        _ => Some(path.to_path_buf()),
+        Kind::Gltf(wanted) => cfg!(feature = "gltf").then_some(wanted.file),
+        Kind::SceneFile | Kind::Obj => Some(path.to_path_buf()),
     }
 }
 
@@ -114,17 +130,16 @@ fn neither(path: &Path) -> SceneError {
     }
 }
 
+/// What a path's name says that it is.
 #[derive(Clone, Debug, PartialEq)]
 enum Kind {
     SceneFile,
     Obj,
-    #[cfg(feature = "gltf")]
     Gltf(SceneOfFile),
 }
 
 impl Kind {
     fn of(path: &Path) -> Option<Self> {
-        #[cfg(feature = "gltf")]
         if let Some(wanted) = SceneOfFile::of(path) {
             return Some(Self::Gltf(wanted));
         }

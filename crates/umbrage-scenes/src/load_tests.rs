@@ -42,6 +42,18 @@ fn other_files_are_refused() {
     }
 }
 
+#[cfg(not(feature = "gltf"))]
+#[test]
+fn files_that_need_a_feature_name_it() {
+    for name in ["model.glb", "model.GLTF", "model.glb#night"] {
+        let message = load(name).unwrap_err().to_string();
+        assert!(message.contains("its feature `gltf`"), "{message}");
+        assert_eq!(by_argument(name).unwrap_err().to_string(), message);
+        assert!(!is_model(name));
+        assert_eq!(file_of(name), None);
+    }
+}
+
 #[test]
 fn text_is_read_without_a_file() {
     let text = "[[light]]\nkind = \"point\"\nposition = [0, 3, 0]\n[[object]]\nshape = \"sphere\"";
@@ -52,6 +64,13 @@ fn text_is_read_without_a_file() {
             .to_string()
             .starts_with("inline.toml:1: ")
     );
+}
+
+#[test]
+fn scene_files_bring_light_and_obj_files_don_t() {
+    assert_eq!(brings_light("scene.toml"), Ok(true));
+    assert_eq!(brings_light("model.obj"), Ok(false));
+    assert!(brings_light("cubes").is_err());
 }
 
 /// Programs print an error and then its sources: what is told already must not be one.

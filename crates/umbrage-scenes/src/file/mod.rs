@@ -2,6 +2,8 @@
 
 mod camera;
 mod cameras;
+#[cfg(all(test, feature = "gltf"))]
+mod gltf_tests;
 mod light;
 mod look;
 mod numbers;

@@ -7,11 +7,14 @@ use super::{
 use crate::{
     Files, SceneError,
     detail::{TextureFiles, with_tangents},
+    gltf,
     lone_model::SIZES,
-    obj::{self, Part},
+    model_part::ModelPart,
+    obj,
     primitives::{block, grid, icosphere, mapped},
+    scene_of_file::SceneOfFile,
 };
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, EulerRot, Quat, Vec3};
 use umbrage_core::{Aabb, Anchor, Instance, Mesh, Scene, invalid};
@@ -58,21 +61,33 @@ pub(super) fn read_all(
         });
         let casts = table.flag_or_true("casts")?;
         let receives = table.flag_or_true("receives")?;
-        let world_from_local = placement(table, anchor)?;
-        let meshes = parts.iter().map(|part| &scene.meshes[part.mesh]);
-        let local = Aabb::around(meshes.flat_map(|mesh| mesh.positions.iter().copied()));
-        check_size(table, &item, world_from_local, &local, anchor)?;
+        let world_from_model = placement(table, anchor)?;
+        let local = box_of_model(parts, scene);
+        check_size(table, &item, world_from_model, &local, anchor)?;
         for part in parts {
+            let world_from_local = part.placed(world_from_model);
             scene.instances.push(Instance {
                 mesh: part.mesh,
-                world_from_local,
-                casts,
+                world_from_local: not_flat(&item, world_from_local)?,
+                casts: casts && part.casts,
                 receives,
                 material: own.or(part.material),
             });
         }
     }
     Ok(())
+}
+
+/// Returns the box around a model where it stands by itself.
+fn box_of_model(parts: &[ModelPart], scene: &Scene) -> Aabb {
+    let positions = |part: &ModelPart| {
+        let place = part.model_from_mesh;
+        let mesh = &scene.meshes[part.mesh];
+        mesh.positions
+            .iter()
+            .map(move |&position| place.transform_point3(position))
+    };
+    Aabb::around(parts.iter().flat_map(positions))
 }
 
 /// Errors if 32-bit geometry is too coarse for an object's size or place; the error names the key that this comes from. `local`
@@ -151,7 +166,7 @@ impl Needs {
 
 fn check_coordinates(
     look: Option<&Look<'_>>,
-    parts: &[Part],
+    parts: &[ModelPart],
     scene: &Scene,
 ) -> Result<(), SceneError> {
     let Some(item) = look.and_then(|look| look.textured.as_ref()) else {
@@ -165,14 +180,28 @@ fn check_coordinates(
     item.require(
         why.is_none(),
         why.as_deref().unwrap_or(""),
-        "export the model with them (`vt` lines)",
+        "export the model with them (`vt` lines of .obj files, TEXCOORD_0 of glTF)",
     )
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Source {
     Shape(String),
-    Model(PathBuf),
+    Obj(PathBuf),
+    Gltf(SceneOfFile),
+}
+
+impl Source {
+    /// Returns the model that a path names; none if its name is no model's.
+    fn model(path: PathBuf) -> Option<Self> {
+        if let Some(wanted) = SceneOfFile::of(&path) {
+            return Some(Self::Gltf(wanted));
+        }
+        let ending = path.extension()?;
+        ending
+            .eq_ignore_ascii_case("obj")
+            .then_some(Self::Obj(path))
+    }
 }
 
 fn shape_or_mesh<'a>(table: &Table<'a>, folder: &Path) -> Result<(Source, Item<'a>), SceneError> {
@@ -180,15 +209,10 @@ fn shape_or_mesh<'a>(table: &Table<'a>, folder: &Path) -> Result<(Source, Item<'
         (Some(item), None) => Ok((Source::Shape(item.word(SHAPES)?.to_owned()), item)),
         (None, Some(item)) => {
             let path = folder.join(item.text()?);
-            let is_obj = path
-                .extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-            item.require(
-                is_obj,
-                &format!("is `{}`, not a .obj file", path.display()),
-                "name a Wavefront OBJ file",
-            )?;
-            Ok((Source::Model(path), item))
+            let why = format!("is `{}`, not a .obj, .glb or .gltf file", path.display());
+            let help = "name a model: Wavefront OBJ, or glTF 2.0";
+            let source = Source::model(path).ok_or_else(|| item.fault(&why, help))?;
+            Ok((source, item))
         }
         (Some(_), Some(item)) => Err(item.fault("stands beside `shape`", "keep one of the two")),
         (None, None) => Err(table.fault(
@@ -204,28 +228,31 @@ fn make(
     item: &Item<'_>,
     textures: &mut TextureFiles<'_>,
     scene: &mut Scene,
-) -> Result<Vec<Part>, SceneError> {
+) -> Result<Vec<ModelPart>, SceneError> {
+    let named = |fault| SceneError::Named {
+        place: item.place(),
+        fault: Box::new(fault),
+    };
+    let has_looks = *needs == Needs::OwnLooks;
     let parts = match source {
         Source::Shape(name) => {
             scene.meshes.push(Mesh {
                 name: name.clone(),
                 ..shape(name, needs.textured())
             });
-            vec![Part {
-                mesh: scene.meshes.len() - 1,
-                material: None,
-            }]
+            vec![ModelPart::new(scene.meshes.len() - 1, None)]
         }
-        Source::Model(path) => {
-            let has_looks = *needs == Needs::OwnLooks;
-            obj::add(path, textures, has_looks, scene).map_err(|fault| SceneError::Named {
-                place: item.place(),
-                fault: Box::new(fault),
-            })?
+        Source::Obj(path) => obj::add(path, textures, has_looks, scene).map_err(named)?,
+        Source::Gltf(wanted) => {
+            gltf::add(wanted, textures.files, has_looks, scene).map_err(named)?
         }
     };
-    for part in parts.iter().filter(|_| *needs == Needs::Tangents) {
-        let mesh = &mut scene.meshes[part.mesh];
+    if *needs != Needs::Tangents {
+        return Ok(parts);
+    }
+    let meshes: BTreeSet<usize> = parts.iter().map(|part| part.mesh).collect();
+    for mesh in meshes {
+        let mesh = &mut scene.meshes[mesh];
         // Those without texture coordinates are refused by name later on.
         if !mesh.uvs.is_empty() {
             *mesh = item.check(with_tangents(mesh))?;

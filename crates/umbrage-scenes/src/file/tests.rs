@@ -9,6 +9,11 @@ fn read(text: &str) -> Result<Scene, SceneError> {
 
 const CAMERA: &str = "[camera]\neye = [0, 1, 5]\ntarget = [0, 0, 0]\n";
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
+/// The beginning of the error of an object whose mesh is `a.glb`, which isn't there.
+#[cfg(feature = "gltf")]
+const GLTF: &str = "scene.toml:5: `object.mesh`: a.glb: can't be read";
+#[cfg(not(feature = "gltf"))]
+const GLTF: &str = "scene.toml:5: `object.mesh`: a.glb: is a glTF file, which this program was built without; build umbrage-scenes with its feature `gltf`";
 const OBJECT: &str = "[[object]]\nshape = \"box\"\n";
 
 /// A light and an object read from these lines.
@@ -536,7 +541,9 @@ fn faults_in_the_whole_are_told() {
             format!("{LIGHT}[[object]]\nshape = \"cube\""),
             "scene.toml:5: `object.shape`: is \"cube\"; use `plane`, `box` or",
         ),
-        (format!("{LIGHT}[[object]]\nmesh = \"a.gltf\""), "scene.toml:5: `object.mesh`: is `a.gltf`, not a .obj file"),
+        (format!("{LIGHT}[[object]]\nmesh = \"a.stl\""), "scene.toml:5: `object.mesh`: is `a.stl`, not a .obj, .glb or .gltf file; name a model"),
+        (format!("{LIGHT}[[object]]\nmesh = \"a.stl#1\""), "scene.toml:5: `object.mesh`: is `a.stl#1`, not a .obj, .glb or .gltf file"),
+        (format!("{LIGHT}[[object]]\nmesh = \"a.glb\""), GLTF),
         (format!("{LIGHT}{OBJECT}scale = 2\nmatrix = []"), "scene.toml:6: `object.scale`: stands beside `matrix`"),
         ("a = 1\nname = \"x".to_owned(), "scene.toml:2: "),
         ("name = \"x\"\nname = \"y\"".to_owned(), "scene.toml:2: "),

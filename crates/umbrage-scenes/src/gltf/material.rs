@@ -21,6 +21,8 @@ use umbrage_core::{AlphaCutout, AlphaFilter, Invalid, Material, Scene};
 /// The materials of a file that were read.
 #[derive(Debug)]
 pub(super) struct Materials<'a> {
+    /// Whether they are read at all.
+    has_looks: bool,
     pictures: Pictures<'a>,
     known: HashMap<Mapped, SurfaceLook>,
 }
@@ -50,8 +52,9 @@ pub(super) enum SurfaceLook {
 }
 
 impl<'a> Materials<'a> {
-    pub(super) fn new(document: &'a Document) -> Self {
+    pub(super) fn new(document: &'a Document, has_looks: bool) -> Self {
         Self {
+            has_looks,
             pictures: Pictures::new(document),
             known: HashMap::new(),
         }
@@ -65,6 +68,14 @@ impl<'a> Materials<'a> {
         budget: &mut ReadBudget,
         scene: &mut Scene,
     ) -> Result<SurfaceLook, Invalid> {
+        if !self.has_looks {
+            let first = Coordinates::new(0, None);
+            return Ok(SurfaceLook::Visible {
+                material: None,
+                coordinates: Some(first).filter(|at| at.has(primitive)),
+                casts: true,
+            });
+        }
         let material = primitive.material();
         let Some(index) = material.index() else {
             return Ok(SurfaceLook::Visible {
@@ -73,9 +84,8 @@ impl<'a> Materials<'a> {
                 casts: true,
             });
         };
-        let has = |at: &Coordinates| primitive.get(&Semantic::TexCoords(at.set)).is_some();
-        let color = color_map(&material).filter(|map| has(&map.coordinates));
-        let normals = normal_map(&material)?.filter(|map| has(&map.coordinates));
+        let color = color_map(&material).filter(|map| map.coordinates.has(primitive));
+        let normals = normal_map(&material)?.filter(|map| map.coordinates.has(primitive));
         let mapped = Mapped {
             material: index,
             color: color.is_some(),
@@ -231,6 +241,11 @@ impl Coordinates {
             rotation: transform.rotation.0,
             scale: Vec2::from_array(transform.scale.0),
         }
+    }
+
+    /// Returns whether a primitive has them.
+    fn has(&self, primitive: &Primitive<'_>) -> bool {
+        primitive.get(&Semantic::TexCoords(self.set)).is_some()
     }
 
     /// Returns the coordinates that the texture is read at: scaled, turned counter-clockwise (v points down), then moved.

@@ -16,63 +16,24 @@ mod picture;
 mod primitive;
 mod sparse;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
-use crate::{Files, SceneError, error::Place, lone_model, obj::name_of};
+use crate::{
+    Files, SceneError, error::Place, lone_model, model_part::ModelPart, obj::name_of,
+    scene_of_file::SceneOfFile,
+};
 use budget::ReadBudget;
 use buffers::Buffers;
 use material::Materials;
 use nodes::PlacedNode;
 use primitive::FileMeshes;
-use std::{
-    io::Read as _,
-    path::{Path, PathBuf},
-};
-use umbrage_core::glam::Affine3A;
-use umbrage_core::{Geometry, Instance, Invalid, Scene};
-
-/// What an argument names: a file, and one of its scenes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct SceneOfFile {
-    pub(crate) file: PathBuf,
-    /// The name or the number of a scene; the file's default scene if there is none.
-    pub(crate) scene: Option<String>,
-}
-
-impl SceneOfFile {
-    /// Parts `model.glb#2` or `model.glb#night` at the last `#`. None if it names no glTF file.
-    pub(crate) fn of(path: &Path) -> Option<Self> {
-        let whole = || Self {
-            file: path.to_path_buf(),
-            scene: None,
-        };
-        if is_gltf(path) {
-            return Some(whole());
-        }
-        let (file, scene) = path.to_str()?.rsplit_once('#')?;
-        is_gltf(Path::new(file)).then(|| Self {
-            file: PathBuf::from(file),
-            scene: Some(scene.to_owned()),
-        })
-    }
-}
-
-/// Returns whether a path ends as glTF files do.
-fn is_gltf(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| {
-        ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf")
-    })
-}
+use std::{io::Read as _, path::Path};
+use umbrage_core::{Geometry, Invalid, Scene};
 
 /// Reads one scene of a file. Cameras and lights that it lacks are found as for any model alone: see [`lone_model`].
 pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, SceneError> {
-    let path = wanted.file.as_path();
-    let file = path.display().to_string();
-    let mut bytes = Vec::new();
-    files
-        .open(path)
-        .and_then(|mut source| source.read_to_end(&mut bytes))
-        .map_err(|e| SceneError::unreadable(path, &e, files))?;
+    let bytes = bytes_of(&wanted.file, files)?;
+    let file = wanted.file.display().to_string();
     let invalid = |fault| SceneError::Invalid {
         file: file.clone(),
         fault,
@@ -88,67 +49,148 @@ pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scen
     Ok(scene)
 }
 
-/// Reads what the file itself says.
-fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, Invalid> {
+/// Adds the meshes of one scene of a file to another scene, with their materials if the model `has_looks`. The file's cameras and
+/// lights are left aside.
+pub(crate) fn add(
+    wanted: &SceneOfFile,
+    files: &dyn Files,
+    has_looks: bool,
+    scene: &mut Scene,
+) -> Result<Vec<ModelPart>, SceneError> {
+    let bytes = bytes_of(&wanted.file, files)?;
+    let left_aside = |_: &PlacedNode<'_>, _: &mut Scene| Ok(());
+    parts(&bytes, wanted, files, has_looks, left_aside, scene).map_err(|fault| {
+        SceneError::Invalid {
+            file: wanted.file.display().to_string(),
+            fault,
+        }
+    })
+}
+
+/// Returns whether one scene of a file has a light that is on. Its meshes are not read.
+pub(crate) fn brings_light(wanted: &SceneOfFile, files: &dyn Files) -> Result<bool, SceneError> {
+    let bytes = bytes_of(&wanted.file, files)?;
+    has_light(&bytes, wanted).map_err(|fault| SceneError::Invalid {
+        file: wanted.file.display().to_string(),
+        fault,
+    })
+}
+
+fn has_light(bytes: &[u8], wanted: &SceneOfFile) -> Result<bool, Invalid> {
     let container = container::split(bytes)?;
     let document = document::parse(container.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
+    let mut lights = Scene::default();
+    for node in nodes::placed(&document, chosen)? {
+        add_cameras_and_lights(&node, &mut lights).map_err(|e| e.within(node.told()))?;
+    }
+    Ok(!lights.lights.is_empty())
+}
+
+fn bytes_of(path: &Path, files: &dyn Files) -> Result<Vec<u8>, SceneError> {
+    let mut bytes = Vec::new();
+    files
+        .open(path)
+        .and_then(|mut source| source.read_to_end(&mut bytes))
+        .map_err(|e| SceneError::unreadable(path, &e, files))?;
+    Ok(bytes)
+}
+
+/// Reads what the file itself says.
+fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, Invalid> {
     let name = match &wanted.scene {
         Some(chosen) => format!("{}-{chosen}", name_of(&wanted.file)),
         None => name_of(&wanted.file),
     };
+    let mut scene = Scene {
+        name,
+        ..Scene::default()
+    };
+    let parts = parts(
+        bytes,
+        wanted,
+        files,
+        true,
+        add_cameras_and_lights,
+        &mut scene,
+    )?;
+    scene
+        .instances
+        .extend(parts.iter().map(ModelPart::instance));
+    Ok(scene)
+}
+
+/// Adds the meshes of a file's scene to a scene, with their materials if the model `has_looks`; `add_others` adds what else a node has.
+fn parts(
+    bytes: &[u8],
+    wanted: &SceneOfFile,
+    files: &dyn Files,
+    has_looks: bool,
+    add_others: impl Fn(&PlacedNode<'_>, &mut Scene) -> Result<(), Invalid>,
+    scene: &mut Scene,
+) -> Result<Vec<ModelPart>, Invalid> {
+    let container = container::split(bytes)?;
+    let document = document::parse(container.json)?;
+    let chosen = document::scene(&document, wanted.scene.as_deref())?;
     let mut reader = Reader {
         buffers: Buffers::new(&document, container.binary, &wanted.file, files),
-        materials: Materials::new(&document),
+        materials: Materials::new(&document, has_looks),
         meshes: FileMeshes::default(),
         budget: ReadBudget::new(bytes.len()),
-        scene: Scene {
-            name,
-            ..Scene::default()
-        },
+        parts: Vec::new(),
     };
     for node in nodes::placed(&document, chosen)? {
-        reader.add(&node).map_err(|e| e.within(node.told()))?;
+        add_others(&node, scene)
+            .and_then(|()| reader.add(&node, scene))
+            .map_err(|e| e.within(node.told()))?;
     }
-    let scene = reader.scene;
-    if scene.instances.is_empty() {
+    if reader.parts.is_empty() {
         return Err(Invalid::new(
             "scene",
             "has no triangles",
             "export it with a mesh, or name another scene of the file: model.glb#1",
         ));
     }
-    Ok(scene)
+    Ok(reader.parts)
 }
 
-/// What was read of a file, and the scene that it becomes.
+/// What was read of a file.
 struct Reader<'a> {
     buffers: Buffers<'a>,
     materials: Materials<'a>,
     meshes: FileMeshes,
     budget: ReadBudget,
-    scene: Scene,
+    parts: Vec<ModelPart>,
 }
 
 impl Reader<'_> {
-    /// Adds a node's camera, its light and its mesh.
-    fn add(&mut self, node: &PlacedNode<'_>) -> Result<(), Invalid> {
-        add_cameras_and_lights(node, &mut self.scene)?;
+    /// Adds a node's mesh.
+    fn add(&mut self, node: &PlacedNode<'_>, scene: &mut Scene) -> Result<(), Invalid> {
         let Some(mesh) = node.node.mesh() else {
             return Ok(());
         };
         // None: nodes that are scaled to nothing are hidden.
-        let Some(world_from_local) = node.placement()? else {
+        let Some(model_from_mesh) = node.placement()? else {
             return Ok(());
         };
-        let parts = self.meshes.parts(
+        let primitives = self.meshes.parts(
             &mesh,
             &mut self.buffers,
             &mut self.materials,
             &mut self.budget,
-            &mut self.scene,
+            scene,
         )?;
-        place(parts, world_from_local, &mut self.budget, &mut self.scene)
+        for primitive in primitives {
+            self.budget
+                .place(scene.meshes[primitive.mesh].triangles.len())?;
+            self.parts.push(ModelPart {
+                mesh: primitive.mesh,
+                material: primitive.material,
+                casts: primitive.casts,
+                model_from_mesh,
+            });
+        }
+        Ok(())
     }
 }
 
@@ -158,24 +200,6 @@ fn add_cameras_and_lights(node: &PlacedNode<'_>, scene: &mut Scene) -> Result<()
     }
     if let Some(light) = node.node.light() {
         scene.lights.extend(light::light(&light, node)?);
-    }
-    Ok(())
-}
-
-/// Adds an instance for each part of a mesh.
-fn place(
-    parts: &[primitive::PrimitiveMesh],
-    world_from_local: Affine3A,
-    budget: &mut ReadBudget,
-    scene: &mut Scene,
-) -> Result<(), Invalid> {
-    for part in parts {
-        budget.place(scene.meshes[part.mesh].triangles.len())?;
-        scene.instances.push(Instance {
-            material: part.material,
-            casts: part.casts,
-            ..Instance::new(part.mesh, world_from_local)
-        });
     }
     Ok(())
 }

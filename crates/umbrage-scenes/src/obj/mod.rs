@@ -10,15 +10,14 @@ mod tests;
 
 use crate::{
     Files, SceneError, detail::TextureFiles, error::Place, framing::frame, lone_model,
-    polygon::triangulate,
+    model_part::ModelPart, polygon::triangulate,
 };
 use clean::Cleaner;
 use parts::Model;
-pub(crate) use parts::Part;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use umbrage_core::glam::{Affine3A, Vec2, Vec3};
-use umbrage_core::{Camera, Geometry, Instance, Mesh, Scene};
+use umbrage_core::glam::{Vec2, Vec3};
+use umbrage_core::{Camera, Geometry, Mesh, Scene};
 
 /// A model alone, on a floor, framed, in the sun: see [`lone_model`].
 pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneError> {
@@ -32,9 +31,7 @@ pub(crate) fn read_scene(path: &Path, files: &dyn Files) -> Result<Scene, SceneE
         ..Scene::default()
     };
     for part in add(path, &mut TextureFiles::new(files), true, &mut scene)? {
-        let mut instance = Instance::new(part.mesh, Affine3A::IDENTITY);
-        instance.material = part.material;
-        scene.instances.push(instance);
+        scene.instances.push(part.instance());
     }
     let geometry = Geometry::bake(&scene).map_err(invalid)?;
     let place = Place {
@@ -78,7 +75,7 @@ pub(crate) fn add(
     textures: &mut TextureFiles<'_>,
     has_looks: bool,
     scene: &mut Scene,
-) -> Result<Vec<Part>, SceneError> {
+) -> Result<Vec<ModelPart>, SceneError> {
     let files = textures.files;
     let unreadable = |e: &std::io::Error| SceneError::unreadable(path, e, files);
     let source = files.open(path).map_err(|e| unreadable(&e))?;

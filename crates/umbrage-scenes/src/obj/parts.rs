@@ -4,17 +4,11 @@ use super::material::{self, Entry};
 use crate::{
     Files, SceneError,
     detail::{TextureFiles, with_tangents},
+    model_part::ModelPart,
 };
 use std::collections::HashMap;
 use std::path::Path;
 use umbrage_core::{Mesh, Scene};
-
-/// A mesh of a scene, and the material that the model gives it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
-    pub(crate) mesh: usize,
-    pub(crate) material: Option<usize>,
-}
 
 /// What a model's text says of its looks.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,17 +25,14 @@ pub(super) fn add(
     path: &Path,
     files: Option<&mut TextureFiles<'_>>,
     scene: &mut Scene,
-) -> Result<Vec<Part>, SceneError> {
+) -> Result<Vec<ModelPart>, SceneError> {
     let entries = match &files {
         Some(files) => entries(&model.looks, path, files.files)?,
         None => Vec::new(),
     };
     let (Some(files), false) = (files, entries.is_empty()) else {
         scene.meshes.push(model.mesh);
-        return Ok(vec![Part {
-            mesh: scene.meshes.len() - 1,
-            material: None,
-        }]);
+        return Ok(vec![ModelPart::new(scene.meshes.len() - 1, None)]);
     };
     let mut parts = Vec::new();
     for (entry, mut mesh) in model.split(&entries) {
@@ -60,10 +51,8 @@ pub(super) fn add(
         }
         scene.meshes.push(mesh);
         scene.materials.extend(material);
-        parts.push(Part {
-            mesh: scene.meshes.len() - 1,
-            material: material.map(|_| scene.materials.len() - 1),
-        });
+        let material = material.map(|_| scene.materials.len() - 1);
+        parts.push(ModelPart::new(scene.meshes.len() - 1, material));
     }
     Ok(parts)
 }

@@ -4,7 +4,7 @@ use super::{
     SIZE,
     parts::scaled,
     plants::{Growth, fern, litter, tree, tuft},
-    random::Random,
+    random::{Random, scattered},
     things::rock,
 };
 use crate::{
@@ -87,22 +87,13 @@ fn planted(x: f32, z: f32, scale: f32, random: &mut Random) -> Affine3A {
     scaled(foot, angle, Vec3::splat(scale))
 }
 
-/// Returns places beside the path: one in each cell of a grid over the square of this half side before the camera, with a chance.
-fn scattered(seed: i32, half: f32, pitch: f32, clear: f32) -> Vec<[f32; 2]> {
-    let mut random = Random::new(seed);
-    let cells = (2.0 * half / pitch) as u32;
-    let mut out = Vec::new();
-    for k in 0..cells {
-        for i in 0..cells {
-            let x = pitch * (i as f32 + random.between(0.1, 0.9)) - half;
-            let z = pitch * (k as f32 + random.between(0.1, 0.9)) - half;
-            let from_eye = (x - 0.3).hypot(z - EYE);
-            if (x - bend(z)).abs() > clear && from_eye > 1.5 * clear {
-                out.push([x, z]);
-            }
-        }
-    }
-    out
+/// Returns places beside the path, at least `clear` from its middle: one in each cell of a grid, but for cells right before the camera.
+fn beside_path(seed: i32, half: f32, pitch: f32, clear: f32) -> Vec<[f32; 2]> {
+    scattered(seed, half, pitch, |[x, z], _| {
+        let from_eye = (x - 0.3).hypot(z - EYE);
+        let is_clear = (x - bend(z)).abs() > clear && from_eye > 1.5 * clear;
+        is_clear.then_some([x, z])
+    })
 }
 
 /// How trees grow near the path, and how far from it: with fewer and larger leaves.
@@ -136,7 +127,7 @@ fn trees(mut stage: Stage) -> Stage {
     const FAR: f32 = 28.0;
     let mut random = Random::new(8);
     let mut stands: [[Vec<Affine3A>; 2]; LEAVES.len()] = Default::default();
-    for [x, z] in scattered(21, 62.0, 6.6, PATH + 1.0) {
+    for [x, z] in beside_path(21, 62.0, 6.6, PATH + 1.0) {
         let kind = random.between(0.0, LEAVES.len() as f32 - 0.01) as usize;
         let scale = random.between(0.75, 1.2);
         let is_near = x.hypot(z - EYE) < FAR;
@@ -158,7 +149,7 @@ fn trees(mut stage: Stage) -> Stage {
 fn undergrowth(mut stage: Stage) -> Stage {
     let mut random = Random::new(9);
     let mut tufts = [Vec::new(), Vec::new(), Vec::new()];
-    for [x, z] in scattered(33, 20.0, 0.46, PATH) {
+    for [x, z] in beside_path(33, 20.0, 0.46, PATH) {
         // Grass grows in patches, less where it is far.
         let patch = fractal(Vec3::new(x, 9.0, z) / 5.0, 2);
         if patch > -0.12 && random.chance(0.8) {
@@ -173,7 +164,7 @@ fn undergrowth(mut stage: Stage) -> Stage {
     }
     let mut places = |seed: i32, pitch: f32, sizes: [f32; 2]| {
         let mut out = Vec::new();
-        for [x, z] in scattered(seed, 18.0, pitch, PATH + 0.3) {
+        for [x, z] in beside_path(seed, 18.0, pitch, PATH + 0.3) {
             let scale = random.between(sizes[0], sizes[1]);
             out.push(planted(x, z, scale, &mut random));
         }

@@ -4,7 +4,7 @@ use super::{
     SIZE,
     parts::{at, scaled},
     plants::{Growth, tree},
-    random::Random,
+    random::scattered,
 };
 use crate::{
     builtin::{
@@ -63,29 +63,20 @@ fn height(x: f32, z: f32) -> f32 {
     2.2 * outside * fractal(Vec3::new(x, 0.0, z) / 16.0, 3)
 }
 
-/// Returns places, one in each cell of a grid over the square of this half side, turned and scaled at random; none of them is within
-/// `clear` of the middle of the clearing.
-fn scattered(seed: i32, half: f32, pitch: f32, sizes: [f32; 2], clear: f32) -> Vec<Affine3A> {
-    let mut random = Random::new(seed);
-    let cells = (2.0 * half / pitch) as u32;
-    let mut out = Vec::new();
-    for k in 0..cells {
-        for i in 0..cells {
-            let x = pitch * (i as f32 + random.between(0.1, 0.9)) - half;
-            let z = pitch * (k as f32 + random.between(0.1, 0.9)) - half;
-            let scale = Vec3::splat(random.between(sizes[0], sizes[1]));
-            let turn = random.about(3.1);
-            let at_eye = (x - 1.2).hypot(z - EYE) < 2.0 + 0.4 * clear;
-            if x.hypot(z) >= clear && !at_eye {
-                out.push(scaled(Vec3::new(x, height(x, z), z), turn, scale));
-            }
-        }
-    }
-    out
+/// Returns places, one in each cell of a grid, turned and scaled at random; none of them is within `clear` of the middle of the
+/// clearing, or right before the camera.
+fn around_clearing(seed: i32, half: f32, pitch: f32, sizes: [f32; 2], clear: f32) -> Vec<Affine3A> {
+    scattered(seed, half, pitch, |[x, z], random| {
+        let scale = Vec3::splat(random.between(sizes[0], sizes[1]));
+        let turn = random.about(3.1);
+        let at_eye = (x - 1.2).hypot(z - EYE) < 2.0 + 0.4 * clear;
+        let is_clear = x.hypot(z) >= clear && !at_eye;
+        is_clear.then(|| scaled(Vec3::new(x, height(x, z), z), turn, scale))
+    })
 }
 
 fn trees(mut stage: Stage) -> Stage {
-    let places = scattered(31, 60.0, 7.5, [0.8, 1.2], CLEARING + 0.5);
+    let places = around_clearing(31, 60.0, 7.5, [0.8, 1.2], CLEARING + 0.5);
     let mut stands: [Vec<Affine3A>; LEAVES.len()] = Default::default();
     for (i, place) in places.into_iter().enumerate() {
         stands[i % LEAVES.len()].push(place);
@@ -135,8 +126,8 @@ fn bushes(stage: Stage) -> Stage {
         cards: 14,
         side: 0.24,
     };
-    let bush_places = scattered(32, 24.0, 3.1, [0.6, 1.4], CLEARING);
-    let weed_places = scattered(33, 12.0, 0.8, [0.5, 1.3], 0.0);
+    let bush_places = around_clearing(32, 24.0, 3.1, [0.6, 1.4], CLEARING);
+    let weed_places = around_clearing(33, 12.0, 0.8, [0.5, 1.3], 0.0);
     stage
         .put_many(crown(&leaves), bush_places)
         .look(sprig(BUSHES))

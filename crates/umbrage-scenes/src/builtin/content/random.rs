@@ -3,6 +3,27 @@
 use crate::builtin::noise::uniform;
 use umbrage_core::glam::{IVec3, Vec3};
 
+/// Returns what `put` makes of places, one in each cell of a grid over the square of this half side around the origin: of x and z, and
+/// the source of all further numbers of the cell. Cells of which it makes nothing stay empty.
+pub(in crate::builtin) fn scattered<T>(
+    seed: i32,
+    half: f32,
+    pitch: f32,
+    mut put: impl FnMut([f32; 2], &mut Random) -> Option<T>,
+) -> Vec<T> {
+    let mut random = Random::new(seed);
+    let cells = (2.0 * half / pitch) as u32;
+    let mut out = Vec::new();
+    for k in 0..cells {
+        for i in 0..cells {
+            let x = pitch * (i as f32 + random.between(0.1, 0.9)) - half;
+            let z = pitch * (k as f32 + random.between(0.1, 0.9)) - half;
+            out.extend(put([x, z], &mut random));
+        }
+    }
+    out
+}
+
 /// A sequence of numbers that its seed determines.
 #[derive(Clone, Debug)]
 pub(in crate::builtin) struct Random {

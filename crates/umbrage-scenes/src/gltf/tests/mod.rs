@@ -3,7 +3,7 @@
 mod errors;
 mod geometry;
 mod looks;
-mod model;
+pub(crate) mod model;
 mod scenes;
 
 use super::{SceneOfFile, read};

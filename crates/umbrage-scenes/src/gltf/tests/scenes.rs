@@ -1,9 +1,12 @@
 //! Nodes, scenes, cameras and lights.
 
 use super::{model::TestModel, said, scene_of};
-use crate::FilesInMemory;
+use crate::{FilesInMemory, scene_of_file::SceneOfFile};
 use serde_json::{Value, json};
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::{
+    f32::consts::{FRAC_PI_2, FRAC_PI_4},
+    path::Path,
+};
 use umbrage_core::glam::{Affine3A, DMat4, DQuat, DVec3, Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::light_space::Extents;
 use umbrage_core::{Camera, Light};
@@ -34,6 +37,38 @@ fn placements_are_the_product_of_matrices() {
         "{found} instead of {expected}"
     );
     assert!(expected.determinant() > 0.0, "mirrored twice");
+}
+
+#[test]
+fn a_scene_brings_light_if_one_of_its_lights_is_on() {
+    let mut model = TestModel::square();
+    let brings_light = |model: &TestModel, path: &str| {
+        let files: FilesInMemory = [("a.glb", model.glb())].into_iter().collect();
+        let wanted = SceneOfFile::of(Path::new(path)).expect("a glTF file");
+        super::super::brings_light(&wanted, &files).map_err(|e| e.to_string())
+    };
+    assert_eq!(brings_light(&model, "a.glb"), Ok(false));
+    let lamp = |intensity: f32| json!({ "type": "point", "intensity": intensity });
+    model.json["extensions"] =
+        json!({ "KHR_lights_punctual": { "lights": [lamp(0.0), lamp(1.0), lamp(-1.0)] } });
+    let node =
+        |light: usize| json!({ "extensions": { "KHR_lights_punctual": { "light": light } } });
+    model.node(node(0));
+    assert_eq!(brings_light(&model, "a.glb"), Ok(false), "it is off");
+    let lit = model.add("nodes", node(1));
+    model.add("scenes", json!({ "name": "night", "nodes": [lit] }));
+    assert_eq!(brings_light(&model, "a.glb"), Ok(false), "another scene's");
+    assert_eq!(brings_light(&model, "a.glb#night"), Ok(true));
+    model.node(node(1));
+    assert_eq!(brings_light(&model, "a.glb"), Ok(true));
+    model.node(node(2));
+    let message = brings_light(&model, "a.glb").expect_err("a negative light");
+    assert!(message.contains("intensity"), "{message}");
+    let missing = super::super::brings_light(
+        &SceneOfFile::of(Path::new("b.glb")).expect("a glTF file"),
+        &FilesInMemory::default(),
+    );
+    assert!(missing.is_err());
 }
 
 #[test]

@@ -1,0 +1,36 @@
+//! glTF files by their names: a file, and one of its scenes.
+
+use std::path::{Path, PathBuf};
+
+/// What a path names: a glTF file, and one of its scenes.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct SceneOfFile {
+    pub(crate) file: PathBuf,
+    /// The name or the number of a scene; the file's default scene if there is none.
+    pub(crate) scene: Option<String>,
+}
+
+impl SceneOfFile {
+    /// Parts `model.glb#2` or `model.glb#night` at the last `#`. None if it names no glTF file.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        let whole = || Self {
+            file: path.to_path_buf(),
+            scene: None,
+        };
+        if is_gltf(path) {
+            return Some(whole());
+        }
+        let (file, scene) = path.to_str()?.rsplit_once('#')?;
+        is_gltf(Path::new(file)).then(|| Self {
+            file: PathBuf::from(file),
+            scene: Some(scene.to_owned()),
+        })
+    }
+}
+
+/// Returns whether a path ends as glTF files do.
+fn is_gltf(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| {
+        ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf")
+    })
+}
