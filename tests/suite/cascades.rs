@@ -120,7 +120,7 @@ fn both_halves_agree() {
 
 /// The techniques with maps of moments, in turn.
 fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
-    match turn % 6 {
+    match turn % 9 {
         0 => Box::new(Vsm {
             map,
             ..Vsm::default()
@@ -131,6 +131,22 @@ fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
         }),
         2 => Box::new(Msm {
             map,
+            ..Msm::default()
+        }),
+        6 => Box::new(Vsm {
+            map,
+            mipmaps: 3,
+            ..Vsm::default()
+        }),
+        7 => Box::new(Evsm {
+            map,
+            mipmaps: 2,
+            precision: MomentPrecision::Bits16,
+            ..Evsm::default()
+        }),
+        8 => Box::new(Msm {
+            map,
+            mipmaps: 4,
             ..Msm::default()
         }),
         3 => Box::new(Evsm {

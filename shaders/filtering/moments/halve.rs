@@ -163,3 +163,71 @@ impl SimdTask for MeansOfRuns<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filtering::moments::mipmaps::level_start;
+    use umbrage_core::{Format, Image, ImageDesc, Simd};
+
+    fn play(kernel: &HalveKernel, image: &Image, size: UVec2) -> Image {
+        let desc = ImageDesc { size, ..image.desc };
+        let mut out = Image::filled(desc, 9.0);
+        let images = [image.view()];
+        let inputs = Inputs {
+            images: &images,
+            simd: Simd::Native,
+        };
+        let row = size.x as usize * desc.format.channels();
+        for (i, out) in out.texels.chunks_exact_mut(row).enumerate() {
+            let start = UVec2::new(0, i as u32 % size.y);
+            kernel.filter(&inputs, start, i as u32 / size.y, out);
+        }
+        out
+    }
+
+    /// Every texel of every level is the mean of its square of texels, of its own layer, for sides that are odd, too.
+    #[test]
+    fn levels_are_means_of_squares() {
+        for size in [32, 43] {
+            let desc = ImageDesc {
+                label: "test",
+                size: UVec2::splat(size),
+                layers: 2,
+                format: Format::Rg32,
+            };
+            let mut image = Image::filled(desc, 0.0);
+            for (i, value) in image.texels.iter_mut().enumerate() {
+                *value = (i as f32 * 0.37).sin();
+            }
+            let levels = 3;
+            let along_rows = HalveKernel::along_rows(levels, Encoding::Floats);
+            let rows = play(&along_rows, &image, desc.size);
+            let height = level_start(size, levels + 1);
+            let along_columns = HalveKernel::along_columns(levels, Encoding::Floats);
+            let got = play(&along_columns, &rows, UVec2::new(size / 2, height));
+            for level in 1..=levels {
+                let side = level_side(size, level);
+                let count = 1 << level;
+                for (layer, x, y) in (0..2)
+                    .flat_map(|layer| (0..side).map(move |x| (layer, x)))
+                    .flat_map(|(layer, x)| (0..side).map(move |y| (layer, x, y)))
+                {
+                    let mut sum = 0.0;
+                    for dy in 0..count {
+                        for dx in 0..count {
+                            let (x, y) = (x * count + dx, y * count + dy);
+                            let at = image.view().index(x as i32, y as i32, layer);
+                            sum += f64::from(image.texels[at + 1]);
+                        }
+                    }
+                    let expected = sum / f64::from(count * count);
+                    let row = level_start(size, level) + y;
+                    let at = got.view().index(x as i32, row as i32, layer);
+                    let off = f64::from(got.texels[at + 1]) - expected;
+                    assert!(off.abs() < 1e-6, "level {level} at {x}, {y}: {off}");
+                }
+            }
+        }
+    }
+}

@@ -178,3 +178,117 @@ pub(crate) const TWINS: &[umbrage_core::Twin] = &[
     umbrage_core::twin!(MIPMAPS, texels_spanned(eye: Vec4, axis: Vec4, p: Vec3, n: Vec3, n_dot_l: f32, texel: f32) -> f32, needs [umbrage_core::MATH]),
     umbrage_core::twin!(MIPMAPS, mipmap_level(footprint: f32, levels: u32) -> Vec2, needs [umbrage_core::MATH]),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec2;
+    use umbrage_core::Extents;
+
+    fn cameras() -> [Camera; 2] {
+        let eye = Vec3::new(3.0, 4.0, 7.0);
+        let target = Vec3::new(0.5, 0.0, -0.5);
+        let size = UVec2::new(64, 40);
+        let extents = Extents {
+            left: -3.0,
+            right: 3.0,
+            bottom: -2.0,
+            top: 2.0,
+            near: 0.1,
+            far: 50.0,
+        };
+        let perspective = Camera::perspective(eye, target, Vec3::Y, 0.9, [0.1, 100.0], size);
+        let orthographic = Camera::orthographic(eye, target, Vec3::Y, extents, size);
+        [perspective.expect("valid"), orthographic.expect("valid")]
+    }
+
+    /// Returns where the ray through a place of the image meets a plane.
+    fn on_plane(camera: &Camera, x: f32, y: f32, origin: Vec3, normal: Vec3) -> Vec3 {
+        let rays = camera.rays();
+        let start = (rays.origin + rays.origin_dx * x + rays.origin_dy * y).truncate();
+        let direction = (rays.dir + rays.dir_dx * x + rays.dir_dy * y).truncate();
+        start + direction * ((origin - start).dot(normal) / direction.dot(normal))
+    }
+
+    /// What a pixel spans is the area that its corners' rays cut out of the receiver's plane, as the light sees it.
+    #[test]
+    fn a_footprint_is_the_area_between_a_pixels_corners() {
+        let texel = 0.01;
+        let to_light = Vec3::new(0.3, 0.9, -0.2).normalize();
+        let mut compared = 0;
+        for camera in cameras() {
+            for normal in [Vec3::Y, Vec3::new(0.4, 0.5, 0.8).normalize()] {
+                for (x, y) in [(3.5, 30.5), (31.5, 20.5), (60.5, 37.5)] {
+                    let at = |x, y| on_plane(&camera, x, y, Vec3::ZERO, normal);
+                    let middle = at(x, y);
+                    let right = at(x + 0.5, y) - at(x - 0.5, y);
+                    let down = at(x, y + 0.5) - at(x, y - 0.5);
+                    let n_dot_l = normal.dot(to_light);
+                    let area = right.cross(down).length() * n_dot_l;
+                    let expected = area.sqrt() / texel;
+                    let MipmapUniforms { eye, axis, .. } = MipmapUniforms::new(3, &camera);
+                    let got = texels_spanned(eye, axis, middle, normal, n_dot_l, texel);
+                    assert!(
+                        (got / expected - 1.0).abs() < 0.01,
+                        "{got} and {expected} at {x}, {y}"
+                    );
+                    compared += 1;
+                }
+            }
+        }
+        assert_eq!(compared, 12);
+    }
+
+    /// Levels follow footprints without jumps, from the first to the last.
+    #[test]
+    fn levels_follow_footprints() {
+        let cases = [
+            (0.3, 4, (0.0, 0.0)),
+            (1.0, 4, (0.0, 0.0)),
+            (1.5, 4, (0.0, 0.5)),
+            (2.0, 4, (1.0, 0.0)),
+            (3.0, 4, (1.0, 0.5)),
+            (12.0, 4, (3.0, 0.5)),
+            (16.0, 4, (4.0, 0.0)),
+            (1e9, 4, (4.0, 0.0)),
+            (f32::INFINITY, 2, (2.0, 0.0)),
+            (f32::NAN, 2, (0.0, 0.0)),
+            (5.0, 0, (0.0, 0.0)),
+        ];
+        for (footprint, levels, expected) in cases {
+            assert_eq!(
+                mipmap_level(footprint, levels),
+                Vec2::from(expected),
+                "{footprint}"
+            );
+        }
+    }
+
+    /// Places that a level averages have the variance that is said: counted for a receiver between two texels, where it is greatest.
+    #[test]
+    fn coarser_levels_spread_places_as_said() {
+        let variance = |level: u32| {
+            let side = 1_u32 << level;
+            let places = (0..2 * side).map(|i| f64::from(i) + 0.5 - f64::from(side));
+            places.map(|place| place * place).sum::<f64>() / f64::from(2 * side)
+        };
+        for level in 0..4_u32 {
+            for share in [0.0, 0.25, 0.75] {
+                let mixed = variance(level) * (1.0 - share) + variance(level + 1) * share;
+                let said = added_variance(Vec2::new(level as f32, share as f32));
+                let added = mixed - variance(0);
+                assert!((f64::from(said) - added).abs() < 1e-4, "{said} and {added}");
+            }
+        }
+    }
+
+    #[test]
+    fn levels_end_where_maps_are_small() {
+        let of = |size| levels(MAX_MIPMAPS, size);
+        let sizes = [0, 1, 16, 31, 32, 100, 1024, 4096];
+        assert_eq!(sizes.map(of), [0, 0, 0, 0, 1, 2, 6, 6]);
+        assert_eq!(levels(2, 1024), 2);
+        assert!(check_count(MAX_MIPMAPS).is_ok() && check_count(MAX_MIPMAPS + 1).is_err());
+        assert_eq!([0, 1, 2, 3].map(level_reach), [1.0, 2.0, 5.0, 11.0]);
+    }
+}
