@@ -16,6 +16,7 @@ pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use filtering::light_extent::LightExtent;
 pub use filtering::moments::blur::{BoxBlurKernel, BoxBlurUniforms};
 pub use filtering::moments::map::{MAX_BLEEDING_REDUCTION, MAX_BLUR};
+pub use filtering::moments::mipmaps::MAX_MIPMAPS;
 pub use filtering::moments::of_depth::{MomentsKernel, MomentsUniforms};
 pub use filtering::moments::stored::MomentPrecision;
 pub use filtering::sample_pattern::Pattern;
@@ -61,6 +62,7 @@ pub fn twins() -> impl Iterator<Item = &'static umbrage_core::Twin> {
         filtering::moments::exp2::TWINS,
         filtering::moments::of_depth::TWINS,
         filtering::moments::bounds::TWINS,
+        filtering::moments::mipmaps::TWINS,
         filtering::moments::stored::TWINS,
         filtering::moments::hamburger::TWINS,
         filtering::moments::hausdorff::TWINS,

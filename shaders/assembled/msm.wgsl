@@ -357,8 +357,53 @@ fn shadow_lit_by_falling(moments: vec2f, receiver: f32, least_variance: f32) -> 
 fn shadow_stored_moments(moments: vec4f) -> vec4f { return moments; }
 fn shadow_loaded_moments(channels: vec4f) -> vec4f { return channels; }
 
+// ---- mipmaps.wgsl
+// Twin of mipmaps.rs: how many texels a pixel spans on the map, and which levels of a moment map answer it.
+
+struct shadow_MipmapUniforms {
+    levels: u32,
+    eye: vec4f,
+    axis: vec4f,
+}
+
+fn shadow_texels_spanned(eye: vec4f, axis: vec4f, p: vec3f, n: vec3f, n_dot_l: f32, texel: f32) -> f32 {
+    let to_eye = vec3f(eye.x - p.x * eye.w, eye.y - p.y * eye.w, eye.z - p.z * eye.w);
+    let depth = shadow_dot3(axis.xyz, to_eye);
+    let side = depth * axis.w;
+    let across_rays = side * side * depth;
+    let area = across_rays * abs(n_dot_l) / abs(shadow_dot3(n, to_eye));
+    return sqrt(area) / texel;
+}
+
+fn shadow_mipmap_level(footprint: f32, levels: u32) -> vec2f {
+    var level = 0.0;
+    var side = 1.0;
+    for (var i = 0u; i < 6u; i++) {
+        if i < levels && footprint >= 2.0 * side {
+            level += 1.0;
+            side *= 2.0;
+        }
+    }
+    if footprint > side && level < f32(levels) {
+        return vec2f(level, footprint / side - 1.0);
+    }
+    return vec2f(level, 0.0);
+}
+
+fn shadow_added_variance(level: vec2f) -> f32 {
+    let side = f32(1u << u32(level.x));
+    return (side * side * (1.0 + 3.0 * level.y) - 1.0) * 0.33333334;
+}
+
 // ---- look_up.wgsl
-// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth` are the technique's.
+// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth` are the technique's, `filtered_moments` is
+// the map's choice.
+
+struct shadow_FilteredMoments {
+    moments: vec4f,
+    // By how much a coarser level spreads the places that are averaged, texels squared.
+    spread: f32,
+}
 
 // The kernel's first image between its texels.
 fn shadow_blended_moments(at: vec2f, layer: i32) -> vec4f {
@@ -386,9 +431,15 @@ fn shadow_visibility(l: shadow_ShadowCoord, r: shadow_Receiver) -> f32 {
     if l.depth > 1.0 {
         return 0.0;
     }
-    let depth = shadow_centred(shadow_compared_depth(l));
-    let lit = shadow_lit_by_moments(shadow_blended_moments(l.texel, l.layer), depth);
+    let filtered = shadow_filtered_moments(l, r);
+    let depth = shadow_centred(shadow_compared_depth(l, filtered.spread));
+    let lit = shadow_lit_by_moments(filtered.moments, depth);
     return shadow_without_bleeding(lit, shadow_kernel.bleeding, shadow_kernel.bleeding_scale);
+}
+
+// ---- choice: one level
+fn shadow_filtered_moments(l: shadow_ShadowCoord, r: shadow_Receiver) -> shadow_FilteredMoments {
+    return shadow_FilteredMoments(shadow_blended_moments(l.texel, l.layer), 0.0);
 }
 
 // ---- hamburger.wgsl
@@ -487,15 +538,23 @@ fn shadow_hausdorff(moments: vec4f, depth: f32) -> f32 {
 
 struct shadow_MsmUniforms {
     lookup: shadow_ShadowMapUniforms,
+    mipmaps: shadow_MipmapUniforms,
     bleeding: f32,
     bleeding_scale: f32,
     moment_bias: f32,
     plane_deviation: f32,
 }
 
-fn shadow_compared_depth(l: shadow_ShadowCoord) -> f32 {
+fn shadow_spread_deviation(deviation: f32, spread: f32) -> f32 {
+    if spread > 0.0 {
+        return sqrt(deviation * deviation + spread);
+    }
+    return deviation;
+}
+
+fn shadow_compared_depth(l: shadow_ShadowCoord, spread: f32) -> f32 {
     let slope = sqrt(l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y);
-    return l.depth - shadow_kernel.plane_deviation * slope;
+    return l.depth - shadow_spread_deviation(shadow_kernel.plane_deviation, spread) * slope;
 }
 
 // Moments, moved a little towards those of a distribution whose depths are far apart.

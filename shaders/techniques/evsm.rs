@@ -19,6 +19,7 @@ use crate::{
         exp2::power_of_two,
         look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
+        mipmaps::{self, MipmapUniforms},
         of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
     },
@@ -57,6 +58,9 @@ pub struct Evsm {
     pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
+    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
+    /// pixels that span several texels, which else is as noisy under a moving camera as one texel is.
+    pub mipmaps: u32,
     /// Bits of each moment.
     pub precision: MomentPrecision,
     /// Which exponentials.
@@ -77,6 +81,7 @@ impl Default for Evsm {
         Self {
             map: ShadowMap::default(),
             blur: 3,
+            mipmaps: 0,
             precision: MomentPrecision::Bits32,
             moments: EvsmMoments::Four,
             positive_exponent: 40.0,
@@ -99,6 +104,7 @@ impl ShadowTechnique for Evsm {
             EvsmMoments::Four => 4,
         };
         let mut words = format!("{moments} moments, blur {side}x{side}, ");
+        words += &mipmaps::words(self.mipmaps);
         words += self.precision.words();
         let default = Self::default();
         let exponents = (self.positive_exponent, self.negative_exponent);
@@ -141,12 +147,15 @@ impl ShadowTechnique for Evsm {
             kind,
             precision: self.precision,
             blur: self.blur,
+            mipmaps: self.mipmaps,
         };
-        let kernel = |lookup| EvsmKernel {
+        let kernel = |lookup, mipmaps| EvsmKernel {
             encoding: images.encoding(),
+            blur: self.blur,
             moments: self.moments,
             uniforms: EvsmUniforms {
                 lookup,
+                mipmaps,
                 bleeding: bleeding.amount,
                 bleeding_scale: bleeding.scale,
                 rising,
@@ -163,7 +172,7 @@ impl ShadowTechnique for Evsm {
     }
 
     fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
+        self.mipmaps > 0 || self.map.follows_camera(light)
     }
 }
 
@@ -225,6 +234,14 @@ impl ListedTechnique for Evsm {
             precision: MomentPrecision::Bits16,
             ..Self::default()
         }));
+        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                precision,
+                mipmaps,
+                ..Self::default()
+            }));
+        }
         out.extend(sweeps::middle(
             &[map_size],
             Fit::Tight,
@@ -271,6 +288,7 @@ impl ListedTechnique for Evsm {
             RandomParameter::Length(0.0..42.0),
             RandomParameter::Length(0.0..42.0),
             RandomParameter::Switch,
+            RandomParameter::Count(0..4),
         ]
     }
 
@@ -278,6 +296,7 @@ impl ListedTechnique for Evsm {
         Self {
             map,
             blur: numbers[0] as u32,
+            mipmaps: numbers[7] as u32,
             precision: MomentPrecision::of_switch(numbers[6]),
             least_deviation: Some(numbers[1]),
             bleeding_reduction: numbers[2],
@@ -297,6 +316,8 @@ uniforms! {
     pub struct EvsmUniforms {
         /// The map: its layers, and how it is looked up.
         pub lookup: ShadowMapUniforms,
+        /// Its levels, and what chooses them.
+        pub mipmaps: MipmapUniforms,
         /// Light that counts as none, 0..1.
         pub bleeding: f32,
         /// What the rest is stretched by.
@@ -316,6 +337,8 @@ uniforms! {
 #[derive(Clone, Copy, Debug)]
 pub struct EvsmKernel {
     encoding: Encoding,
+    /// Texels to each side that were averaged.
+    blur: u32,
     moments: EvsmMoments,
     uniforms: EvsmUniforms,
 }
@@ -329,6 +352,16 @@ const FOUR: Module = Module {
     text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_both(moments, depth); }\n",
 };
 
+impl EvsmKernel {
+    fn moment_map(&self) -> MomentMap<'_> {
+        MomentMap {
+            lookup: &self.uniforms.lookup,
+            encoding: self.encoding,
+            mipmaps: &self.uniforms.mipmaps,
+        }
+    }
+}
+
 impl Kernel for EvsmKernel {
     fn modules(&self) -> Vec<Module> {
         let own = Module {
@@ -339,7 +372,7 @@ impl Kernel for EvsmKernel {
             EvsmMoments::Two => TWO,
             EvsmMoments::Four => FOUR,
         };
-        look_up::modules(&self.uniforms.lookup, self.encoding, &[own, choice])
+        look_up::modules(self.moment_map(), &[own, choice])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -354,10 +387,7 @@ impl ReceiveKernel for EvsmKernel {
             amount: u.bleeding,
             scale: u.bleeding_scale,
         };
-        let map = MomentMap {
-            lookup: &u.lookup,
-            encoding: self.encoding,
-        };
+        let map = self.moment_map();
         match self.moments {
             EvsmMoments::Two => look_up::<2>(inputs, map, span, out, u, bleeding),
             EvsmMoments::Four => look_up::<4>(inputs, map, span, out, u, bleeding),
@@ -365,7 +395,11 @@ impl ReceiveKernel for EvsmKernel {
     }
 
     fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(4)
+        mipmaps::cost(&self.uniforms.mipmaps)
+    }
+
+    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.moment_map().reach(self.blur, position, normal)
     }
 
     fn layer(&self, position: Vec3) -> Option<u32> {

@@ -2,6 +2,7 @@
 
 struct EvsmUniforms {
     lookup: ShadowMapUniforms,
+    mipmaps: MipmapUniforms,
     bleeding: f32,
     bleeding_scale: f32,
     rising: f32,
@@ -10,7 +11,7 @@ struct EvsmUniforms {
     least_falling: f32,
 }
 
-fn compared_depth(l: ShadowCoord) -> f32 {
+fn compared_depth(l: ShadowCoord, spread: f32) -> f32 {
     return l.depth;
 }
 

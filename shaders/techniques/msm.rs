@@ -24,6 +24,7 @@ use crate::{
         hausdorff::{HAUSDORFF, hausdorff},
         look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
+        mipmaps::{self, MipmapUniforms},
         of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
     },
@@ -58,6 +59,9 @@ pub struct Msm {
     pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
+    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
+    /// pixels that span several texels, which else is as noisy under a moving camera as one texel is.
+    pub mipmaps: u32,
     /// Bits of each moment.
     pub precision: MomentPrecision,
     /// Which distributions are allowed.
@@ -74,6 +78,7 @@ impl Default for Msm {
         Self {
             map: ShadowMap::default(),
             blur: 3,
+            mipmaps: 0,
             precision: MomentPrecision::Bits32,
             reconstruction: Reconstruction::Hausdorff,
             moment_bias: None,
@@ -94,6 +99,7 @@ impl ShadowTechnique for Msm {
             Reconstruction::Hausdorff => "hausdorff",
         };
         let mut words = format!("{reconstruction}, blur {side}x{side}, ");
+        words += &mipmaps::words(self.mipmaps);
         words += self.precision.words();
         let default = Self::default();
         if let Some(bias) = self.moment_bias {
@@ -116,12 +122,15 @@ impl ShadowTechnique for Msm {
             kind: MomentKind::Powers,
             precision: self.precision,
             blur: self.blur,
+            mipmaps: self.mipmaps,
         };
-        let kernel = |lookup| MsmKernel {
+        let kernel = |lookup, mipmaps| MsmKernel {
             encoding: images.encoding(),
+            blur: self.blur,
             reconstruction: self.reconstruction,
             uniforms: MsmUniforms {
                 lookup,
+                mipmaps,
                 bleeding: bleeding.amount,
                 bleeding_scale: bleeding.scale,
                 moment_bias,
@@ -136,7 +145,7 @@ impl ShadowTechnique for Msm {
     }
 
     fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
+        self.mipmaps > 0 || self.map.follows_camera(light)
     }
 }
 
@@ -181,6 +190,14 @@ impl ListedTechnique for Msm {
             precision: MomentPrecision::Bits16,
             ..Self::default()
         }));
+        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                precision,
+                mipmaps,
+                ..Self::default()
+            }));
+        }
         out
     }
 
@@ -214,6 +231,7 @@ impl ListedTechnique for Msm {
             RandomParameter::Length(0.0..0.9),
             RandomParameter::Switch,
             RandomParameter::Switch,
+            RandomParameter::Count(0..4),
         ]
     }
 
@@ -221,6 +239,7 @@ impl ListedTechnique for Msm {
         Self {
             map,
             blur: numbers[0] as u32,
+            mipmaps: numbers[5] as u32,
             precision: MomentPrecision::of_switch(numbers[4]),
             moment_bias: Some(numbers[1]),
             bleeding_reduction: numbers[2],
@@ -238,6 +257,8 @@ uniforms! {
     pub struct MsmUniforms {
         /// The map: its layers, and how it is looked up.
         pub lookup: ShadowMapUniforms,
+        /// Its levels, and what chooses them.
+        pub mipmaps: MipmapUniforms,
         /// Light that counts as none, 0..1.
         pub bleeding: f32,
         /// What the rest is stretched by.
@@ -253,6 +274,8 @@ uniforms! {
 #[derive(Clone, Copy, Debug)]
 pub struct MsmKernel {
     encoding: Encoding,
+    /// Texels to each side that were averaged.
+    blur: u32,
     reconstruction: Reconstruction,
     uniforms: MsmUniforms,
 }
@@ -266,6 +289,16 @@ const THREE_OR_FOUR: Module = Module {
     text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_hausdorff(moments, depth); }\n",
 };
 
+impl MsmKernel {
+    fn moment_map(&self) -> MomentMap<'_> {
+        MomentMap {
+            lookup: &self.uniforms.lookup,
+            encoding: self.encoding,
+            mipmaps: &self.uniforms.mipmaps,
+        }
+    }
+}
+
 impl Kernel for MsmKernel {
     fn modules(&self) -> Vec<Module> {
         let own = Module {
@@ -277,7 +310,7 @@ impl Kernel for MsmKernel {
             Reconstruction::Hausdorff => THREE_OR_FOUR,
         };
         let own = [HAMBURGER, HAUSDORFF, own, choice];
-        look_up::modules(&self.uniforms.lookup, self.encoding, &own)
+        look_up::modules(self.moment_map(), &own)
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -292,10 +325,7 @@ impl ReceiveKernel for MsmKernel {
             amount: u.bleeding,
             scale: u.bleeding_scale,
         };
-        let map = MomentMap {
-            lookup: &u.lookup,
-            encoding: self.encoding,
-        };
+        let map = self.moment_map();
         match self.reconstruction {
             Reconstruction::Hamburger => {
                 look_up(inputs, map, span, out, &HamburgerBound(u), bleeding);
@@ -307,7 +337,11 @@ impl ReceiveKernel for MsmKernel {
     }
 
     fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(4)
+        mipmaps::cost(&self.uniforms.mipmaps)
+    }
+
+    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.moment_map().reach(self.blur, position, normal)
     }
 
     fn layer(&self, position: Vec3) -> Option<u32> {
@@ -345,9 +379,19 @@ impl MsmUniforms {
     /// where at the mean itself up to half of it is dark. (Orthogonal polynomials of a symmetric distribution: the second has its
     /// zeros one deviation from the mean.)
     #[inline(always)]
-    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+    fn compared_depth(&self, l: &ShadowCoord, spread: f32) -> f32 {
         let slope = (l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y).sqrt();
-        l.depth - self.plane_deviation * slope
+        l.depth - spread_deviation(self.plane_deviation, spread) * slope
+    }
+}
+
+/// Returns the standard deviation of a plane's depths where a coarser level adds `spread` to the variance of places, texels squared.
+#[inline(always)]
+fn spread_deviation(deviation: f32, spread: f32) -> f32 {
+    if spread > 0.0 {
+        (deviation * deviation + spread).sqrt()
+    } else {
+        deviation
     }
 }
 
@@ -361,8 +405,8 @@ impl LightBound<4> for HamburgerBound<'_> {
     }
 
     #[inline(always)]
-    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
-        self.0.compared_depth(l)
+    fn compared_depth(&self, l: &ShadowCoord, spread: f32) -> f32 {
+        self.0.compared_depth(l, spread)
     }
 }
 
@@ -373,7 +417,7 @@ impl LightBound<4> for HausdorffBound<'_> {
     }
 
     #[inline(always)]
-    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
-        self.0.compared_depth(l)
+    fn compared_depth(&self, l: &ShadowCoord, spread: f32) -> f32 {
+        self.0.compared_depth(l, spread)
     }
 }

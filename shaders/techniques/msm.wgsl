@@ -2,15 +2,23 @@
 
 struct MsmUniforms {
     lookup: ShadowMapUniforms,
+    mipmaps: MipmapUniforms,
     bleeding: f32,
     bleeding_scale: f32,
     moment_bias: f32,
     plane_deviation: f32,
 }
 
-fn compared_depth(l: ShadowCoord) -> f32 {
+fn spread_deviation(deviation: f32, spread: f32) -> f32 {
+    if spread > 0.0 {
+        return sqrt(deviation * deviation + spread);
+    }
+    return deviation;
+}
+
+fn compared_depth(l: ShadowCoord, spread: f32) -> f32 {
     let slope = sqrt(l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y);
-    return l.depth - kernel.plane_deviation * slope;
+    return l.depth - spread_deviation(kernel.plane_deviation, spread) * slope;
 }
 
 // Moments, moved a little towards those of a distribution whose depths are far apart.

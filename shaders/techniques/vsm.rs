@@ -15,6 +15,7 @@ use crate::{
         bounds::lit_by_variance,
         look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
+        mipmaps::{self, MipmapUniforms},
         of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
     },
@@ -38,6 +39,9 @@ pub struct Vsm {
     pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
+    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
+    /// pixels that span several texels, which else is as noisy under a moving camera as one texel is.
+    pub mipmaps: u32,
     /// Bits of each moment.
     pub precision: MomentPrecision,
     /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on even surfaces. Where it is left out, it
@@ -52,6 +56,7 @@ impl Default for Vsm {
         Self {
             map: ShadowMap::default(),
             blur: 3,
+            mipmaps: 0,
             precision: MomentPrecision::Bits32,
             least_deviation: None,
             bleeding_reduction: 0.2,
@@ -67,6 +72,7 @@ impl ShadowTechnique for Vsm {
     fn settings(&self) -> String {
         let side = 2 * u64::from(self.blur) + 1;
         let mut words = format!("blur {side}x{side}, ");
+        words += &mipmaps::words(self.mipmaps);
         words += self.precision.words();
         let default = Self::default();
         if let Some(deviation) = self.least_deviation {
@@ -91,11 +97,14 @@ impl ShadowTechnique for Vsm {
             kind: MomentKind::Variance,
             precision: self.precision,
             blur: self.blur,
+            mipmaps: self.mipmaps,
         };
-        let kernel = |lookup| VsmKernel {
+        let kernel = |lookup, mipmaps| VsmKernel {
             encoding: images.encoding(),
+            blur: self.blur,
             uniforms: VsmUniforms {
                 lookup,
+                mipmaps,
                 bleeding: bleeding.amount,
                 bleeding_scale: bleeding.scale,
                 least_variance: (deviation * deviation).max(SMALLEST_VARIANCE),
@@ -109,7 +118,7 @@ impl ShadowTechnique for Vsm {
     }
 
     fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
+        self.mipmaps > 0 || self.map.follows_camera(light)
     }
 }
 
@@ -170,6 +179,14 @@ impl ListedTechnique for Vsm {
             precision: MomentPrecision::Bits16,
             ..Self::default()
         }));
+        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                precision,
+                mipmaps,
+                ..Self::default()
+            }));
+        }
         out
     }
 
@@ -198,6 +215,7 @@ impl ListedTechnique for Vsm {
             RandomParameter::Length(0.0..0.01),
             RandomParameter::Length(0.0..0.9),
             RandomParameter::Switch,
+            RandomParameter::Count(0..4),
         ]
     }
 
@@ -205,6 +223,7 @@ impl ListedTechnique for Vsm {
         Self {
             map,
             blur: numbers[0] as u32,
+            mipmaps: numbers[4] as u32,
             precision: MomentPrecision::of_switch(numbers[3]),
             least_deviation: Some(numbers[1]),
             bleeding_reduction: numbers[2],
@@ -217,6 +236,8 @@ uniforms! {
     pub struct VsmUniforms {
         /// The map: its layers, and how it is looked up.
         pub lookup: ShadowMapUniforms,
+        /// Its levels, and what chooses them.
+        pub mipmaps: MipmapUniforms,
         /// Light that counts as none, 0..1.
         pub bleeding: f32,
         /// What the rest is stretched by.
@@ -230,7 +251,19 @@ uniforms! {
 #[derive(Clone, Copy, Debug)]
 pub struct VsmKernel {
     encoding: Encoding,
+    /// Texels to each side that were averaged.
+    blur: u32,
     uniforms: VsmUniforms,
+}
+
+impl VsmKernel {
+    fn moment_map(&self) -> MomentMap<'_> {
+        MomentMap {
+            lookup: &self.uniforms.lookup,
+            encoding: self.encoding,
+            mipmaps: &self.uniforms.mipmaps,
+        }
+    }
 }
 
 impl Kernel for VsmKernel {
@@ -239,7 +272,7 @@ impl Kernel for VsmKernel {
             name: "vsm",
             text: include_str!("vsm.wgsl"),
         };
-        look_up::modules(&self.uniforms.lookup, self.encoding, &[own])
+        look_up::modules(self.moment_map(), &[own])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -254,15 +287,16 @@ impl ReceiveKernel for VsmKernel {
             amount: u.bleeding,
             scale: u.bleeding_scale,
         };
-        let map = MomentMap {
-            lookup: &u.lookup,
-            encoding: self.encoding,
-        };
+        let map = self.moment_map();
         look_up(inputs, map, span, out, u, bleeding);
     }
 
     fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(4)
+        mipmaps::cost(&self.uniforms.mipmaps)
+    }
+
+    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.moment_map().reach(self.blur, position, normal)
     }
 
     fn layer(&self, position: Vec3) -> Option<u32> {

@@ -2,12 +2,13 @@
 
 struct VsmUniforms {
     lookup: ShadowMapUniforms,
+    mipmaps: MipmapUniforms,
     bleeding: f32,
     bleeding_scale: f32,
     least_variance: f32,
 }
 
-fn compared_depth(l: ShadowCoord) -> f32 {
+fn compared_depth(l: ShadowCoord, spread: f32) -> f32 {
     return l.depth;
 }
 

@@ -78,6 +78,7 @@ fn both_halves_agree() {
     let mut blended = 0;
     let mut dark = 0;
     let mut picked = HashSet::new();
+    let mut turn = 0;
     for (i, split) in splits().into_iter().enumerate() {
         for fit in [Fit::Tight, Fit::Stable { range: 150.0 }] {
             for blend in [0.0, 12.0] {
@@ -96,6 +97,8 @@ fn both_halves_agree() {
                 for technique in techniques(map, i) {
                     cases.push((technique, &view));
                 }
+                cases.push((of_moments(map, turn), &view));
+                turn += 1;
                 cases.push((Box::new(wide), &soft));
                 for (technique, view) in &cases {
                     let recipe = technique.recipe(view).expect("plans");
@@ -113,14 +116,18 @@ fn both_halves_agree() {
         }
     }
     assert!(compared >= 40 && blended >= 20, "{compared} compared");
+    assert!(turn >= MOMENT_MAPS, "{turn} maps of moments were played");
     assert!(dark > 1000, "{dark} pixels are dark");
     let all_layers = (0..4).all(|layer| picked.contains(&Some(layer)));
     assert!(all_layers, "{picked:?} are looked up");
 }
 
+/// How many of them [`of_moments`] has.
+const MOMENT_MAPS: usize = 9;
+
 /// The techniques with maps of moments, in turn.
 fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
-    match turn % 6 {
+    match turn % MOMENT_MAPS {
         0 => Box::new(Vsm {
             map,
             ..Vsm::default()
@@ -131,6 +138,22 @@ fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
         }),
         2 => Box::new(Msm {
             map,
+            ..Msm::default()
+        }),
+        6 => Box::new(Vsm {
+            map,
+            mipmaps: 3,
+            ..Vsm::default()
+        }),
+        7 => Box::new(Evsm {
+            map,
+            mipmaps: 2,
+            precision: MomentPrecision::Bits16,
+            ..Evsm::default()
+        }),
+        8 => Box::new(Msm {
+            map,
+            mipmaps: 4,
             ..Msm::default()
         }),
         3 => Box::new(Evsm {
@@ -191,7 +214,6 @@ fn techniques(map: ShadowMap, turn: usize) -> Vec<Box<dyn ShadowTechnique>> {
                 ..map
             },
         }),
-        of_moments(map, turn),
     ]
 }
 

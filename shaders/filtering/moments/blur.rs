@@ -78,7 +78,7 @@ impl FilterKernel for BoxBlurKernel {
         let y = start.y as i32;
         out.fill(0.0);
         if step == IVec2::X {
-            let row = self.loaded(inputs, row(image, y, layer));
+            let row = loaded_row(inputs, self.encoding, y, layer);
             let padded = padded_row(&row, image.desc.format.channels(), radius);
             let channels = image.desc.format.channels();
             for first in (0..=2 * radius as usize).map(|i| i * channels) {
@@ -90,7 +90,7 @@ impl FilterKernel for BoxBlurKernel {
         } else {
             let last = image.desc.size.y as i32 - 1;
             for i in -radius..=radius {
-                let row = self.loaded(inputs, row(image, (y + i).clamp(0, last), layer));
+                let row = loaded_row(inputs, self.encoding, (y + i).clamp(0, last), layer);
                 inputs.simd.run_task(Add {
                     sum: out,
                     values: &row,
@@ -112,19 +112,23 @@ impl FilterKernel for BoxBlurKernel {
     }
 }
 
-impl BoxBlurKernel {
-    /// Returns a row as what is averaged.
-    fn loaded<'a>(&self, inputs: &Inputs<'_>, row: &'a [f32]) -> Cow<'a, [f32]> {
-        if self.encoding == Encoding::Floats {
-            return Cow::Borrowed(row);
-        }
-        let mut texels = row.to_vec();
-        inputs.simd.run_task(Load {
-            encoding: self.encoding,
-            texels: &mut texels,
-        });
-        Cow::Owned(texels)
+/// Returns a row of the first input as what is averaged.
+pub(super) fn loaded_row<'a>(
+    inputs: &Inputs<'a>,
+    encoding: Encoding,
+    y: i32,
+    layer: u32,
+) -> Cow<'a, [f32]> {
+    let row = row(&inputs.images[0], y, layer);
+    if encoding == Encoding::Floats {
+        return Cow::Borrowed(row);
     }
+    let mut texels = row.to_vec();
+    inputs.simd.run_task(Load {
+        encoding,
+        texels: &mut texels,
+    });
+    Cow::Owned(texels)
 }
 
 /// Returns a row of a layer, channels interleaved.
@@ -141,9 +145,9 @@ fn padded_row(row: &[f32], channels: usize, radius: i32) -> Vec<f32> {
 }
 
 /// Adds numbers to sums.
-struct Add<'a> {
-    sum: &'a mut [f32],
-    values: &'a [f32],
+pub(super) struct Add<'a> {
+    pub(super) sum: &'a mut [f32],
+    pub(super) values: &'a [f32],
 }
 
 impl SimdTask for Add<'_> {
@@ -158,9 +162,9 @@ impl SimdTask for Add<'_> {
 }
 
 /// Multiplies numbers.
-struct Scale<'a> {
-    values: &'a mut [f32],
-    factor: f32,
+pub(super) struct Scale<'a> {
+    pub(super) values: &'a mut [f32],
+    pub(super) factor: f32,
 }
 
 impl SimdTask for Scale<'_> {

@@ -6,32 +6,52 @@ use crate::{
         bounds::{BOUNDS, without_bleeding},
         exp2::EXP2,
         map::BleedingReduction,
+        mipmaps::{
+            MIPMAPS, MipmapUniforms, added_variance, level_reach, level_side, level_start,
+            mipmap_level, texels_spanned,
+        },
         of_depth::{MOMENTS_OF_DEPTH, centred},
         stored::Encoding,
     },
     lanes::batch::{Taps, look_up_span},
-    shadow_map::{coord::ShadowCoord, layers::ShadowMapUniforms},
+    shadow_map::{
+        coord::{ShadowCoord, clip_w, to_light},
+        layers::{ShadowMapUniforms, layer_at},
+    },
 };
-use umbrage_core::{Inputs, Module, Span};
+use glam::{Vec2, Vec3};
+use umbrage_core::{Inputs, Module, Span, math::dot3};
 
 /// The WGSL half of the lookup. It reads the kernel's first image.
 const LOOK_UP: Module = Module {
     name: "look_up",
     text: include_str!("look_up.wgsl"),
 };
+/// Of maps without mipmaps.
+const ONE_LEVEL: Module = Module {
+    name: "choice: one level",
+    text: "fn filtered_moments(l: ShadowCoord, r: Receiver) -> FilteredMoments {
+    return FilteredMoments(blended_moments(l.texel, l.layer), 0.0);
+}
+",
+};
+/// Of those with some. It reads the kernel's second image, too.
+const MIPMAPPED: Module = Module {
+    name: "look_up_mipmapped",
+    text: include_str!("look_up_mipmapped.wgsl"),
+};
 
 /// Returns the WGSL of a kernel that looks up moments: the map's modules, those of moments, and `own`, which declares the uniforms and
 /// `fn lit_by_moments(moments: vec4f, depth: f32) -> f32`, the share of light at a centred depth, and
-/// `fn compared_depth(l: ShadowCoord) -> f32`, the clip depth that is asked about.
-pub(crate) fn modules(
-    lookup: &ShadowMapUniforms,
-    encoding: Encoding,
-    own: &[Module],
-) -> Vec<Module> {
-    let mut modules = lookup.modules();
+/// `fn compared_depth(l: ShadowCoord, spread: f32) -> f32`, the clip depth that is asked about; a coarser level spreads the places that
+/// are averaged by `spread` texels squared. The map's uniforms must be the kernel's field `lookup`, those of its levels `mipmaps`.
+pub(crate) fn modules(map: MomentMap<'_>, own: &[Module]) -> Vec<Module> {
+    let mut modules = map.lookup.modules();
     modules.extend([EXP2, MOMENTS_OF_DEPTH, BOUNDS]);
-    modules.extend(encoding.modules());
-    modules.push(LOOK_UP);
+    modules.extend(map.encoding.modules());
+    let has_mipmaps = map.mipmaps.levels > 0;
+    let choice = if has_mipmaps { MIPMAPPED } else { ONE_LEVEL };
+    modules.extend([MIPMAPS, LOOK_UP, choice]);
     modules.extend(own);
     modules
 }
@@ -43,7 +63,7 @@ pub(crate) trait LightBound<const CHANNELS: usize> {
 
     /// Returns the clip depth that is asked about. WGSL's `compared_depth`.
     #[inline(always)]
-    fn compared_depth(&self, l: &ShadowCoord) -> f32 {
+    fn compared_depth(&self, l: &ShadowCoord, _spread: f32) -> f32 {
         l.depth
     }
 }
@@ -55,9 +75,36 @@ pub(crate) struct MomentMap<'a> {
     pub(crate) lookup: &'a ShadowMapUniforms,
     /// What its channels are.
     pub(crate) encoding: Encoding,
+    /// Its levels, and what chooses them.
+    pub(crate) mipmaps: &'a MipmapUniforms,
 }
 
-/// Looks up a span of receivers in the map of moments that is the kernel's first image.
+impl MomentMap<'_> {
+    /// Returns the levels that answer a receiver: the finer one, and the share of the coarser.
+    #[inline(always)]
+    fn level(&self, layer: i32, position: Vec3, normal: Vec3) -> Vec2 {
+        let MipmapUniforms { levels, eye, axis } = *self.mipmaps;
+        let map = &self.lookup.layers[layer as usize];
+        let texel = map.texel * clip_w(&map.clip_from_world, position);
+        let n_dot_l = dot3(normal, to_light(self.lookup.light, position));
+        let spanned = texels_spanned(eye, axis, position, normal, n_dot_l, texel);
+        mipmap_level(spanned, levels)
+    }
+
+    /// Returns how far the lookup of a receiver reaches in a map that is blurred by `blur`; none where it is the same for all.
+    pub(crate) fn reach(&self, blur: u32, position: Vec3, normal: Vec3) -> Option<f32> {
+        if self.mipmaps.levels == 0 {
+            return None;
+        }
+        let layer = layer_at(self.lookup, position);
+        let level = self.level(layer, position, normal);
+        let coarsest = level.x as u32 + u32::from(level.y > 0.0);
+        Some(blur as f32 + level_reach(coarsest))
+    }
+}
+
+/// Looks up a span of receivers in the map of moments that is the kernel's first image; its second one has the levels from 1 on, if
+/// there are any.
 pub(crate) fn look_up<const CHANNELS: usize>(
     inputs: &Inputs<'_>,
     map: MomentMap<'_>,
@@ -67,22 +114,48 @@ pub(crate) fn look_up<const CHANNELS: usize>(
     bleeding: BleedingReduction,
 ) {
     let lookup = map.lookup;
-    let (texels, _) = inputs.images[0].texels.as_chunks();
     let lookups = MomentLookups {
-        texels,
+        finest: texels_of(inputs, 0),
         encoding: map.encoding,
         size: lookup.size as i32,
         clamped: lookup.clamped != 0,
         bound,
         bleeding,
     };
+    if map.mipmaps.levels == 0 {
+        look_up_span(inputs.simd, lookup, span, out, &lookups);
+        return;
+    }
+    let lookups = MipmappedLookups {
+        finest: lookups,
+        coarser: texels_of(inputs, 1),
+        map,
+        span,
+    };
     look_up_span(inputs.simd, lookup, span, out, &lookups);
+}
+
+/// Returns an image of moments.
+fn texels_of<'a, const CHANNELS: usize>(inputs: &Inputs<'a>, image: usize) -> Texels<'a, CHANNELS> {
+    let image = &inputs.images[image];
+    Texels {
+        texels: image.texels.as_chunks().0,
+        width: image.desc.size.x as usize,
+        height: image.desc.size.y as usize,
+    }
+}
+
+/// An image of moments: all layers, row by row.
+#[derive(Clone, Copy)]
+struct Texels<'a, const CHANNELS: usize> {
+    texels: &'a [[f32; CHANNELS]],
+    width: usize,
+    height: usize,
 }
 
 /// A map of moments, and what is asked of it.
 struct MomentLookups<'a, const CHANNELS: usize, B> {
-    /// All layers, row by row.
-    texels: &'a [[f32; CHANNELS]],
+    finest: Texels<'a, CHANNELS>,
     encoding: Encoding,
     /// Side of each layer, texels.
     size: i32,
@@ -95,38 +168,68 @@ struct MomentLookups<'a, const CHANNELS: usize, B> {
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> Taps for MomentLookups<'_, CHANNELS, B> {
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
+        self.known(l)
+            .unwrap_or_else(|| self.lit(l, self.blended(l), 0.0))
+    }
+}
+
+impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS, B> {
+    /// Returns what needs no moments.
+    #[inline(always)]
+    fn known(&self, l: &ShadowCoord) -> Option<f32> {
         let size = self.size as f32;
         let is_inside =
             l.texel.x >= 0.0 && l.texel.y >= 0.0 && l.texel.x < size && l.texel.y < size;
         if !is_inside && !self.clamped {
-            return 1.0;
+            return Some(1.0);
         }
         // Beyond the far plane, where nothing is stored.
-        if l.depth > 1.0 {
-            return 0.0;
-        }
-        let depth = centred(self.bound.compared_depth(l));
-        let lit = self.bound.lit(self.blended(l), depth);
+        (l.depth > 1.0).then_some(0.0)
+    }
+
+    /// Returns the share of light that moments allow at a receiver; a coarser level spreads the places that are averaged by `spread`
+    /// texels squared.
+    #[inline(always)]
+    fn lit(&self, l: &ShadowCoord, moments: [f32; CHANNELS], spread: f32) -> f32 {
+        let depth = centred(self.bound.compared_depth(l, spread));
+        let lit = self.bound.lit(moments, depth);
         without_bleeding(lit, self.bleeding.amount, self.bleeding.scale)
     }
-}
 
-impl<const CHANNELS: usize, B> MomentLookups<'_, CHANNELS, B> {
     /// Returns the moments at a receiver's place, blended between four texels.
     #[inline(always)]
     fn blended(&self, l: &ShadowCoord) -> [f32; CHANNELS] {
-        let place = l.texel - 0.5;
+        self.between_texels(self.finest, l.texel, self.size, 0, l.layer)
+    }
+
+    /// Returns the moments at a place, texels, of a level of this side that begins in a row of an image.
+    #[inline(always)]
+    fn between_texels(
+        &self,
+        image: Texels<'_, CHANNELS>,
+        at: Vec2,
+        side: i32,
+        start: i32,
+        layer: i32,
+    ) -> [f32; CHANNELS] {
+        let place = at - 0.5;
         let corner = place.floor();
         let share = place - corner;
-        let last = self.size - 1;
+        let last = side - 1;
         let left = (corner.x as i32).clamp(0, last);
         let right = (corner.x as i32 + 1).clamp(0, last);
-        let upper = (corner.y as i32).clamp(0, last);
-        let lower = (corner.y as i32 + 1).clamp(0, last);
-        let top_left = self.texel(left, upper, l.layer);
-        let top_right = self.texel(right, upper, l.layer);
-        let bottom_left = self.texel(left, lower, l.layer);
-        let bottom_right = self.texel(right, lower, l.layer);
+        let upper = (corner.y as i32).clamp(0, last) + start;
+        let lower = (corner.y as i32 + 1).clamp(0, last) + start;
+        let texel = |x: i32, y: i32| {
+            let row = layer as usize * image.height + y as usize;
+            let mut moments = image.texels[row * image.width + x as usize];
+            self.encoding.load(&mut moments);
+            moments
+        };
+        let top_left = texel(left, upper);
+        let top_right = texel(right, upper);
+        let bottom_left = texel(left, lower);
+        let bottom_right = texel(right, lower);
         let mut moments = [0.0; CHANNELS];
         for (i, moment) in moments.iter_mut().enumerate() {
             let top = top_left[i] + (top_right[i] - top_left[i]) * share.x;
@@ -135,12 +238,51 @@ impl<const CHANNELS: usize, B> MomentLookups<'_, CHANNELS, B> {
         }
         moments
     }
+}
 
+/// A map of moments with mipmaps, and what is asked of it.
+struct MipmappedLookups<'a, const CHANNELS: usize, B> {
+    finest: MomentLookups<'a, CHANNELS, B>,
+    /// The levels from 1 on, below each other.
+    coarser: Texels<'a, CHANNELS>,
+    map: MomentMap<'a>,
+    span: &'a Span<'a>,
+}
+
+impl<const CHANNELS: usize, B: LightBound<CHANNELS>> Taps for MipmappedLookups<'_, CHANNELS, B> {
     #[inline(always)]
-    fn texel(&self, x: i32, y: i32, layer: i32) -> [f32; CHANNELS] {
-        let row = layer as usize * self.size as usize + y as usize;
-        let mut moments = self.texels[row * self.size as usize + x as usize];
-        self.encoding.load(&mut moments);
-        moments
+    fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32 {
+        if let Some(known) = self.finest.known(l) {
+            return known;
+        }
+        let span = self.span;
+        let position = Vec3::new(span.x[offset], span.y[offset], span.z[offset]);
+        let normal = Vec3::new(span.nx[offset], span.ny[offset], span.nz[offset]);
+        let level = self.map.level(l.layer, position, normal);
+        let finer = level.x as u32;
+        let mut moments = self.blended(l, finer);
+        if level.y > 0.0 {
+            let coarser = self.blended(l, finer + 1);
+            for (moment, coarser) in moments.iter_mut().zip(coarser) {
+                *moment += (coarser - *moment) * level.y;
+            }
+        }
+        self.finest.lit(l, moments, added_variance(level))
+    }
+}
+
+impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MipmappedLookups<'_, CHANNELS, B> {
+    /// Returns the moments at a receiver's place in a level.
+    #[inline(always)]
+    fn blended(&self, l: &ShadowCoord, level: u32) -> [f32; CHANNELS] {
+        if level == 0 {
+            return self.finest.blended(l);
+        }
+        let size = self.finest.size as u32;
+        let at = l.texel * (1.0 / (1_u32 << level) as f32);
+        let side = level_side(size, level) as i32;
+        let start = level_start(size, level) as i32;
+        self.finest
+            .between_texels(self.coarser, at, side, start, l.layer)
     }
 }

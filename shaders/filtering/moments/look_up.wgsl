@@ -1,4 +1,11 @@
-// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth` are the technique's.
+// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth` are the technique's, `filtered_moments` is
+// the map's choice.
+
+struct FilteredMoments {
+    moments: vec4f,
+    // By how much a coarser level spreads the places that are averaged, texels squared.
+    spread: f32,
+}
 
 // The kernel's first image between its texels.
 fn blended_moments(at: vec2f, layer: i32) -> vec4f {
@@ -26,7 +33,8 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     if l.depth > 1.0 {
         return 0.0;
     }
-    let depth = centred(compared_depth(l));
-    let lit = lit_by_moments(blended_moments(l.texel, l.layer), depth);
+    let filtered = filtered_moments(l, r);
+    let depth = centred(compared_depth(l, filtered.spread));
+    let lit = lit_by_moments(filtered.moments, depth);
     return without_bleeding(lit, kernel.bleeding, kernel.bleeding_scale);
 }

@@ -3,6 +3,8 @@
 use crate::{
     filtering::moments::{
         blur::BoxBlurKernel,
+        halve::HalveKernel,
+        mipmaps::{self, MipmapUniforms, level_reach, level_side, level_start},
         of_depth::{MomentKind, MomentsKernel},
         stored::{Encoding, MomentPrecision},
     },
@@ -98,6 +100,8 @@ pub(crate) struct MomentImages {
     pub(crate) precision: MomentPrecision,
     /// Texels to each side that are averaged.
     pub(crate) blur: u32,
+    /// Levels beyond the first, as far as the map is large enough for them.
+    pub(crate) mipmaps: u32,
 }
 
 impl MomentImages {
@@ -115,18 +119,21 @@ impl MomentImages {
         self,
         map: &ShadowMap,
         view: &View<'_>,
-        kernel: impl FnOnce(ShadowMapUniforms) -> K,
+        kernel: impl FnOnce(ShadowMapUniforms, MipmapUniforms) -> K,
     ) -> Result<Recipe, RecipeError> {
         let Self {
             kind,
             precision,
             blur,
+            mipmaps,
         } = self;
         if blur > MAX_BLUR {
             let why = format!("is {blur} texels");
             return Err(Invalid::new("blur", why, format!("use 0 to {MAX_BLUR}")).into());
         }
-        let spaces = map.spaces(view, reach(blur))?;
+        mipmaps::check_count(mipmaps)?;
+        let levels = mipmaps::levels(mipmaps, map.size);
+        let spaces = map.spaces(view, blur as f32 + level_reach(levels))?;
         // A blend of blurred depths of a plane is the plane's depth at the receiver, so the blur asks for no more room than one texel.
         let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 0.0 });
         let desc = |label| ImageDesc {
@@ -139,14 +146,33 @@ impl MomentImages {
         let moments = maps.image(desc("moments"));
         let of_depth = MomentsKernel::new(kind, precision, packed);
         maps.filter(Arc::new(of_depth), vec![maps.map], moments);
+        // What is averaged along rows, for the blur and then for the levels.
+        let mut rows = None;
         if blur > 0 {
-            let rows = maps.image(desc("moments blurred along rows"));
+            let rows = *rows.insert(maps.image(desc("moments blurred along rows")));
             let along_rows = BoxBlurKernel::along_rows(blur, self.encoding());
             maps.filter(Arc::new(along_rows), vec![moments], rows);
             let along_columns = BoxBlurKernel::along_columns(blur, self.encoding());
             maps.filter(Arc::new(along_columns), vec![rows], moments);
         }
         maps.map = moments;
-        Ok(maps.recipe(kernel(ShadowMapUniforms::new(map, view, &spaces))))
+        let mut coarser = None;
+        if levels > 0 {
+            let rows = rows.unwrap_or_else(|| maps.image(desc("moments averaged along rows")));
+            let along_rows = HalveKernel::along_rows(levels, self.encoding());
+            maps.filter(Arc::new(along_rows), vec![moments], rows);
+            let below_each_other = ImageDesc {
+                size: UVec2::new(level_side(map.size, 1), level_start(map.size, levels + 1)),
+                ..desc("mipmaps of moments")
+            };
+            let image = maps.image(below_each_other);
+            let along_columns = HalveKernel::along_columns(levels, self.encoding());
+            maps.filter(Arc::new(along_columns), vec![rows], image);
+            coarser = Some(image);
+        }
+        let lookup = ShadowMapUniforms::new(map, view, &spaces);
+        let mut recipe = maps.recipe(kernel(lookup, MipmapUniforms::new(levels, view.camera)));
+        recipe.receive.inputs.extend(coarser);
+        Ok(recipe)
     }
 }

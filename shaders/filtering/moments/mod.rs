@@ -4,9 +4,11 @@
 pub(crate) mod blur;
 pub(crate) mod bounds;
 pub(crate) mod exp2;
+pub(crate) mod halve;
 pub(crate) mod hamburger;
 pub(crate) mod hausdorff;
 pub(crate) mod look_up;
 pub(crate) mod map;
+pub(crate) mod mipmaps;
 pub(crate) mod of_depth;
 pub(crate) mod stored;

@@ -4,13 +4,15 @@ use bytemuck::cast_slice;
 use glam::{Affine3A, UVec2};
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, AlphaFilter, Backend, Geometry, Receivers, Recipe, Scene, ShadowTechnique, Shadows,
-    Snapping, View,
+    Aabb, AlphaFilter, Backend, Cascades, Geometry, Layout, Receivers, Recipe, Scene,
+    ShadowTechnique, Shadows, Snapping, View,
     metrics::{Agreement, MAX_UNDECIDED_SHARE},
 };
 use umbrage_cpu::Cpu;
 use umbrage_lab::compare;
-use umbrage_techniques::{ShadowMap, TechniqueEntry, TechniquePreset};
+use umbrage_techniques::{
+    Evsm, MomentPrecision, Msm, ShadowMap, TechniqueEntry, TechniquePreset, Vsm,
+};
 use umbrage_tests::{
     foreign,
     gpu::gpu,
@@ -233,6 +235,84 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
         undecided as f64 <= MAX_UNDECIDED_SHARE * compared as f64,
         "{undecided} of {compared} pixels are undecided"
     );
+}
+
+/// Moment maps with mipmaps, in a set with one without, give the bits that they give alone and on the CPU; mipmaps change some.
+#[test]
+fn moment_maps_of_a_set_have_mipmaps() {
+    let world = World::new("far-range");
+    let mut set = world.set();
+    let light = world.scene.lights[0];
+    let map = ShadowMap {
+        size: 256,
+        ..ShadowMap::default()
+    };
+    let cascades = ShadowMap {
+        size: 128,
+        layout: Layout::Cascades(Cascades {
+            count: 2,
+            blend: 4.0,
+            ..Cascades::default()
+        }),
+        ..map
+    };
+    let plain = Vsm {
+        map,
+        ..Vsm::default()
+    };
+    let techniques: [Arc<dyn ShadowTechnique>; 5] = [
+        Arc::new(plain),
+        Arc::new(Vsm {
+            mipmaps: 4,
+            ..plain
+        }),
+        Arc::new(Evsm {
+            map: cascades,
+            mipmaps: 2,
+            ..Evsm::default()
+        }),
+        Arc::new(Evsm {
+            map,
+            mipmaps: 3,
+            precision: MomentPrecision::Bits16,
+            ..Evsm::default()
+        }),
+        Arc::new(Msm {
+            map: cascades,
+            mipmaps: 3,
+            ..Msm::default()
+        }),
+    ];
+    let ids = techniques.clone().map(|technique| {
+        let light = SetLight {
+            light,
+            technique,
+            priority: 1.0,
+        };
+        set.add_light(light).expect("valid")
+    });
+    world.program.update(&mut set, &world.frame());
+    let mut forward = Forward::default();
+    let masks: Vec<Vec<f32>> = ids
+        .iter()
+        .zip(&techniques)
+        .map(|(&id, technique)| {
+            let index = set.index_of(id).expect("is there");
+            let mask = forward.mask(&world.program, &set, index);
+            let alone = world.alone(&**technique, &set);
+            let what = technique.settings();
+            let other = differing(&mask, &alone.on_gpu);
+            assert_eq!(other, 0, "{what}: other than alone");
+            let agreement = alone.agree_with_cpu(mask.clone());
+            assert!(agreement.holds(), "{what}: {agreement:?}");
+            if gpu().snapping() == Snapping::default() {
+                assert_eq!(agreement.differing, 0, "{what}: other than on the CPU");
+            }
+            mask
+        })
+        .collect();
+    let changed = differing(&masks[0], &masks[1]);
+    assert!(changed > 100, "mipmaps change {changed} pixels");
 }
 
 /// The comparison above can fail: a map that lies elsewhere gives other bits.

@@ -92,7 +92,7 @@ const FIRST_LAMP: Lamp = Lamp {
     technique: 0,
 };
 
-/// Maps of two sizes, filtered ones, one that is compared by the sampler, one of moments of 16 bits, which is blurred, for suns cascades, which
+/// Maps of two sizes, filtered ones, one that is compared by the sampler, one of moments of 16 bits, which is blurred and has mipmaps, for suns cascades, which
 /// follow the camera, and lists that the device makes.
 fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let map = |size| ShadowMap {
@@ -112,6 +112,7 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let blurred = |map| Evsm {
         map,
         blur: 2,
+        mipmaps: 2,
         precision: MomentPrecision::Bits16,
         ..Evsm::default()
     };
