@@ -664,10 +664,14 @@ def handed(program, out, embed, copied):
     window.click("Find it")
     report = window.wait(lambda r: r["plan"] is not None, "a plan", 300)
     print(f"the least for the model: {report['plan']}")
+    window.click("Show it on the left")
+    technique = report["plan"].split(" ")[0]
+    window.wait(lambda r: r["sides"][0]["technique"] == technique, "the plan on the left")
     window.click("Copy preset")
     window.wait(lambda r: "clipboard" in (r["message"] or ""), "the preset in the clipboard")
     text = subprocess.run(["xclip", "-selection", "clipboard", "-o"], check=True, capture_output=True, text=True, timeout=30).stdout
     (out / "handed.preset.toml").write_text(text)
+    assert f'technique = "{technique}"' in text, text
     # The window has the clipboard while it is open.
     taken(text, embed, out, "handed")
     window.close()

@@ -170,7 +170,8 @@ fn a_users_technique_is_planned_as_ours_are() {
     let options = plan::PlanOptions {
         registry: registry(),
         samples: 512,
-        size: Some(UVec2::new(96, 64)),
+        // Large enough for maps to be cheaper than a ray for each pixel.
+        size: Some(UVec2::new(384, 256)),
         // Every frame draws anew: then smaller maps are cheaper, and so are maps than volumes.
         motion: plan::motion::FrameMotion::AllMoves,
         ..plan::PlanOptions::default()

@@ -197,8 +197,13 @@ class Viewer:
 
     def click(self, role, words, nth=0):
         """Clicks on the n-th part with these words; scrolls the panel where it lies below or above what is seen."""
-        for _ in range(20):
-            left, top, right, bottom = self.find(role, words, nth)
+        last = None
+        for _ in range(60):
+            left, top, right, bottom = at = self.find(role, words, nth)
+            # The panel glides for a while after it was scrolled.
+            rests, last = at == last, at
+            if not rests:
+                continue
             if 0 <= top and bottom <= SIZE["height"]:
                 break
             self.page.mouse.move(100, SIZE["height"] / 2)
@@ -547,11 +552,13 @@ def handed(viewer):
     report = viewer.wait(lambda r: r["plan"] is not None or r["message"], "a plan", 400)
     assert report["message"] is None, report
     print(f"the least for a dropped model: {report['plan']}")
+    viewer.click("Button", "Show it on the left")
+    technique = report["plan"].split(" ")[0]
+    viewer.wait(lambda r: r["sides"][0]["technique"] == technique, "the plan on the left")
     viewer.click("Button", "Copy preset")
     viewer.wait(lambda r: "clipboard" in (r["message"] or ""), "the preset in the clipboard")
     copied = viewer.page.evaluate("navigator.clipboard.readText()")
-    technique = report["plan"].split(" ")[0]
-    assert f'technique = "{technique}"' in copied, copied
+    assert f'technique = "{technique}"' in copied, (technique, copied)
     (viewer.out / "copied.preset.toml").write_text(copied)
     viewer.shot("handed")
 
