@@ -1,22 +1,10 @@
 use super::*;
 use crate::{
-    Geometry, Instance, Material, Mesh, geometry::ray_triangle::segment_hits,
+    Geometry, Instance, Material, Mesh,
+    geometry::{random::Random, ray_triangle::segment_hits},
     scene::light_sample::hash,
 };
 use glam::Affine3A;
-
-struct Random(u32);
-
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 = hash(self.0);
-        (self.0 >> 8) as f32 / 16_777_216.0
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-}
 
 /// A texture whose texels are there where `is_there` says so.
 fn texture(size: UVec2, is_there: impl Fn(u32, u32) -> bool) -> Texture {

@@ -10,6 +10,8 @@ pub(crate) mod displaced_mesh;
 pub mod displacement;
 pub mod hashed_alpha;
 mod placed;
+#[cfg(test)]
+mod random;
 pub(crate) mod ray_box;
 pub(crate) mod ray_triangle;
 pub(crate) mod segment_lanes;

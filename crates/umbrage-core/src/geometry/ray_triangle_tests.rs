@@ -1,6 +1,7 @@
 //! The triangle test: borders, cracks, and hits from afar.
 
 use super::*;
+use crate::geometry::random::Random;
 
 const A: Vec3 = Vec3::new(-1.0, 0.0, -1.0);
 const B: Vec3 = Vec3::new(1.0, 0.0, -1.0);
@@ -51,11 +52,8 @@ fn flat_triangles_and_parallel_segments_miss() {
 /// Segments aimed at the corners and edges of a fan that closes around the origin: each must hit one of its triangles.
 #[test]
 fn fans_have_no_cracks() {
-    let mut hash = 1_u32;
-    let mut random = || {
-        hash = crate::scene::light_sample::hash(hash);
-        hash as f32 / 4_294_967_296.0 - 0.5
-    };
+    let mut state = Random(1);
+    let mut random = || 0.5 * state.signed();
     for _ in 0..2_000 {
         let hub = Vec3::new(random(), random() * 0.1, random());
         let rim: Vec<Vec3> = (0..7)
@@ -80,17 +78,16 @@ fn fans_have_no_cracks() {
 }
 
 /// -0.5..0.5.
-fn random(state: &mut u32) -> f32 {
-    *state = crate::scene::light_sample::hash(*state);
-    (*state >> 8) as f32 / 16_777_216.0 - 0.5
+fn random(state: &mut Random) -> f32 {
+    state.unit() - 0.5
 }
 
-fn random_vector(state: &mut u32) -> Vec3 {
+fn random_vector(state: &mut Random) -> Vec3 {
     Vec3::new(random(state), random(state), random(state))
 }
 
 /// Triangles of all kinds about `middle`: of one size, thin, tiny, flat in one axis, and without area.
-fn triangle(state: &mut u32, kind: u32, middle: Vec3) -> [Vec3; 3] {
+fn triangle(state: &mut Random, kind: u32, middle: Vec3) -> [Vec3; 3] {
     let at = |v: Vec3| middle + v;
     let p = random_vector(state);
     let along = random_vector(state);
@@ -110,7 +107,7 @@ fn triangle(state: &mut u32, kind: u32, middle: Vec3) -> [Vec3; 3] {
 }
 
 /// From where and along which way: towards the triangle's inside, an edge or a corner, or along it.
-fn towards(state: &mut u32, triangle: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
+fn towards(state: &mut Random, triangle: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
     let [a, b, c] = triangle;
     let s = random(state) + 0.5;
     let t = random(state) + 0.5;
@@ -149,7 +146,7 @@ fn exact_weights(segment: &Segment, corners: &Corners) -> Option<[f64; 3]> {
 /// What the header says of cracks: tests 2 and 3 refuse nothing that holds the origin and is met by the segment.
 #[test]
 fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
-    let mut state = 5;
+    let mut state = Random(5);
     let mut held = 0;
     for i in 0..600_000_u32 {
         let distance = [0.0, 1.0, 300.0, 1e4, 1e6][(i / 6 % 5) as usize];
@@ -220,7 +217,7 @@ fn miss(ray: [Vec3; 2], corners: [Vec3; 3]) -> f64 {
 
 /// A needle of no area, its corners exactly in line along an axis or a diagonal, and a segment that passes it: in the plane
 /// of the needle and its own direction, or so nearly along the needle that this looks like a point.
-fn needle_and_passer(state: &mut u32, distance: f32) -> ([Vec3; 3], [Vec3; 2]) {
+fn needle_and_passer(state: &mut Random, distance: f32) -> ([Vec3; 3], [Vec3; 2]) {
     let on_grid = |v: Vec3| (v * 1024.0).round() / 1024.0;
     let place = (Vec3::new(0.8, 0.1, -0.6) * distance * 16.0).round() / 16.0
         + on_grid(random_vector(state));
@@ -234,7 +231,7 @@ fn needle_and_passer(state: &mut u32, distance: f32) -> ([Vec3; 3], [Vec3; 2]) {
         )
     } else {
         let ends = [1.0, 0.5 + random(state)].map(|t| place + on_grid(Vec3::splat(t)));
-        let ulps = |state: &mut u32| (random(state) * 8.0).round() * f32::EPSILON;
+        let ulps = |state: &mut Random| (random(state) * 8.0).round() * f32::EPSILON;
         let d = Vec3::new(1.0 + ulps(state), 1.0 + ulps(state), 1.0) * 4.0;
         let o = place + Vec3::splat(0.5) + random_vector(state) - d * 0.5;
         ([place, ends[0], ends[1]], [o, d])
@@ -244,7 +241,7 @@ fn needle_and_passer(state: &mut u32, distance: f32) -> ([Vec3; 3], [Vec3; 2]) {
 /// What the header says of hits from afar: none is farther than a few roundings of the lengths that went into the test.
 #[test]
 fn nothing_is_hit_from_afar() {
-    let mut state = 3;
+    let mut state = Random(3);
     let mut hits = 0;
     let mut worst = 0.0_f64;
     for i in 0..1_200_000_u32 {

@@ -314,7 +314,7 @@ impl FourSegments {
 mod tests {
     use super::*;
     use crate::{
-        geometry::{ray_box::safe_inverse, ray_triangle::segment_hits},
+        geometry::{random::Random, ray_box::safe_inverse, ray_triangle::segment_hits},
         scene::light_sample::hash,
     };
 
@@ -348,22 +348,9 @@ mod tests {
         }
     }
 
-    struct Random(u32);
-
-    impl Random {
-        fn signed(&mut self) -> f32 {
-            self.0 = hash(self.0);
-            self.0 as f32 / 2_147_483_648.0 - 1.0
-        }
-
-        fn vector(&mut self) -> Vec3 {
-            Vec3::new(self.signed(), self.signed(), self.signed())
-        }
-
-        /// On a coarse grid, so that segments pass through edges and corners, and along planes.
-        fn grid_point(&mut self) -> Vec3 {
-            (self.vector() * 3.0).round()
-        }
+    /// Returns a point of a coarse grid, so that segments pass through edges and corners, and along planes.
+    fn grid_point(random: &mut Random) -> Vec3 {
+        (random.vector() * 3.0).round()
     }
 
     /// Each lane says what the test of one segment says, on edges, corners and in planes, too.
@@ -376,7 +363,7 @@ mod tests {
             let is_coarse = i % 2 == 0;
             let point = |random: &mut Random| {
                 if is_coarse {
-                    random.grid_point()
+                    grid_point(random)
                 } else {
                     random.vector()
                 }

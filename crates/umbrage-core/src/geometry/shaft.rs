@@ -240,7 +240,7 @@ fn shaft_enters_word(o: Vec3, low: Vec3, high: Vec3, box_low: Vec3, box_high: Ve
 mod tests {
     use super::*;
     use crate::geometry::{
-        bvh::tests::Random,
+        random::Random,
         ray_box::{enters_box, slab_inverse},
     };
 

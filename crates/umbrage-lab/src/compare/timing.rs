@@ -271,7 +271,8 @@ pub(crate) fn again(
     Ok(out)
 }
 
-fn milliseconds(d: Duration) -> f64 {
+/// Returns a time in milliseconds.
+pub(crate) fn milliseconds(d: Duration) -> f64 {
     d.as_secs_f64() * 1e3
 }
 

@@ -346,4 +346,4 @@ fn boxes_of(geometry: &Geometry, ids: &[u32]) -> Vec<Aabb> {
 }
 
 #[cfg(test)]
-pub(super) mod tests;
+mod tests;

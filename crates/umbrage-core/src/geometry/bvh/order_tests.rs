@@ -3,10 +3,8 @@
 use crate::{
     Geometry,
     geometry::{
-        bvh::{
-            tests::{Random, geometry},
-            wide::SHALLOW,
-        },
+        bvh::{tests::geometry, wide::SHALLOW},
+        random::Random,
         ray_box::{enters_box, slab_inverse},
         ray_triangle::{Corners, Segment},
     },

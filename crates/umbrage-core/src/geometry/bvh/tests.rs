@@ -1,24 +1,10 @@
 //! The hierarchy against brute force, and the traps of its box test.
 
 use crate::{
-    Geometry, Instance, Mesh, NO_TRIANGLE, Scene, geometry::bvh::segment_hits,
-    scene::light_sample::hash,
+    Geometry, Instance, Mesh, NO_TRIANGLE, Scene,
+    geometry::{bvh::segment_hits, random::Random},
 };
 use glam::{Affine3A, Vec3};
-
-pub(in crate::geometry) struct Random(pub(in crate::geometry) u32);
-
-impl Random {
-    /// -1..1.
-    pub(in crate::geometry) fn signed(&mut self) -> f32 {
-        self.0 = hash(self.0);
-        self.0 as f32 / 2_147_483_648.0 - 1.0
-    }
-
-    pub(in crate::geometry) fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.signed(), self.signed(), self.signed())
-    }
-}
 
 pub(super) fn geometry(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
     let mesh = Mesh::new("test", positions, triangles).expect("valid");

@@ -301,7 +301,7 @@ fn turned(slots: u32, octant: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{bvh::tests::Random, ray_box::enters_box};
+    use crate::geometry::{random::Random, ray_box::enters_box};
     use glam::Vec3A;
 
     /// The test of four boxes at once and the test of one box agree.

@@ -1,0 +1,26 @@
+//! Numbers for tests that look random, and are the same on every run.
+
+use crate::scene::light_sample::hash;
+use glam::Vec3;
+
+/// A sequence of numbers: each is the hash of the one before.
+pub(in crate::geometry) struct Random(pub(in crate::geometry) u32);
+
+impl Random {
+    /// Returns the next number, -1 to 1.
+    pub(in crate::geometry) fn signed(&mut self) -> f32 {
+        self.0 = hash(self.0);
+        self.0 as f32 / 2_147_483_648.0 - 1.0
+    }
+
+    /// Returns the next number, 0 to 1, but for 1.
+    pub(in crate::geometry) fn unit(&mut self) -> f32 {
+        self.0 = hash(self.0);
+        (self.0 >> 8) as f32 / 16_777_216.0
+    }
+
+    /// Returns a vector of three [`Random::signed`].
+    pub(in crate::geometry) fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.signed(), self.signed(), self.signed())
+    }
+}
