@@ -1,9 +1,7 @@
 //! Reads the results of an earlier run.
 
-use crate::{
-    compare::{Comparison, SCHEMA},
-    output::schema_of,
-};
+use crate::compare::{Comparison, SCHEMA};
+use serde::Deserialize;
 use std::path::Path;
 use umbrage_core::Invalid;
 
@@ -12,6 +10,12 @@ const OLDEST: u32 = 3;
 
 /// What a report's figures are written to.
 const RESULTS: &str = "results.json";
+
+/// The schema alone: results of other versions have other fields.
+#[derive(Deserialize)]
+struct Version {
+    schema: u32,
+}
 
 /// Reads a `results.json`.
 ///
@@ -22,9 +26,10 @@ pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     let help = "give the results.json that `cargo xtask compare` wrote";
     let refuse = |why: String| Invalid::new(what.clone(), why, help);
     let text = std::fs::read(path).map_err(|e| refuse(format!("cannot be read: {e}")))?;
-    let schema = schema_of(&text).map_err(|e| refuse(format!("holds no results: {e}")))?;
-    if !(OLDEST..=SCHEMA).contains(&schema) {
-        let why = format!("has schema {schema}, this program's is {SCHEMA}");
+    let version: Version =
+        serde_json::from_slice(&text).map_err(|e| refuse(format!("holds no results: {e}")))?;
+    if !(OLDEST..=SCHEMA).contains(&version.schema) {
+        let why = format!("has schema {}, this program's is {SCHEMA}", version.schema);
         return Err(Invalid::new(
             what,
             why,

@@ -1,6 +1,5 @@
 //! Times two programs in turn.
 
-use crate::compare::milliseconds;
 use serde::Serialize;
 use std::time::Duration;
 use umbrage_plan::statistics::Sorted;
@@ -98,6 +97,10 @@ pub fn paired<E>(
         theirs: PairTimes::of(their_times),
         ratio: PairTimes::of(ratios).median,
     })
+}
+
+fn milliseconds(d: Duration) -> f64 {
+    d.as_secs_f64() * 1e3
 }
 
 impl PairTimes {

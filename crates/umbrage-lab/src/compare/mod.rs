@@ -34,7 +34,7 @@ pub use result::{
 };
 pub use scene::SceneImages;
 pub use timing::CALM;
-pub(crate) use timing::{Again, again, calm, milliseconds};
+pub(crate) use timing::{Again, again, calm};
 pub use umbrage_plan::motion::FrameMotion;
 
 use crate::LabError;

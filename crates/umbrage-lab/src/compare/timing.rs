@@ -271,8 +271,7 @@ pub(crate) fn again(
     Ok(out)
 }
 
-/// Returns a time in milliseconds.
-pub(crate) fn milliseconds(d: Duration) -> f64 {
+fn milliseconds(d: Duration) -> f64 {
     d.as_secs_f64() * 1e3
 }
 

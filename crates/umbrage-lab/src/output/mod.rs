@@ -7,11 +7,9 @@ pub(crate) mod folder;
 mod heat;
 pub(crate) mod html;
 pub mod png;
-mod schema;
 mod slug;
 
 pub(crate) use checksum::{checksum, hash, program_hash};
 pub(crate) use folder::Folder;
 pub use heat::heat_map;
-pub(crate) use schema::schema_of;
 pub(crate) use slug::slug;

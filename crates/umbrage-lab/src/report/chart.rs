@@ -46,3 +46,14 @@ fn dot(setting: &Relative, clock: CostBasis) -> Option<Dot> {
         on_front: false,
     })
 }
+
+/// Returns the distinct names of dots, in the order of their first dot.
+pub(super) fn distinct(dots: &[Dot], name: fn(&Dot) -> &String) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for dot in dots {
+        if !names.contains(&name(dot).as_str()) {
+            names.push(name(dot));
+        }
+    }
+    names
+}

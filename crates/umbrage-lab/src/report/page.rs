@@ -185,7 +185,7 @@ pub(super) fn html(contents: &Contents<'_>) -> serde_json::Result<String> {
 }
 
 /// Returns the distinct texts, in the order in which they first occur.
-pub(super) fn distinct<'a>(all: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
+fn distinct<'a>(all: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
     let mut out: Vec<&str> = Vec::new();
     for text in all {
         if !out.contains(&text.as_str()) {

@@ -1,8 +1,7 @@
 //! The charts over many scenes as SVG and PNG, for places that cannot run a script.
 
 use super::{
-    chart::Dot,
-    page::distinct,
+    chart::{Dot, distinct},
     style::{SeriesStyle, color, styles_of},
 };
 use crate::{
@@ -69,9 +68,9 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     figure
         .references
         .push(Reference::Up(1.0, "no shadow".to_owned()));
-    let techniques = distinct(dots.iter().map(|dot| &dot.technique));
+    let techniques = distinct(dots, |d| &d.technique);
     let styles = styles_of(&techniques);
-    let backends = distinct(dots.iter().map(|dot| &dot.backend));
+    let backends = distinct(dots, |d| &d.backend);
     // Points that a front beats are drawn first, so that all others lie above them.
     for (b, backend) in backends.iter().enumerate() {
         for (technique, style) in techniques.iter().zip(&styles) {

@@ -22,7 +22,7 @@ pub(super) struct Still<'a> {
 }
 
 /// A mask, and what else is measured of its rendering.
-struct PlayedStill {
+struct RenderedOnAll {
     mask: Vec<f32>,
     /// Fragments that casts draw, millions, for a picture of [`SCREEN`].
     fill: f64,
@@ -76,7 +76,7 @@ impl Still<'_> {
     }
 
     /// Returns the figure of [`Measure::CascadeSeams`]; none if no two cascades meet.
-    fn cascade_seams(&self, played: &PlayedStill) -> Option<f64> {
+    fn cascade_seams(&self, played: &RenderedOnAll) -> Option<f64> {
         let truth = &self.case_truth.truth;
         cascade_seams::excess(
             truth.size,
@@ -91,7 +91,7 @@ impl Still<'_> {
     fn figure(
         &self,
         measure: Measure,
-        played: &PlayedStill,
+        played: &RenderedOnAll,
         technique: &dyn ShadowTechnique,
         backends: &mut Backends,
     ) -> Result<f64, NoMask> {
@@ -132,8 +132,8 @@ fn play(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
-) -> Result<PlayedStill, NoMask> {
-    let mut all: Option<PlayedStill> = None;
+) -> Result<RenderedOnAll, NoMask> {
+    let mut all: Option<RenderedOnAll> = None;
     for light in &case_truth.lights {
         let one = under(light, case_truth, technique, backends)?;
         all = Some(match all {
@@ -149,7 +149,7 @@ fn play(
     Ok(all)
 }
 
-impl PlayedStill {
+impl RenderedOnAll {
     /// Adds up two renderings; the mask is a sum, too.
     fn plus(mut self, other: Self) -> Self {
         for (sum, visibility) in self.mask.iter_mut().zip(&other.mask) {
@@ -168,11 +168,11 @@ fn under(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
-) -> Result<PlayedStill, NoMask> {
+) -> Result<RenderedOnAll, NoMask> {
     let view = case_truth.view(light);
     let recipe = guard::plan(technique, &view.with_receivers(&case_truth.truth.receivers))?;
     let rendered = all_backends::render(&mut backends.playing, &view, &recipe)?;
-    Ok(PlayedStill {
+    Ok(RenderedOnAll {
         mask: rendered.mask,
         fill: fill(&recipe, &view),
         casts: !recipe.casts.is_empty(),

@@ -3,7 +3,7 @@
 use super::pictures::PictureNames;
 use crate::{
     compare::{Backends, CompareOptions, Environment},
-    output::{program_hash, schema_of},
+    output::program_hash,
     stability::{Stability, sweeps::Sweep},
 };
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,12 @@ pub struct StabilityResults {
     pub sweeps: Vec<Sweep>,
     /// For each case and each of its cells the file of its picture, relative to this one; none where there is no picture.
     pub pictures: PictureNames,
+}
+
+/// The schema alone: results of other versions have other fields.
+#[derive(Deserialize)]
+struct Version {
+    schema: u32,
 }
 
 impl StabilityResults {
@@ -65,11 +71,14 @@ impl StabilityResults {
         let help = "give the folder that `stability` wrote, or the results.json in it";
         let refuse = |why: String| Invalid::new(what.clone(), why, help);
         let text = std::fs::read(&file).map_err(|e| refuse(format!("cannot be read: {e}")))?;
-        let schema = schema_of(&text).map_err(|_| {
+        let version: Version = serde_json::from_slice(&text).map_err(|_| {
             refuse("holds no results of `stability` with a schema number".to_owned())
         })?;
-        if schema != STABILITY_SCHEMA {
-            let why = format!("has schema {schema}, this program's is {STABILITY_SCHEMA}");
+        if version.schema != STABILITY_SCHEMA {
+            let why = format!(
+                "has schema {}, this program's is {STABILITY_SCHEMA}",
+                version.schema
+            );
             return Err(Invalid::new(
                 what,
                 why,
