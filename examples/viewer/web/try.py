@@ -555,6 +555,13 @@ def handed(viewer):
     viewer.click("Button", "Show it on the left")
     technique = report["plan"].split(" ")[0]
     viewer.wait(lambda r: r["sides"][0]["technique"] == technique, "the plan on the left")
+    # Parts that were scrolled away are not told of: the first button of two is the left side's.
+    viewer.page.mouse.move(100, SIZE["height"] / 2)
+    for _ in range(40):
+        if len([w for w in viewer.widgets() if w["label"] == "Copy preset"]) == 2:
+            break
+        viewer.page.mouse.wheel(0, -150)
+        time.sleep(0.5)
     viewer.click("Button", "Copy preset")
     viewer.wait(lambda r: "clipboard" in (r["message"] or ""), "the preset in the clipboard")
     copied = viewer.page.evaluate("navigator.clipboard.readText()")
