@@ -676,8 +676,8 @@ def first(viewer):
 
 PARTS = {
     "first": first, "masks": masks, "switched": switched, "dropped": dropped, "together": dropped_together, "large": read_beside,
-    "made": made_beside, "plan": planned, "handed": handed, "broken": broken_workers, "moving": moving,
-    "narrow": narrow, "others": others,
+    "made": made_beside, "plan": planned, "broken": broken_workers, "moving": moving,
+    "narrow": narrow, "others": others, "handed": handed,
 }
 
 
