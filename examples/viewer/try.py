@@ -134,6 +134,8 @@ class Window:
             time.sleep(0.6)
             parts = self.told()["widgets"]
             found = [p["at"] for p in parts if words in (p["label"], p["value"]) and role in (None, p["role"])]
+            # They are told of in no order: from top to bottom.
+            found.sort(key=lambda at: (at[1], at[0]))
             if len(found) > nth:
                 break
         assert len(found) > nth, f"no part `{words}` among {[(p['role'], p['label'], p['value']) for p in parts]}"
@@ -657,7 +659,8 @@ def handed(program, out, embed, copied):
     folder = pathlib.Path(tempfile.mkdtemp())
     model = folder / "bowl.obj"
     bowl(model)
-    window = Window(program, out, ["cubes", "--fresh"])
+    # No plan is what is on the right: the copy of the wrong side would be found out.
+    window = Window(program, out, ["cubes", "--left", "hard", "--right", "midpoint", "--fresh"])
     window.press("F2")
     window.type(str(model))
     window.press("Return", holds=lambda r: r["scene"] == "bowl", what="the model")
@@ -666,7 +669,8 @@ def handed(program, out, embed, copied):
     print(f"the least for the model: {report['plan']}")
     window.click("Show it on the left")
     technique = report["plan"].split(" ")[0]
-    window.wait(lambda r: r["sides"][0]["technique"] == technique, "the plan on the left")
+    report = window.wait(lambda r: r["sides"][0]["technique"] == technique, "the plan on the left")
+    assert report["sides"][1]["technique"] != technique, report
     window.click("Copy preset")
     window.wait(lambda r: "clipboard" in (r["message"] or ""), "the preset in the clipboard")
     text = subprocess.run(["xclip", "-selection", "clipboard", "-o"], check=True, capture_output=True, text=True, timeout=30).stdout

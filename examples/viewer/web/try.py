@@ -189,9 +189,11 @@ class Viewer:
         raise AssertionError("the page draws no frame")
 
     def find(self, role, words, nth=0):
-        """Where the n-th part with these words is."""
+        """Where the n-th part with these words is, counted from top to bottom."""
         widgets = self.widgets()
         found = [w for w in widgets if w["role"] == role and words in (w["label"], w["value"])]
+        # They are told of in no order.
+        found.sort(key=lambda w: (w["at"][1], w["at"][0]))
         assert len(found) > nth, f"no {role} `{words}` among {[(w['role'], w['label'], w['value']) for w in widgets]}"
         return found[nth]["at"]
 
@@ -545,7 +547,8 @@ def planned(viewer):
 def handed(viewer):
     """The least for a model of one's own, copied: kept as `copied.preset.toml`, which ../try.py pastes into examples/embed."""
     viewer.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    viewer.open("?scene=cubes&left=hard&right=exact&split=left")
+    # No plan is what is on the right: the copy of the wrong side would be found out.
+    viewer.open("?scene=cubes&left=hard&right=midpoint&split=left")
     viewer.drop({"hills.obj": large_model(40)})
     viewer.wait(lambda r: r["scene"] == "hills", "the dropped model")
     viewer.click("Button", "Find it")
@@ -555,7 +558,7 @@ def handed(viewer):
     viewer.click("Button", "Show it on the left")
     technique = report["plan"].split(" ")[0]
     viewer.wait(lambda r: r["sides"][0]["technique"] == technique, "the plan on the left")
-    # Parts that were scrolled away are not told of: the first button of two is the left side's.
+    # Both buttons have to be told of for the upper one to be the left side's.
     viewer.page.mouse.move(100, SIZE["height"] / 2)
     for _ in range(40):
         if len([w for w in viewer.widgets() if w["label"] == "Copy preset"]) == 2:
