@@ -16,6 +16,8 @@ struct ExactUniforms {
 // The greatest number below 1.
 const BELOW_ONE = 0.99999994;
 
+const NO_CASTER = 0xffffffffu;
+
 struct FramePoint {
     face: u32,
     on_face: vec2f,
@@ -75,17 +77,27 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     // Ids that the caller knows are those of other triangles than a device lists.
     let left_out = select(own, 0xffffffffu, kernel.tiles.w == 1u);
     let end = table_1[cell_number + 1u].x;
-    for (var i = cell.x; i < end; i++) {
-        let items = table_2[i / 2u];
-        let item = select(items.xy, items.zw, i % 2u == 1u);
-        let fields = (asking - item.y) & GUARDS;
-        if (fields & DEPTH_GUARD) == 0u {
-            return false;
+    // Two loops, the inner one of which passes over casters by their words alone. Where many invocations run as one, all of them take the
+    // triangle test if one does: so they go to it together, each with the next caster that may be in its way (Aila and Laine 2009,
+    // "Understanding the Efficiency of Ray Traversal on GPUs").
+    var i = cell.x;
+    loop {
+        var caster = NO_CASTER;
+        while i < end {
+            let items = table_2[i / 2u];
+            let item = select(items.xy, items.zw, i % 2u == 1u);
+            let fields = (asking - item.y) & GUARDS;
+            // It is deeper than the receiver, and so are all after it.
+            i = select(i + 1u, end, (fields & DEPTH_GUARD) == 0u);
+            if item.x != left_out && fields == GUARDS {
+                caster = item.x;
+                break;
+            }
         }
-        if item.x == left_out || fields != GUARDS {
-            continue;
+        if caster == NO_CASTER {
+            break;
         }
-        if meets_caster(o, d, item.x) {
+        if meets_caster(o, d, caster) {
             return true;
         }
     }
