@@ -109,7 +109,7 @@ fn lists(
     Ok(Some(cells.iter().flat_map(length_color).collect()))
 }
 
-/// From blue (none) over white to red (64 casters and more); green where one caster covers the whole cell.
+/// From blue (none) over white (7) to red (63 casters and more), as the panel's legend says; green where one caster covers the whole cell.
 fn length_color(cell: &Option<AskedCell>) -> [u8; 4] {
     let Some(cell) = cell else {
         return NOTHING;

@@ -179,6 +179,19 @@ fn view(app: &mut App, ui: &mut egui::Ui) {
                 .on_hover_text("Opacity");
         });
     }
+    if settings.picture == Picture::Lists {
+        ui.horizontal_wrapped(|ui| {
+            ui.label("casters asked:");
+            ui.colored_label(egui::Color32::from_rgb(100, 150, 255), "blue: none");
+            ui.label("white: 7");
+            ui.colored_label(egui::Color32::from_rgb(255, 90, 70), "red: 63 or more");
+            ui.colored_label(
+                egui::Color32::from_rgb(60, 190, 130),
+                "green: one hides all",
+            );
+            ui.weak("nothing: no lists (other techniques than exact), or none asked");
+        });
+    }
     if before != (settings.picture, settings.opacity) {
         app.compare();
     }

@@ -211,6 +211,10 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
                 }
                 rmse => format!("\nRMSE {rmse:.4}, {:.2} % wrong", 100.0 * error.wrong),
             };
+            if error.ambiguous.is_none() {
+                // Pixels at which truth hangs on rounding still count as wrong.
+                text += "\nso far: truth is not checked yet";
+            }
             if let Some(ambiguous) = error.ambiguous.filter(|&ambiguous| ambiguous > 0) {
                 text += &format!("\n{ambiguous} pixels left out: truth hangs on rounding");
             }
