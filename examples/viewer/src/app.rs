@@ -8,10 +8,13 @@ use crate::{
     focus::Focus,
     gizmo::{self, LightHandles},
     loading::{Loader, Then},
-    measure::view_figures::{Question, ShownFigures, ViewFigures},
+    measure::{
+        figures::Picture,
+        view_figures::{Question, ShownFigures, ViewFigures},
+    },
     panel::{self, maps::MapPicture, picker::Picker},
     path::MotionPath,
-    plan_job::{PlanJob, PlanRequest},
+    plan_job::{PlanJob, PlanRequest, PlannedFor},
     render::{FrameSettings, Renderer, Shown, present::Presenter},
     stage::Stage,
     state::{Saved, Settings, Start},
@@ -25,8 +28,10 @@ use web_time::{Duration, Instant};
 
 /// The scene that is shown when nobody names one.
 pub(crate) const FIRST_SCENE: &str = "town";
-/// Frames a second below which the picture gets coarser while something moves.
-const FLUENT: f32 = 20.0;
+/// Frames a second below which the picture gets coarser while something moves, on drivers that draw by the processor.
+const FLUENT_ON_PROCESSOR: f32 = 20.0;
+/// The same on graphics cards.
+const FLUENT: f32 = 60.0;
 /// The least share of the picture's width and height that is drawn.
 const COARSEST: f32 = 0.25;
 /// Steps of the scale.
@@ -45,6 +50,29 @@ pub(crate) struct FrameTimes {
     pub work: Duration,
 }
 
+/// How the first scene is shown, beyond what comes with it.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct FirstShown {
+    pub shown: Option<Shown>,
+    pub picture: Option<Picture>,
+}
+
+impl FirstShown {
+    pub(crate) fn apply(self, settings: &mut Settings) {
+        match self.shown {
+            Some(Shown::Both(divider)) => settings.split = Some(divider),
+            Some(Shown::One(side)) => {
+                settings.split = None;
+                settings.shown_side = side;
+            }
+            None => {}
+        }
+        if let Some(picture) = self.picture {
+            settings.picture = picture;
+        }
+    }
+}
+
 pub(crate) struct App {
     pub render: RenderState,
     pub stage: Stage,
@@ -57,7 +85,10 @@ pub(crate) struct App {
     /// Whether something moved in the last frame.
     was_moving: bool,
     presenter: Presenter,
+    /// The camera of the last frame: its size is smaller than the picture's while something moves and frames take long.
     pub camera: Option<Camera>,
+    /// The picture's size in the window, pixels.
+    pixels: UVec2,
     changed: Instant,
     pub figures: ViewFigures,
     #[cfg(not(target_arch = "wasm32"))]
@@ -65,15 +96,20 @@ pub(crate) struct App {
     /// Where the chosen light's marker is in the window, points.
     pub marker: Option<egui::Pos2>,
     pub plan_job: PlanJob,
-    pub plan: Option<Plan>,
+    /// What the plan that is being made is for.
+    plan_asked: Option<PlannedFor>,
+    /// The last plan, and what it was made for.
+    pub plan: Option<(Plan, PlannedFor)>,
     pub maps: [MapPicture; 2],
     pub message: Option<String>,
     fault: Message,
     lost: Message,
+    /// What was being loaded when the device was lost.
+    unfinished: Message,
     screenshot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
     pub loader: Loader,
-    /// What the user chose; none before.
-    pub panel_is_folded: Option<bool>,
+    /// How the first scene is shown, if somebody asked: what else comes with it is set before.
+    pub first_shown: Option<FirstShown>,
     /// What moves in a place of failure.
     pub path: Option<MotionPath>,
     /// The list from which the keyboard chooses, while it is open.
@@ -84,7 +120,7 @@ pub(crate) struct App {
 }
 
 impl App {
-    /// Opens the first scene.
+    /// Opens the first scene. If the device is lost, `lost` is told why, and `unfinished` the scene that was being loaded.
     ///
     /// # Errors
     /// Errors if there is no device, or the scene can't be shown.
@@ -92,6 +128,7 @@ impl App {
         context: &eframe::CreationContext<'_>,
         start: Start,
         lost: Message,
+        unfinished: Message,
     ) -> Result<Self> {
         let render = context.wgpu_render_state.clone().context(
             "no graphics device; install a graphics driver, such as Debian's mesa-vulkan-drivers",
@@ -149,21 +186,24 @@ impl App {
             was_moving: false,
             presenter: Presenter::new(&render.device, render.target_format),
             camera: None,
+            pixels: UVec2::ONE,
             changed: Instant::now(),
             #[cfg(not(target_arch = "wasm32"))]
             told: start.told.map(ToldFile::new),
             figures: ViewFigures::new(move || wake.request_repaint()),
             marker: None,
             plan_job: PlanJob::default(),
+            plan_asked: None,
             plan: None,
             maps: Default::default(),
             message: None,
             fault,
             lost,
+            unfinished,
             screenshot: Arc::default(),
             loader: Loader::default(),
             path: None,
-            panel_is_folded: None,
+            first_shown: None,
             picker: None,
             focus: Focus::default(),
             frames: 0,
@@ -176,7 +216,7 @@ impl App {
         let scene = failure.map_or(wanted.as_str(), |failure| failure.scene);
         let then = match (failure, saved) {
             (Some(failure), _) => Then::Compare(failure),
-            (None, Some(saved)) if saved.scene == wanted => Then::SeeFrom(saved.view),
+            (None, Some(saved)) if saved.scene == wanted => Then::AsLeft(saved.scene_as_left()),
             _ => Then::Show,
         };
         app.open(ctx, scene, then);
@@ -235,6 +275,7 @@ impl App {
         self.leave_path(|app| app.steer(ui, &response, passed));
         self.follow_path(passed);
         let pixels = pixels_of(rect, ui.ctx().pixels_per_point());
+        self.pixels = pixels;
         let is_moving = !self.rests();
         if is_moving && self.was_moving {
             self.adapt(passed);
@@ -246,11 +287,7 @@ impl App {
         let most = self.render.device.limits().max_texture_dimension_2d as f32;
         let side = |length: u32| (length as f32 * scale).round().clamp(1.0, most) as u32;
         let size = UVec2::new(side(pixels.x), side(pixels.y));
-        let camera = self.settings.view.camera(size);
-        let camera = match &self.path {
-            Some(path) => path.camera(&camera),
-            None => camera,
-        };
+        let camera = self.camera_of_size(size);
         let begin = Instant::now();
         let shown = self.shown();
         let frame = FrameSettings {
@@ -275,11 +312,28 @@ impl App {
         Ok(())
     }
 
+    /// Returns the present camera for a picture of this size, pixels: where the path is, if one is under way.
+    fn camera_of_size(&self, size: UVec2) -> Camera {
+        let camera = self.settings.view.camera(size);
+        match &self.path {
+            Some(path) => path.camera(&camera),
+            None => camera,
+        }
+    }
+
     /// Draws fewer pixels while something moves and frames take long, and more again once they don't.
     fn adapt(&mut self, passed: Duration) {
-        let allowed = 1.0 / FLUENT;
+        let draws_by_processor =
+            self.render.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let allowed = if draws_by_processor {
+            1.0 / FLUENT_ON_PROCESSOR
+        } else {
+            1.0 / FLUENT
+        };
+        let of_device = self.renderer.device_time();
+        let took = frame_seconds(draws_by_processor, passed, self.times.work, of_device);
         // What a frame takes goes with its pixels: with the square of the scale.
-        let wanted = self.scale * (allowed / passed.as_secs_f32().max(1e-3)).sqrt();
+        let wanted = self.scale * (allowed / took.max(1e-3)).sqrt();
         let wanted = wanted.clamp(COARSEST, 1.0);
         // Coarser at once, finer slowly.
         self.scale = if wanted < self.scale {
@@ -345,15 +399,22 @@ impl App {
             return Ok(());
         };
         let rests = self.rests();
+        let (camera, lights) = (question.camera, &self.settings.lights);
+        let ready = [0, 1].map(|i| {
+            let side = &self.renderer.sides[i];
+            rests && side.is_ready_for(&camera, lights, &self.settings.sides[i])
+        });
+        let (render, renderer) = (&self.render, &mut self.renderer);
         let is_new = self
             .figures
-            .update(&self.render, &mut self.renderer, &question, rests)?;
+            .update(render, renderer, &question, rests, ready)?;
         if is_new {
             self.compare();
             // This frame was drawn before.
             ctx.request_repaint();
         }
-        if self.figures.is_waiting() {
+        let awaits_times = rests && self.renderer.awaits_times();
+        if self.figures.is_waiting() || awaits_times {
             ctx.request_repaint_after(Duration::from_millis(10));
         }
         Ok(())
@@ -370,29 +431,40 @@ impl App {
         };
         let techniques = self.settings.sides.each_ref();
         let (render, renderer) = (&self.render, &mut self.renderer);
-        let compared = self
-            .figures
+        self.figures
             .compare(render, renderer, &question, techniques, &shown);
-        if let Err(error) = compared {
-            self.message = Some(format!("{error:#}"));
-        }
     }
 
     /// Begins to look for the least that the view needs.
     pub(crate) fn start_plan(&mut self, ctx: &egui::Context) {
-        let Some(question) = question(self.camera, &self.settings, &self.stage) else {
+        let Some(planned_for) = self.plan_wanted() else {
             self.message = Some("Choose a light that is on: plans are made for one.".to_owned());
             return;
         };
+        let (camera, light) = (planned_for.camera, planned_for.light);
+        let geometry = &self.stage.geometry;
+        let side = &self.renderer.sides[0];
         let request = PlanRequest {
-            camera: question.camera,
-            geometry: question.geometry.clone(),
-            light: question.light,
-            error: f64::from(self.settings.plan_error),
-            motion: self.settings.motion,
+            geometry: geometry.clone(),
+            refused: side.refused_techniques(&camera, &light, geometry),
+            planned_for: planned_for.clone(),
         };
+        self.plan_asked = Some(planned_for);
         let wake = ctx.clone();
         self.plan_job.start(request, move || wake.request_repaint());
+    }
+
+    /// Returns what a plan would be made for now: the chosen light, as the whole picture shows it. None while that light is off.
+    pub(crate) fn plan_wanted(&self) -> Option<PlannedFor> {
+        let light = self.settings.lights.get(self.settings.chosen)?;
+        light.is_on.then(|| PlannedFor {
+            // A coarse picture's camera has fewer pixels while something moves.
+            camera: self.camera_of_size(self.pixels),
+            light: light.light,
+            scene: self.stage.geometry.fingerprint(),
+            error: f64::from(self.settings.plan_error),
+            motion: self.settings.motion,
+        })
     }
 
     #[cfg(not(target_arch = "wasm32"))]
@@ -408,7 +480,10 @@ impl App {
 
     /// Shows the setting that a plan found on the left.
     pub(crate) fn show_plan(&mut self) {
-        let chosen = self.plan.as_ref().and_then(|plan| plan.chosen.as_ref());
+        let chosen = self
+            .plan
+            .as_ref()
+            .and_then(|(plan, _)| plan.chosen.as_ref());
         let Some(preset) = chosen.map(|chosen| chosen.preset.clone()) else {
             self.message = Some("No setting was found yet: P looks for one.".to_owned());
             return;
@@ -419,7 +494,7 @@ impl App {
 
     fn take_plan(&mut self) {
         match self.plan_job.take() {
-            Some(Ok(plan)) => self.plan = Some(plan),
+            Some(Ok(plan)) => self.plan = self.plan_asked.take().map(|asked| (plan, asked)),
             Some(Err(error)) => self.message = Some(error),
             None => {}
         }
@@ -428,6 +503,7 @@ impl App {
     /// Forgets a side's mask, since its technique changed.
     pub(crate) fn forget_mask(&mut self, side: usize) {
         self.figures.forget_mask(side, &mut self.renderer);
+        self.renderer.forget_drawn(side);
         self.touch();
     }
 
@@ -472,6 +548,22 @@ impl App {
     }
 }
 
+/// Returns what a frame takes, seconds: a driver that draws by the processor draws as fast as it can, from frame to frame. A card waits for
+/// the display, whose rate says nothing: there it is the longer one of the work on the processor and that on the device, as far as its
+/// clock tells.
+fn frame_seconds(
+    draws_by_processor: bool,
+    passed: Duration,
+    on_processor: Duration,
+    on_device: Option<Duration>,
+) -> f32 {
+    let took = match on_device {
+        Some(on_device) if !draws_by_processor => on_processor.max(on_device),
+        _ => passed,
+    };
+    took.as_secs_f32()
+}
+
 /// Returns how many pixels of the window a part of it has, as the panel's painter places its edges.
 fn pixels_of(rect: egui::Rect, pixels_per_point: f32) -> UVec2 {
     let between = |from: f32, to: f32| {
@@ -506,6 +598,9 @@ impl eframe::App for App {
         // A device that is lost says so now, before the panel's painter asks it for memory. What else is wrong the frame's passes say.
         let _ = self.render.device.poll(wgpu::PollType::Poll);
         if is_left(&self.lost) {
+            if let Some(argument) = self.loader.argument() {
+                put(&self.unfinished, argument);
+            }
             // Nothing can be drawn any more: the window is opened again, with another device.
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             return;
@@ -568,14 +663,29 @@ impl eframe::App for App {
             // What was kept stays.
             return;
         }
-        let Ok(saved) = self.settings.saved(&self.stage) else {
-            return;
-        };
-        eframe::set_value(storage, eframe::APP_KEY, &saved);
+        match self.settings.saved(&self.stage) {
+            Ok(saved) => eframe::set_value(storage, eframe::APP_KEY, &saved),
+            Err(error) => log::warn!("the settings are not kept: {error:#}"),
+        }
     }
 
     #[cfg(target_arch = "wasm32")]
     fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
         Some(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn displays_don_t_make_cards_coarser() {
+        let [passed, on_processor, on_device] = [33, 2, 5].map(Duration::from_millis);
+        let seconds = |is_cpu, device| frame_seconds(is_cpu, passed, on_processor, device);
+        assert_eq!(seconds(false, Some(on_device)), 0.005);
+        // Without a clock only the rate of frames is known.
+        assert_eq!(seconds(false, None), 0.033);
+        assert_eq!(seconds(true, Some(on_device)), 0.033);
     }
 }

@@ -97,6 +97,12 @@ impl ViewCamera {
         }
     }
 
+    /// Whether the camera stands and looks as another one does, however either is moved.
+    pub(crate) fn stands_as(&self, other: &Self) -> bool {
+        let place = |view: &Self| (view.eye, view.yaw, view.pitch, view.distance);
+        place(self) == place(other)
+    }
+
     /// Turns as the mouse moves, points.
     pub(crate) fn turn(&mut self, moved: Vec2) {
         let pivot = self.pivot();

@@ -48,6 +48,8 @@ enum Action {
     Fold,
     Home,
     Orbit,
+    /// Goes ahead by steps of the wheel, or nearer in orbit mode.
+    Near(f32),
     Screenshot,
     /// Makes text larger or smaller.
     Zoom(f32),
@@ -95,7 +97,13 @@ const FINE: f32 = 0.1;
 /// What keys turn the view by in a second, in points of the mouse.
 const LOOK: f32 = 350.0;
 
-pub(crate) const KEYS: [Keys; 35] = {
+#[cfg(not(target_arch = "wasm32"))]
+const SCREENSHOT: &str = "saves a screenshot";
+/// There are no folders to save it in, and the key is the browser's.
+#[cfg(target_arch = "wasm32")]
+const SCREENSHOT: &str = "screenshots are the browser's own";
+
+pub(crate) const KEYS: [Keys; 36] = {
     use With::{Any, Command, Nothing, Shift};
     [
         line("W A S D, E Q", "fly; with shift faster", &[]),
@@ -103,6 +111,15 @@ pub(crate) const KEYS: [Keys; 35] = {
         line("right mouse button", "looks around, or goes around", &[]),
         line("middle button, wheel", "sideways; ahead and back", &[]),
         line("O", "fly or orbit", &[(Nothing, Key::O, Action::Orbit)]),
+        line(
+            "plus, minus",
+            "ahead and back; nearer and farther in orbit",
+            &[
+                (Any, Key::Plus, Action::Near(1.0)),
+                (Any, Key::Equals, Action::Near(1.0)),
+                (Any, Key::Minus, Action::Near(-1.0)),
+            ],
+        ),
         line(
             "Home",
             "back to the scene's own view",
@@ -260,7 +277,7 @@ pub(crate) const KEYS: [Keys; 35] = {
         ),
         line(
             "F12",
-            "saves a screenshot",
+            SCREENSHOT,
             &[(Nothing, Key::F12, Action::Screenshot)],
         ),
         line("F1", "these keys", &[(Nothing, Key::F1, Action::Help)]),
@@ -404,6 +421,10 @@ impl App {
                     Mode::Orbit => Mode::Fly,
                 };
             }
+            Action::Near(steps) => {
+                settings.view.step(steps);
+                self.touch();
+            }
             Action::Screenshot => self.ask_for_screenshot(ctx),
             Action::Zoom(by) => {
                 // The window's own follows with the next frame, and a key may be pressed twice before.
@@ -471,9 +492,11 @@ impl App {
     /// Opens the next place of failure, or the one before.
     fn next_failure(&mut self, ctx: &egui::Context, by: isize) {
         let all = bookmarks::all();
-        let name = match &self.path {
-            Some(path) => path.moving.name,
-            None => self.stage.argument.as_str(),
+        // While one is on its way, the next is the one after that.
+        let name = match (self.loader.then(), &self.path) {
+            (Some(Then::Compare(coming)), _) => coming.name,
+            (_, Some(path)) => path.moving.name,
+            _ => self.stage.argument.as_str(),
         };
         let present = all.iter().position(|bookmark| bookmark.name == name);
         let next = match present {

@@ -10,7 +10,7 @@ use umbrage::{
 pub(crate) const MAX_LIGHTS: usize = 16;
 
 /// A light, and how it looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct EditLight {
     pub light: Light,
     /// sRGB, 0 to 1.
@@ -250,5 +250,134 @@ fn reach_of(bounds: &Aabb) -> f32 {
         1.0
     } else {
         bounds.diagonal().max(1e-3)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bounds() -> Aabb {
+        Aabb {
+            min: Vec3::new(-3.0, 0.0, -2.0),
+            max: Vec3::new(5.0, 4.0, 6.0),
+        }
+    }
+
+    /// One light of each kind, with an extent and without.
+    fn lights() -> Vec<Light> {
+        let position = Vec3::new(1.0, 6.0, 3.0);
+        let direction = Vec3::new(0.3, -1.0, 0.2).normalize();
+        let mut out = Vec::new();
+        for extent in [0.0, 0.2] {
+            out.push(Light::Directional {
+                direction,
+                angular_diameter: extent,
+            });
+            out.push(Light::Spot {
+                position,
+                direction,
+                inner: 0.3,
+                outer: 0.5,
+                radius: extent,
+            });
+            out.push(Light::Point {
+                position,
+                radius: extent,
+            });
+        }
+        let half_u = direction.any_orthonormal_vector() * 0.2;
+        out.push(Light::Rect {
+            center: position,
+            half_u,
+            half_v: direction.cross(half_u),
+        });
+        out.push(Light::Disc {
+            center: position,
+            normal: direction,
+            radius: 0.2,
+        });
+        out
+    }
+
+    #[test]
+    fn retyped_lights_are_valid_and_stay_where_they_are() {
+        for light in lights() {
+            for kind in Kind::ALL {
+                let mut edited = EditLight::of_scene(light, 1);
+                edited.retype(kind, &bounds());
+                let words = format!("{light:?} as {kind:?}: {:?}", edited.light);
+                assert_eq!(Kind::of(&edited.light), kind, "{words}");
+                assert!(edited.light.validate().is_ok(), "{words}");
+                if let (Some(before), Some(after)) = (light.position(), edited.light.position()) {
+                    assert_eq!(before, after, "{words}");
+                }
+                if kind == Kind::of(&light) {
+                    assert_eq!(edited.light, light, "{words}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lights_keep_their_direction_and_size_as_far_as_kinds_have_them() {
+        let mut edited = EditLight::of_scene(lights()[4 + 2], 1);
+        let Light::Rect { half_u, half_v, .. } = edited.light else {
+            panic!("{:?}", edited.light);
+        };
+        let normal = half_u.cross(half_v).normalize();
+        edited.retype(Kind::Disc, &bounds());
+        let Light::Disc {
+            normal: of_disc,
+            radius,
+            ..
+        } = edited.light
+        else {
+            panic!("{:?}", edited.light);
+        };
+        assert!(normal.dot(of_disc).abs() > 0.9999, "{normal} {of_disc}");
+        assert!((radius - 0.2).abs() < 1e-5, "{radius}");
+        edited.retype(Kind::Directional, &bounds());
+        assert!(direction_of(&edited.light).dot(normal).abs() > 0.9999);
+        edited.retype(Kind::Spot, &bounds());
+        let Light::Spot {
+            radius: of_spot,
+            direction,
+            ..
+        } = edited.light
+        else {
+            panic!("{:?}", edited.light);
+        };
+        assert!(direction.dot(normal).abs() > 0.9999);
+        // Over the sun's angle and back.
+        assert!((of_spot - 0.2).abs() < 1e-3, "{of_spot}");
+    }
+
+    #[test]
+    fn perspective_goes_there_and_back() {
+        let sun = lights()[0];
+        let mut edited = EditLight::of_scene(sun, 1);
+        edited.set_perspective(true, &bounds());
+        let Light::Spot {
+            position,
+            direction,
+            outer,
+            ..
+        } = edited.light
+        else {
+            panic!("{:?}", edited.light);
+        };
+        assert!(direction.dot(direction_of(&sun)) > 0.9999);
+        // Its cone holds all corners of the scene.
+        let (min, max) = (bounds().min, bounds().max);
+        for i in 0..8 {
+            let pick = |axis: usize, bit: u8| if i & bit == 0 { min[axis] } else { max[axis] };
+            let corner = Vec3::new(pick(0, 1), pick(1, 2), pick(2, 4));
+            let angle = (corner - position).normalize().angle_between(direction);
+            assert!(angle <= outer, "{corner}: {angle} {outer}");
+        }
+        edited.set_perspective(false, &bounds());
+        assert!(direction_of(&edited.light).dot(direction_of(&sun)) > 0.9999);
+        assert_eq!(Kind::of(&edited.light), Kind::Directional);
     }
 }

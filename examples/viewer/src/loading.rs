@@ -14,23 +14,22 @@ pub(crate) use thread::Loader;
 use crate::{
     app::{App, FIRST_SCENE},
     bookmarks::{self, Bookmark},
-    camera::ViewCamera,
     drops::scene_among,
     path::MotionPath,
     render::{FrameSettings, Renderer, Shown},
     stage::Stage,
-    state::Settings,
+    state::{SceneAsLeft, Settings},
 };
 use anyhow::Result;
 use umbrage::glam::UVec2;
 
 /// What follows once a scene is there.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) enum Then {
     /// It is shown as it is.
     Show,
-    /// It is seen from where it was seen the last time.
-    SeeFrom(ViewCamera),
+    /// It is shown as it was left the last time.
+    AsLeft(SceneAsLeft),
     /// The fault on the left, the cure on the right.
     Compare(Bookmark),
 }
@@ -116,7 +115,7 @@ impl Request {
         }
         let path = match self.then {
             Then::Compare(bookmark) => bookmark.moving(),
-            Then::Show | Then::SeeFrom(_) => None,
+            Then::Show | Then::AsLeft(_) => None,
         };
         let path = path
             .map(|moving| MotionPath::new(moving, &stage, &settings.view, bookmarks::COARSE))
@@ -139,10 +138,10 @@ impl Loaded {
 
 impl Then {
     /// Brings settings that show the stage to what is wanted beyond that.
-    fn apply(self, settings: &mut Settings, stage: &Stage) {
+    fn apply(&self, settings: &mut Settings, stage: &Stage) {
         match self {
             Self::Show => {}
-            Self::SeeFrom(view) => settings.view = view,
+            Self::AsLeft(left) => left.apply(settings),
             Self::Compare(bookmark) => {
                 let range = settings.sides[0].range;
                 let light = stage.lights.first();
@@ -153,11 +152,28 @@ impl Then {
     }
 }
 
+/// Returns what names the same scene when the program is started in another folder: built-in scenes are named as they are, files with all
+/// their folders.
+#[cfg(not(target_arch = "wasm32"))]
+fn anywhere(argument: &str) -> String {
+    let is_built_in = umbrage::scenes::find(argument).is_some();
+    match std::path::absolute(argument) {
+        Ok(path) if !is_built_in => path.display().to_string(),
+        _ => argument.to_owned(),
+    }
+}
+
+/// Browsers have no folders.
+#[cfg(target_arch = "wasm32")]
+fn anywhere(argument: &str) -> String {
+    argument.to_owned()
+}
+
 impl App {
     /// Begins to read another scene; one that is being read is given up. The present one stays until then, and for good if the other can't
     /// be shown: a message says why.
     pub(crate) fn open(&mut self, ctx: &egui::Context, argument: &str, then: Then) {
-        self.load(ctx, argument, Source::Argument(argument.to_owned()), then);
+        self.load(ctx, argument, Source::Argument(anywhere(argument)), then);
     }
 
     fn load(&mut self, ctx: &egui::Context, name: &str, source: Source, then: Then) {
@@ -197,6 +213,9 @@ impl App {
             }) => {
                 self.settings.show(&stage);
                 then.apply(&mut self.settings, &stage);
+                if let Some(first) = self.first_shown.take() {
+                    first.apply(&mut self.settings);
+                }
                 self.stage = stage;
                 // The overlays go with the old renderer.
                 self.renderer = renderer;
@@ -209,6 +228,7 @@ impl App {
                 self.touch();
             }
             Err(error) => {
+                self.first_shown = None;
                 if self.stage.is_nothing() && name != FIRST_SCENE {
                     self.open(ctx, FIRST_SCENE, Then::Show);
                 }

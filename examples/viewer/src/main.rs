@@ -1,6 +1,7 @@
 //! A window to see shadows in: drag the lights, compare techniques side by side, measure them against rays.
 
 mod app;
+mod beside;
 mod bookmarks;
 mod camera;
 mod device;

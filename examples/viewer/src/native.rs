@@ -132,20 +132,28 @@ fn run(options: &Options) -> Result<()> {
     };
     loop {
         start.told = options.report.clone();
-        let Some(loss) = open(options, start)? else {
+        let Some(Loss { why, unfinished }) = open(options, start)? else {
             return Ok(());
         };
-        // The window comes back as it was, with another device.
+        // The window comes back as it was, with another device: it has kept its settings.
         start = Start {
-            message: Some(format!("{loss} It was opened again.")),
+            scene: unfinished,
+            message: Some(format!("{why} It was opened again.")),
             ..Start::default()
         };
     }
 }
 
-/// Opens the window and runs until it is closed. Returns a message if it was closed since the graphics device was lost, so that it is
-/// opened again.
-fn open(options: &Options, start: Start) -> Result<Option<String>> {
+/// Why a window has to be opened again.
+struct Loss {
+    /// How the graphics device was lost.
+    why: String,
+    /// The scene that was being loaded.
+    unfinished: Option<String>,
+}
+
+/// Opens the window and runs until it is closed. Returns why it has to be opened again if the graphics device was lost.
+fn open(options: &Options, start: Start) -> Result<Option<Loss>> {
     let size = options.size.as_vec2();
     let viewport = egui::ViewportBuilder::default()
         .with_title("umbrage")
@@ -156,8 +164,8 @@ fn open(options: &Options, start: Start) -> Result<Option<String>> {
     setup.instance_descriptor.backends =
         wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
     setup.device_descriptor = Arc::new(device_descriptor);
-    let lost = Message::default();
-    let of_app = lost.clone();
+    let (lost, unfinished) = (Message::default(), Message::default());
+    let of_app = (lost.clone(), unfinished.clone());
     let native = eframe::NativeOptions {
         viewport,
         run_and_return: true,
@@ -170,7 +178,7 @@ fn open(options: &Options, start: Start) -> Result<Option<String>> {
         ..eframe::NativeOptions::default()
     };
     let creator: eframe::AppCreator<'_> =
-        Box::new(move |context| Ok(Box::new(App::new(context, start, of_app)?)));
+        Box::new(move |context| Ok(Box::new(App::new(context, start, of_app.0, of_app.1)?)));
     // The panel's painter panics if the device is lost while it paints, and leaves an event loop that can't be used again.
     let run = AssertUnwindSafe(|| eframe::run_native("umbrage-viewer", native, creator));
     let outcome = panic::catch_unwind(run);
@@ -184,5 +192,8 @@ fn open(options: &Options, start: Start) -> Result<Option<String>> {
             None => panic::resume_unwind(panicked),
         },
     }
-    Ok(loss)
+    Ok(loss.map(|why| Loss {
+        why,
+        unfinished: taken(&unfinished),
+    }))
 }

@@ -127,7 +127,7 @@ impl App {
         let light = self.settings.lights.first_mut();
         let present = light.as_ref().map(|light| light.light);
         let is_as_left = match &path.under_way {
-            Some(under_way) => under_way.view == view && path.light() == present,
+            Some(under_way) => under_way.view.stands_as(&view) && path.light() == present,
             None => true,
         };
         if !is_as_left {
@@ -142,6 +142,8 @@ impl App {
             light: present,
             seconds: 0.0,
         });
+        // How the camera is moved may have changed meanwhile: orbit, speed, parallel lines.
+        under_way.view = view;
         // A long frame is no long way.
         under_way.seconds += passed.as_secs_f32().min(0.2);
         if let (Some(light), Some(to)) = (light, path.light()) {

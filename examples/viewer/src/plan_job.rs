@@ -5,14 +5,25 @@ use serde::{Deserialize, Serialize};
 use umbrage::{
     Camera, Geometry, Light,
     plan::{Bounds, Cancel, MeasureError, Plan, PlanOptions, Planner, Step, motion::FrameMotion},
+    techniques::Techniques,
 };
 
 /// What is asked for. Browsers send it to a worker as bytes.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct PlanRequest {
-    pub camera: Camera,
     pub geometry: Geometry,
+    /// Names of the techniques that the window's light sets refuse: a plan names what can be shown and copied.
+    pub refused: Vec<String>,
+    pub planned_for: PlannedFor,
+}
+
+/// What a plan is for: beside anything else it is stale.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct PlannedFor {
+    pub camera: Camera,
     pub light: Light,
+    /// The geometry's fingerprint.
+    pub scene: u64,
     /// Greatest error, as a share of that of no shadow at all.
     pub error: f64,
     pub motion: FrameMotion,
@@ -45,7 +56,10 @@ pub(crate) use thread::PlanJob;
 #[cfg(not(target_arch = "wasm32"))]
 mod thread {
     use super::*;
-    use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+    use std::{
+        panic::{self, AssertUnwindSafe},
+        sync::{Arc, Mutex, MutexGuard, PoisonError},
+    };
 
     /// A plan that is being made, or was made.
     #[derive(Default)]
@@ -69,15 +83,19 @@ mod thread {
             *locked(&self.state) = PlanState::begun();
             let (state, cancel) = (self.state.clone(), self.cancel.clone());
             std::thread::spawn(move || {
-                let outcome = planned(&request, &cancel, &|step| {
+                let on_step = |step: Step<'_>| {
                     locked(&state).at = Some(words(step));
                     wake();
-                });
-                *locked(&state) = PlanState::ended(match outcome {
-                    Ok(plan) => Some(Ok(plan)),
-                    Err(MeasureError::Cancelled) => None,
-                    Err(error) => Some(Err(error.to_string())),
-                });
+                };
+                // A panic would leave the window waiting for ever.
+                let played = AssertUnwindSafe(|| planned(&request, &cancel, &on_step));
+                let outcome = match panic::catch_unwind(played) {
+                    Ok(Ok(plan)) => Some(Ok(plan)),
+                    Ok(Err(MeasureError::Cancelled)) => None,
+                    Ok(Err(error)) => Some(Err(error.to_string())),
+                    Err(_) => Some(Err(PANICKED.to_owned())),
+                };
+                *locked(&state) = PlanState::ended(outcome);
                 wake();
             });
         }
@@ -98,6 +116,15 @@ mod thread {
             locked(&self.state).outcome.take()
         }
     }
+
+    impl Drop for PlanJob {
+        /// A window that is closed, or opened again with another device, leaves no thread at work.
+        fn drop(&mut self) {
+            self.cancel.cancel();
+        }
+    }
+
+    const PANICKED: &str = "No plan was made: the planner hit an error of this program; please report it, with the scene.";
 }
 
 #[cfg(target_arch = "wasm32")]
@@ -192,15 +219,22 @@ pub(crate) fn planned(
     cancel: &Cancel,
     on_step: &(dyn Fn(Step<'_>) + Sync),
 ) -> Result<Plan, MeasureError> {
+    let is_playable = |name: &str| !request.refused.iter().any(|refused| refused == name);
     let options = PlanOptions {
-        motion: request.motion,
+        registry: Techniques::built_in().retain(is_playable),
+        motion: request.planned_for.motion,
         cancel: cancel.clone(),
         cost: prices(),
         ..PlanOptions::default()
     };
-    let (camera, light, geometry) = (&request.camera, &request.light, &request.geometry);
-    let mut planner = Planner::new(camera, light, geometry, &options, on_step)?;
-    planner.plan(&Bounds::relative_error(request.error))
+    let PlannedFor {
+        camera,
+        light,
+        error,
+        ..
+    } = &request.planned_for;
+    let mut planner = Planner::new(camera, light, &request.geometry, &options, on_step)?;
+    planner.plan(&Bounds::relative_error(*error))
 }
 
 pub(crate) fn words(step: Step<'_>) -> String {
@@ -228,21 +262,31 @@ mod tests {
     fn a_request_and_its_plan_go_over_as_bytes() {
         let scene = umbrage::scenes::by_argument("cubes").expect("built in");
         let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
-        let request = PlanRequest {
-            camera: stage.camera,
+        let mut request = PlanRequest {
             geometry: stage.geometry.clone(),
-            light: stage.lights[0],
-            error: 0.25,
-            motion: FrameMotion::AllMoves,
+            refused: Vec::new(),
+            planned_for: PlannedFor {
+                camera: stage.camera,
+                light: stage.lights[0],
+                scene: stage.geometry.fingerprint(),
+                error: 0.25,
+                motion: FrameMotion::AllMoves,
+            },
         };
         let bytes = postcard::to_allocvec(&request).expect("written");
         let read: PlanRequest = postcard::from_bytes(&bytes).expect("read");
         assert_eq!(read.geometry.fingerprint(), request.geometry.fingerprint());
-        assert_eq!((read.camera, read.light), (request.camera, request.light));
-        let plan = |request| planned(request, &Cancel::default(), &|_| {}).expect("a plan");
+        assert_eq!(read.planned_for, request.planned_for);
+        let plan =
+            |request: &PlanRequest| planned(request, &Cancel::default(), &|_| {}).expect("a plan");
         let (here, there) = (plan(&request), plan(&read));
         assert_eq!(here.chosen, there.chosen);
-        assert!(here.chosen.is_some(), "{:?}", here.miss);
+        let chosen = here.chosen.as_ref().expect("a setting");
+        // What is refused is not chosen again.
+        let name = chosen.preset.technique().name();
+        request.refused.push(name.to_owned());
+        let other = plan(&request).chosen.expect("another setting");
+        assert_ne!(other.preset.technique().name(), name);
         let json = serde_json::to_vec(&there).expect("written");
         let told: Plan = serde_json::from_slice(&json).expect("read");
         assert_eq!(

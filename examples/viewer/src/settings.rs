@@ -33,6 +33,13 @@ impl FitKind {
     }
 }
 
+impl SavedSide {
+    /// Metres around the camera, for fits that ask for it.
+    pub(crate) const fn range(&self) -> f32 {
+        self.range
+    }
+}
+
 /// A technique with all its settings, for all lights.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SideSettings {

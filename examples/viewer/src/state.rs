@@ -35,12 +35,67 @@ pub(crate) struct Start {
 pub(crate) struct Saved {
     pub scene: String,
     sides: Vec<SavedSide>,
-    pub view: ViewCamera,
+    view: ViewCamera,
     split: Option<f32>,
     picture: Picture,
-    /// Files of older programs don't have it.
+    // Files of older programs don't have what follows.
     #[serde(default)]
     zoom: Option<f32>,
+    #[serde(default)]
+    lights: Vec<EditLight>,
+    #[serde(default)]
+    chosen: usize,
+    #[serde(default)]
+    shown_side: usize,
+    #[serde(default)]
+    opacity: Option<f32>,
+    #[serde(default)]
+    shows_maps: bool,
+    #[serde(default)]
+    plan_error: Option<f32>,
+    #[serde(default)]
+    motion: FrameMotion,
+    #[serde(default)]
+    panel_is_folded: Option<bool>,
+}
+
+/// How a scene was left the last time: what another scene has for itself.
+#[derive(Clone)]
+pub(crate) struct SceneAsLeft {
+    view: ViewCamera,
+    lights: Vec<EditLight>,
+    chosen: usize,
+    /// Of each side's fit, metres.
+    ranges: [f32; 2],
+}
+
+impl Saved {
+    /// Returns how the scene was left.
+    pub(crate) fn scene_as_left(&self) -> SceneAsLeft {
+        let is_valid = |light: &&EditLight| light.light.validate().is_ok();
+        let range = |i: usize| self.sides.get(i).map_or(1.0, SavedSide::range);
+        SceneAsLeft {
+            view: self.view,
+            lights: self.lights.iter().filter(is_valid).copied().collect(),
+            chosen: self.chosen,
+            ranges: [range(0), range(1)],
+        }
+    }
+}
+
+impl SceneAsLeft {
+    /// Brings settings that show the scene to how it was left.
+    pub(crate) fn apply(&self, settings: &mut Settings) {
+        settings.view = self.view;
+        // Older programs kept no lights.
+        if !self.lights.is_empty() {
+            settings.lights = self.lights.iter().take(MAX_LIGHTS).copied().collect();
+            settings.chosen = self.chosen.min(settings.lights.len() - 1);
+        }
+        for (side, range) in settings.sides.iter_mut().zip(self.ranges) {
+            side.range = range;
+        }
+    }
 }
 
 /// What the panel shows and changes.
@@ -65,6 +120,8 @@ pub(crate) struct Settings {
     pub motion: FrameMotion,
     /// How large text is, if the user chose it: 1 is usual.
     pub zoom: Option<f32>,
+    /// Whether the panel is folded, if the user said so.
+    pub panel_is_folded: Option<bool>,
 }
 
 impl Settings {
@@ -86,15 +143,16 @@ impl Settings {
             lights: Vec::new(),
             chosen: 0,
             split: saved.map_or(Some(0.5), |saved| saved.split),
-            shown_side: 0,
+            shown_side: saved.map_or(0, |saved| saved.shown_side.min(1)),
             picture: saved.map_or(Picture::Nothing, |saved| saved.picture),
-            opacity: 1.0,
+            opacity: saved.and_then(|saved| saved.opacity).unwrap_or(1.0),
             view: ViewCamera::new(&stage.camera, &stage.bounds),
             shows_help: false,
-            shows_maps: false,
-            plan_error: 0.25,
-            motion: FrameMotion::default(),
+            shows_maps: saved.is_some_and(|saved| saved.shows_maps),
+            plan_error: saved.and_then(|saved| saved.plan_error).unwrap_or(0.25),
+            motion: saved.map(|saved| saved.motion).unwrap_or_default(),
             zoom: saved.and_then(|saved| saved.zoom),
+            panel_is_folded: saved.and_then(|saved| saved.panel_is_folded),
         };
         out.show(stage);
         out
@@ -129,6 +187,85 @@ impl Settings {
             split: self.split,
             picture: self.picture,
             zoom: self.zoom,
+            lights: self.lights.clone(),
+            chosen: self.chosen,
+            shown_side: self.shown_side,
+            opacity: Some(self.opacity),
+            shows_maps: self.shows_maps,
+            plan_error: Some(self.plan_error),
+            motion: self.motion,
+            panel_is_folded: self.panel_is_folded,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage::{Light, glam::Vec3};
+
+    #[test]
+    fn what_is_kept_comes_back() {
+        let scene = umbrage::scenes::by_argument("cubes").expect("built in");
+        let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
+        let none = [None, None];
+        let mut left = Settings::new(&stage, None, &none);
+        left.show(&stage);
+        left.sides[0].range = 7.5;
+        left.shown_side = 1;
+        left.opacity = 0.5;
+        left.plan_error = 0.125;
+        left.motion = FrameMotion::AllMoves;
+        left.shows_maps = true;
+        left.panel_is_folded = Some(true);
+        left.lights[0].light = Light::Point {
+            position: Vec3::new(1.0, 2.0, 3.0),
+            radius: 0.25,
+        };
+        left.lights.push(EditLight::above(&stage.bounds));
+        left.lights[1].is_on = false;
+        left.chosen = 1;
+        let text = serde_json::to_string(&left.saved(&stage).expect("kept")).expect("written");
+        let saved: Saved = serde_json::from_str(&text).expect("read");
+        let mut again = Settings::new(&stage, Some(&saved), &none);
+        again.show(&stage);
+        saved.scene_as_left().apply(&mut again);
+        assert_eq!(again.sides, left.sides);
+        assert_eq!(again.lights, left.lights);
+        assert_eq!((again.chosen, again.shown_side), (1, 1));
+        assert_eq!((again.opacity, again.plan_error), (0.5, 0.125));
+        assert_eq!(again.motion, left.motion);
+        assert!(again.shows_maps);
+        assert_eq!(again.panel_is_folded, Some(true));
+    }
+
+    #[test]
+    fn files_of_older_programs_are_read() {
+        let scene = umbrage::scenes::by_argument("cubes").expect("built in");
+        let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
+        let settings = Settings::new(&stage, None, &[None, None]);
+        let saved = settings.saved(&stage).expect("kept");
+        let mut old = serde_json::to_value(&saved).expect("written");
+        let of_old = ["scene", "sides", "view", "split", "picture"];
+        let object = old.as_object_mut().expect("an object");
+        object.retain(|name, _| of_old.contains(&name.as_str()));
+        let read: Saved = serde_json::from_value(old).expect("read");
+        let mut again = settings.clone();
+        read.scene_as_left().apply(&mut again);
+        assert_eq!(again.lights, settings.lights, "the scene's own");
+    }
+
+    #[test]
+    fn broken_lights_are_left_out() {
+        let scene = umbrage::scenes::by_argument("cubes").expect("built in");
+        let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
+        let mut settings = Settings::new(&stage, None, &[None, None]);
+        settings.lights.push(EditLight::above(&stage.bounds));
+        settings.lights[0].light = Light::Point {
+            position: Vec3::ZERO,
+            radius: -1.0,
+        };
+        let left = settings.saved(&stage).expect("kept").scene_as_left();
+        assert_eq!(left.lights, settings.lights[1..]);
     }
 }

@@ -82,9 +82,11 @@ async fn run() -> Result<(), String> {
     let of_app = runner.clone();
     let creator: eframe::AppCreator<'static> = Box::new(move |context| {
         let mut query = Query::of_page();
-        let lost = Message::default();
-        let mut app = App::new(context, std::mem::take(&mut query.start), lost.clone())?;
-        query.apply(&mut app.settings);
+        let (lost, unfinished) = (Message::default(), Message::default());
+        let start = std::mem::take(&mut query.start);
+        let mut app = App::new(context, start, lost.clone(), unfinished)?;
+        query.first_shown.apply(&mut app.settings);
+        app.first_shown = Some(query.first_shown);
         watch(&context.egui_ctx, lost);
         report::offer(&of_app, &context.egui_ctx);
         Ok(Box::new(app))

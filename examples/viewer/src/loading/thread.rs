@@ -15,6 +15,7 @@ use web_time::Instant;
 /// A scene that is being read.
 struct Job {
     name: String,
+    argument: String,
     then: Then,
     begun: Instant,
     is_given_up: AtomicBool,
@@ -42,9 +43,11 @@ impl Loader {
     /// Begins; what was being read is given up. `wake` is called at the end.
     pub(crate) fn start(&mut self, request: Request, wake: impl Fn() + Send + 'static) {
         self.cancel();
+        let Source::Argument(argument) = &request.source;
         let job = Arc::new(Job {
             name: request.name.clone(),
-            then: request.then,
+            argument: argument.clone(),
+            then: request.then.clone(),
             begun: Instant::now(),
             is_given_up: AtomicBool::new(false),
             shared: Mutex::default(),
@@ -77,11 +80,21 @@ impl Loader {
         Some(format!("{}: {} ({seconds} s)", job.name, locked(job).at))
     }
 
+    /// The scene or file that is being read.
+    pub(crate) fn argument(&self) -> Option<String> {
+        self.job.as_ref().map(|job| job.argument.clone())
+    }
+
+    /// What follows once it is there.
+    pub(crate) fn then(&self) -> Option<&Then> {
+        self.job.as_ref().map(|job| &job.then)
+    }
+
     /// Returns what has been read since it was asked last.
     pub(crate) fn take(&mut self) -> Option<Outcome> {
         let job = self.job.as_ref()?;
         let loaded = locked(job).loaded.take()?;
-        let (name, then) = (job.name.clone(), job.then);
+        let (name, then) = (job.name.clone(), job.then.clone());
         self.job = None;
         Some(Outcome { name, then, loaded })
     }

@@ -117,7 +117,7 @@ impl<'a> Compared<'a> {
             agreement = measure(&doubts)?;
             Ok(agreement.violations == 0)
         };
-        if agreement_holds(&expected.mask, mask) {
+        if expected.mask == mask {
             return Ok(agreement);
         }
         for part in [PLACE_STEP, -PLACE_STEP] {
@@ -152,10 +152,6 @@ impl<'a> Compared<'a> {
         }
         Ok(agreement)
     }
-}
-
-fn agreement_holds(a: &[f32], b: &[f32]) -> bool {
-    a == b
 }
 
 /// Returns a recipe with all its maps moved by texels and depth; lookups stay.

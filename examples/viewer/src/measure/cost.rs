@@ -4,7 +4,10 @@ use super::places::SeenFrom;
 use anyhow::Result;
 use umbrage::{
     Work,
-    plan::{cost::CostModel, motion::FrameMotion},
+    plan::{
+        cost::CostModel,
+        motion::{FrameMotion, follows_camera},
+    },
     techniques::TechniquePreset,
 };
 
@@ -20,7 +23,7 @@ pub(crate) struct Cost {
     pub draw_ms: f64,
     /// Of the lookups of all pixels, milliseconds.
     pub lookup_ms: f64,
-    /// Whether maps are drawn again as the camera moves.
+    /// Whether something else is drawn once the camera moves.
     pub follows_camera: bool,
 }
 
@@ -31,15 +34,15 @@ impl Cost {
     /// Errors if the technique refuses the light.
     pub(crate) fn of(preset: &TechniquePreset, seen: &SeenFrom<'_>) -> Result<Self> {
         let view = seen.planned_view();
-        let recipe = preset.technique().recipe(&view)?;
+        let technique = preset.technique();
+        let recipe = technique.recipe(&view)?;
         let work = Work::of(&view.with_receivers(seen.receivers), &recipe);
         let prices = prices();
         let lookup_ms = prices.lookup_milliseconds(&work);
-        let map = preset.map();
         Ok(Self {
             draw_ms: prices.milliseconds(&work) - lookup_ms,
             lookup_ms,
-            follows_camera: map.is_some_and(|map| map.follows_camera(seen.light)),
+            follows_camera: follows_camera(&*technique, &recipe, &view),
         })
     }
 

@@ -2,6 +2,7 @@
 
 use super::planned_view;
 use anyhow::Result;
+use std::sync::Arc;
 use umbrage::{
     Aabb, Camera, Geometry, Light, Receivers, ShadowTechnique, View,
     plan::footprint::{MapPlace, MapPlaces},
@@ -51,11 +52,29 @@ impl SeenFrom<'_> {
     }
 }
 
-/// Returns a picture as sRGB and opacity, a byte each; none if the technique has nothing of that kind.
-///
-/// # Errors
-/// Errors if the technique refuses the light.
-pub(crate) fn picture(
+/// Returns what makes a picture as sRGB and opacity, a byte each; none if the technique has nothing of that kind. It owns what it needs, so
+/// that a thread can play it, and errors if the technique refuses the light.
+pub(crate) fn job(
+    kind: Places,
+    technique: Arc<dyn ShadowTechnique>,
+    seen: &SeenFrom<'_>,
+    receivers: Arc<Receivers>,
+) -> impl FnOnce() -> Result<Option<Vec<u8>>> + Send + 'static {
+    let (camera, light, casters) = (*seen.camera, *seen.light, seen.casters);
+    let geometry = seen.geometry.clone();
+    move || {
+        let seen = SeenFrom {
+            camera: &camera,
+            light: &light,
+            geometry: &geometry,
+            casters,
+            receivers: &receivers,
+        };
+        picture(kind, &*technique, &seen)
+    }
+}
+
+fn picture(
     kind: Places,
     technique: &dyn ShadowTechnique,
     seen: &SeenFrom<'_>,

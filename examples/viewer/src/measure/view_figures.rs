@@ -3,11 +3,12 @@
 use super::{
     cost::Cost,
     figures::{self, MaskError, Picture},
-    places::{self, SeenFrom},
+    places::{self, Places, SeenFrom},
     truth::{TruthRequest, TruthSoFar},
     worker::{News, Worker},
 };
 use crate::{
+    beside::Beside,
     render::{
         Renderer,
         mask::{PendingMask, ReceiverTextures},
@@ -16,6 +17,7 @@ use crate::{
 };
 use anyhow::Result;
 use eframe::egui_wgpu::RenderState;
+use std::sync::Arc;
 use umbrage::{Camera, Geometry, Light};
 
 /// Rays for each pixel of lights with an extent.
@@ -30,6 +32,17 @@ pub(crate) struct SideFigures {
     pub cost: Option<Cost>,
     /// What the mask's lookups took on the device, milliseconds; none where that has no clock.
     pub lookup_ms: Option<f64>,
+    /// Why the light has no shadows on this side, and so no figures; none if it has.
+    pub refusal: Option<String>,
+    places: Option<PlacesPicture>,
+}
+
+/// A picture of where lookups go. It hangs on the camera, the light and the settings, and not on truth.
+struct PlacesPicture {
+    kind: Places,
+    job: Beside<Option<Vec<u8>>>,
+    /// sRGB and opacity, a byte each; none before it is there, and if there is nothing of that kind.
+    rgba: Option<Vec<u8>>,
 }
 
 /// What is laid over the picture, and how densely.
@@ -63,13 +76,17 @@ pub(crate) struct ViewFigures {
     receivers: Option<ReceiverTextures>,
     pub truth: Option<Box<TruthSoFar>>,
     pub sides: [SideFigures; 2],
+    wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl ViewFigures {
     /// `wake` is called when there is news.
-    pub(crate) fn new(wake: impl Fn() + Send + 'static) -> Self {
+    pub(crate) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
+        let of_worker = wake.clone();
         Self {
-            worker: Worker::new(wake),
+            worker: Worker::new(move || of_worker()),
+            wake,
             asked: 0,
             measured_for: None,
             receivers: None,
@@ -83,20 +100,15 @@ impl ViewFigures {
         self.measured_for.is_some()
     }
 
-    /// The number of the last question for truth.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn asked(&self) -> u64 {
-        self.asked
-    }
-
-    /// Whether all of truth is traced, and both sides have their masks.
+    /// Whether all of truth is traced, and both sides have their masks, as far as they have shadows.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn is_complete(&self) -> bool {
         let is_traced = self
             .truth
             .as_ref()
             .is_some_and(|truth| truth.progress >= 1.0);
-        is_traced && self.sides.iter().all(|side| side.mask.is_some())
+        let is_known = |side: &SideFigures| side.mask.is_some() || side.refusal.is_some();
+        is_traced && self.sides.iter().all(is_known)
     }
 
     /// Whether masks are on their way.
@@ -119,13 +131,15 @@ impl ViewFigures {
         renderer.overlays[side].clear();
     }
 
-    /// Asks for truth if nothing moves, and takes what is there. Returns whether there is something new.
+    /// Asks for truth if nothing moves, and takes what is there. `ready` says of each side whether its set was made ready for the present
+    /// camera, lights and settings: only such a set is asked for masks. Returns whether there is something new.
     pub(crate) fn update(
         &mut self,
         render: &RenderState,
         renderer: &mut Renderer,
         question: &Question<'_>,
         rests: bool,
+        ready: [bool; 2],
     ) -> Result<bool> {
         let wanted = MeasuredFor {
             camera: question.camera,
@@ -160,8 +174,23 @@ impl ViewFigures {
             Some(News::Failed(error)) => anyhow::bail!(error),
             _ => {}
         }
-        let has_masks = self.fetch_masks(render, renderer, question.place)?;
-        Ok(is_new || has_masks)
+        let has_masks = self.fetch_masks(render, renderer, question.place, ready)?;
+        let has_places = self.take_places()?;
+        Ok(is_new || has_masks || has_places)
+    }
+
+    /// Takes pictures of where lookups go that were made since. Returns whether one was.
+    fn take_places(&mut self) -> Result<bool> {
+        let mut has_news = false;
+        for side in &mut self.sides {
+            if let Some(places) = &mut side.places
+                && let Some(rgba) = places.job.take()
+            {
+                places.rgba = rgba?;
+                has_news = true;
+            }
+        }
+        Ok(has_news)
     }
 
     fn ask(&mut self, question: &Question<'_>) {
@@ -181,12 +210,14 @@ impl ViewFigures {
         render: &RenderState,
         renderer: &mut Renderer,
         light: usize,
+        ready: [bool; 2],
     ) -> Result<bool> {
         let Some(receivers) = &self.receivers else {
             return Ok(false);
         };
         let mut has_news = false;
-        for (side, figures) in renderer.sides.iter_mut().zip(&mut self.sides) {
+        let sides = renderer.sides.iter_mut().zip(&mut self.sides);
+        for ((side, figures), is_ready) in sides.zip(ready) {
             if let Some(pending) = &figures.pending {
                 if let Some(read) = pending.take()? {
                     figures.mask = Some(read.mask);
@@ -194,10 +225,17 @@ impl ViewFigures {
                     figures.pending = None;
                     has_news = true;
                 }
-            } else if figures.mask.is_none()
+            } else if is_ready
+                && figures.mask.is_none()
+                && figures.refusal.is_none()
                 && let Some(&light) = side.ids.get(light)
-                && side.set.bind_group().is_ok()
             {
+                // A light without shadows is lit everywhere, which says nothing of the technique.
+                if let Some(refusal) = side.refusal(light) {
+                    figures.refusal = Some(refusal);
+                    has_news = true;
+                    continue;
+                }
                 let (device, queue) = (&render.device, &render.queue);
                 let pending = PendingMask::request(device, queue, &mut side.set, light, receivers)?;
                 figures.pending = Some(pending);
@@ -208,9 +246,6 @@ impl ViewFigures {
     }
 
     /// Compares masks with truth, and lays a picture of it over the sides.
-    ///
-    /// # Errors
-    /// Errors if a technique refuses the light.
     pub(crate) fn compare(
         &mut self,
         render: &RenderState,
@@ -218,9 +253,9 @@ impl ViewFigures {
         question: &Question<'_>,
         techniques: [&SideSettings; 2],
         shown: &ShownFigures,
-    ) -> Result<()> {
+    ) {
         let Some(truth) = &self.truth else {
-            return Ok(());
+            return;
         };
         let size = truth.receivers.size;
         let seen = SeenFrom {
@@ -236,11 +271,28 @@ impl ViewFigures {
             side.error = mask.map(|mask| figures::mask_error(truth, mask));
             let preset = settings.preset_for(&question.light);
             if side.cost.is_none() && mask.is_some() {
-                side.cost = Some(Cost::of(&preset, &seen)?);
+                match Cost::of(&preset, &seen) {
+                    Ok(cost) => side.cost = Some(cost),
+                    Err(error) => side.refusal = Some(format!("{error:#}")),
+                }
             }
             overlay.opacity = shown.opacity;
             let rgba = match shown.picture.places() {
-                Some(places) => places::picture(places, &*preset.technique(), &seen)?,
+                // What refuses the light looks nothing up.
+                Some(_) if side.refusal.is_some() => None,
+                Some(kind) => {
+                    if side.places.as_ref().is_none_or(|there| there.kind != kind) {
+                        let technique = preset.technique();
+                        let work = places::job(kind, technique, &seen, truth.receivers.clone());
+                        let wake = self.wake.clone();
+                        side.places = Some(PlacesPicture {
+                            kind,
+                            job: Beside::start(work, move || wake()),
+                            rgba: None,
+                        });
+                    }
+                    side.places.as_ref().and_then(|there| there.rgba.clone())
+                }
                 None => figures::picture(shown.picture, truth, mask),
             };
             match rgba {
@@ -248,6 +300,5 @@ impl ViewFigures {
                 None => overlay.clear(),
             }
         }
-        Ok(())
     }
 }

@@ -15,9 +15,12 @@ pub(crate) use thread::Worker;
 #[cfg(not(target_arch = "wasm32"))]
 mod thread {
     use super::*;
-    use std::sync::{
-        Arc, Condvar, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicBool, Ordering},
+    use std::{
+        panic::{self, AssertUnwindSafe},
+        sync::{
+            Arc, Condvar, Mutex, MutexGuard, PoisonError,
+            atomic::{AtomicBool, Ordering},
+        },
     };
 
     #[derive(Default)]
@@ -33,6 +36,9 @@ mod thread {
     /// A thread that traces what was asked for last.
     pub(crate) struct Worker(Arc<Shared>);
 
+    const PANICKED: &str =
+        "Tracing truth hit an error of this program; please report it, with the scene.";
+
     fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
         mutex.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -44,10 +50,15 @@ mod thread {
             let of_thread = shared.clone();
             std::thread::spawn(move || {
                 while let Some(request) = next(&of_thread) {
-                    if let Err(error) = play(&of_thread, request, &wake) {
-                        *locked(&of_thread.news) = Some(News::Failed(format!("{error:#}")));
-                        wake();
-                    }
+                    // A panic would leave the window without truth for good.
+                    let played = AssertUnwindSafe(|| play(&of_thread, request, &wake));
+                    let error = match panic::catch_unwind(played) {
+                        Ok(Ok(())) => continue,
+                        Ok(Err(error)) => format!("{error:#}"),
+                        Err(_) => PANICKED.to_owned(),
+                    };
+                    *locked(&of_thread.news) = Some(News::Failed(error));
+                    wake();
                 }
             });
             Self(shared)

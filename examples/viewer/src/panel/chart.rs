@@ -1,6 +1,6 @@
 //! Speed against accuracy: where the two sides are, with what a plan found; and the least for this view.
 
-use crate::{app::App, measure::cost::Cost, render::SIDES};
+use crate::{app::App, measure::cost::Cost, plan_job::PlannedFor, render::SIDES};
 use egui_plot::{Legend, MarkerShape, Plot, PlotPoints, Points};
 use umbrage::plan::{Plan, Setting, motion::FrameMotion};
 
@@ -50,7 +50,10 @@ pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
             }
         }
     }
-    if let Some(plan) = app.plan.clone() {
+    if let Some((plan, planned_for)) = app.plan.clone() {
+        if app.plan_wanted().as_ref() != Some(&planned_for) {
+            ui.weak("Made for another view, light or setting: find it again.");
+        }
         outcome(app, ui, &plan);
     }
     plot(app, ui);
@@ -91,6 +94,7 @@ fn point(milliseconds: f64, error: f64) -> [f64; 2] {
 
 fn plot(app: &App, ui: &mut egui::Ui) {
     let motion = app.settings.motion;
+    let wanted = app.plan_wanted();
     let powers =
         |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| power_of_ten(mark.value);
     Plot::new("speed against accuracy")
@@ -110,7 +114,9 @@ fn plot(app: &App, ui: &mut egui::Ui) {
         .include_y(0.0)
         .legend(Legend::default().text_style(egui::TextStyle::Small))
         .show(ui, |plot| {
-            if let Some(plan) = &app.plan {
+            // What was planned for something else is not beside these points.
+            let is_of_now = |planned: &&(Plan, PlannedFor)| wanted.as_ref() == Some(&planned.1);
+            if let Some((plan, _)) = app.plan.as_ref().filter(is_of_now) {
                 let others = plan.runners_up.iter().chain(&plan.chosen);
                 for setting in others {
                     plot.points(of_plan(setting, plan.chosen.as_ref() == Some(setting)));
@@ -118,7 +124,8 @@ fn plot(app: &App, ui: &mut egui::Ui) {
             }
             for (i, name) in SIDES.iter().enumerate() {
                 let figures = &app.figures.sides[i];
-                if let (Some(cost), Some(error)) = (figures.cost, figures.error) {
+                let compared = figures.error.filter(|error| error.pixels > 0);
+                if let (Some(cost), Some(error)) = (figures.cost, compared) {
                     let at = point(cost.milliseconds(motion), error.rmse);
                     let marker = Points::new(*name, PlotPoints::from(vec![at]))
                         .shape(MarkerShape::Circle)

@@ -1,6 +1,8 @@
 //! A window with the maps of both sides, as the light draws them.
 
-use crate::{app::App, measure::planned_view, render::SIDES, settings::SideSettings};
+use crate::{
+    app::App, beside::Beside, measure::planned_view, render::SIDES, settings::SideSettings,
+};
 use anyhow::Result;
 use umbrage::{Aabb, Backend as _, Camera, Geometry, Light, Receivers, cpu::Cpu, glam::UVec2};
 
@@ -20,11 +22,13 @@ struct MapsOf {
 #[derive(Default)]
 pub(crate) struct MapPicture {
     of: Option<MapsOf>,
+    /// The processor draws it, which may take longer than a frame.
+    job: Option<Beside<Option<(String, egui::ColorImage)>>>,
     shown: Option<egui::TextureHandle>,
     words: String,
 }
 
-/// Draws the window, and makes its pictures anew if they are stale and nothing moves.
+/// Draws the window, and has its pictures made anew if they are stale and nothing moves.
 pub(crate) fn show(app: &mut App, ui: &egui::Ui, rests: bool) {
     let mut is_open = app.settings.shows_maps;
     egui::Window::new("Maps")
@@ -55,16 +59,25 @@ fn update(app: &mut App, ctx: &egui::Context, side: usize) -> Result<()> {
         camera,
         scene: app.stage.geometry.fingerprint(),
     };
-    if app.maps[side].of.as_ref() == Some(&of) {
-        return Ok(());
-    }
-    let casters = app.renderer.sides[side].set.casters_box();
-    let drawn = drawn(&of, &app.stage.geometry, casters)?;
     let picture = &mut app.maps[side];
-    picture.of = Some(of);
-    picture.shown = None;
+    if picture.of.as_ref() != Some(&of) {
+        let casters = app.renderer.sides[side].set.casters_box();
+        let geometry = app.stage.geometry.clone();
+        picture.of = Some(of.clone());
+        let wake = ctx.clone();
+        picture.job = Some(Beside::start(
+            move || drawn(&of, &geometry, casters),
+            move || wake.request_repaint(),
+        ));
+        picture.words = "is being drawn".to_owned();
+        picture.shown = None;
+    }
+    let Some(drawn) = picture.job.as_mut().and_then(Beside::take) else {
+        return Ok(());
+    };
+    picture.job = None;
     picture.words = "no map".to_owned();
-    if let Some((words, image)) = drawn {
+    if let Some((words, image)) = drawn? {
         let label = format!("maps {side}");
         picture.shown = Some(ctx.load_texture(label, image, egui::TextureOptions::LINEAR));
         picture.words = words;

@@ -4,6 +4,7 @@ mod chart;
 mod lights;
 pub(crate) mod maps;
 pub(crate) mod picker;
+mod plain;
 mod side;
 
 use crate::render::SIDES;
@@ -21,7 +22,9 @@ const NARROW: f32 = 700.0;
 
 /// Whether the panel is folded. Until the user says so, that goes with the window's width.
 fn is_folded(app: &App, ctx: &egui::Context) -> bool {
-    app.panel_is_folded.unwrap_or_else(|| is_narrow(ctx))
+    app.settings
+        .panel_is_folded
+        .unwrap_or_else(|| is_narrow(ctx))
 }
 
 fn is_narrow(ctx: &egui::Context) -> bool {
@@ -30,7 +33,7 @@ fn is_narrow(ctx: &egui::Context) -> bool {
 
 /// Folds the panel, or unfolds it.
 pub(crate) fn fold(app: &mut App, ctx: &egui::Context) {
-    app.panel_is_folded = Some(!is_folded(app, ctx));
+    app.settings.panel_is_folded = Some(!is_folded(app, ctx));
 }
 
 /// Returns how far the middle of the picture is right of the window's, points.
@@ -133,6 +136,7 @@ fn failures(app: &mut App, ui: &mut egui::Ui) {
 }
 
 fn view(app: &mut App, ui: &mut egui::Ui) {
+    let mut takes_screenshot = false;
     let settings = &mut app.settings;
     ui.horizontal(|ui| {
         ui.selectable_value(&mut settings.view.mode, Mode::Fly, "fly");
@@ -160,6 +164,9 @@ fn view(app: &mut App, ui: &mut egui::Ui) {
         ui.weak("X, F");
         ui.checkbox(&mut settings.shows_maps, "maps")
             .on_hover_text("What the chosen light draws for each side (M)");
+        // Browsers have their own.
+        let has_folders = cfg!(not(target_arch = "wasm32"));
+        takes_screenshot = has_folders && ui.button("Screenshot").on_hover_text("F12").clicked();
     });
     if is_split != settings.split.is_some() {
         settings.split = is_split.then_some(0.5);
@@ -194,6 +201,9 @@ fn view(app: &mut App, ui: &mut egui::Ui) {
     }
     if before != (settings.picture, settings.opacity) {
         app.compare();
+    }
+    if takes_screenshot {
+        app.ask_for_screenshot(ui.ctx());
     }
 }
 

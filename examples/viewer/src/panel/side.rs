@@ -1,11 +1,12 @@
 //! Settings of a side, made from what the list of techniques says.
 
+use super::plain;
 use crate::{
     app::App,
     render::SIDES,
     settings::{FitKind, SideSettings},
 };
-use umbrage::techniques::{self, Bias, ShadowMap, TechniquePreset};
+use umbrage::techniques::{self, Bias, ShadowMap};
 
 /// Draws a side's settings.
 pub(crate) fn show(app: &mut App, ui: &mut egui::Ui, side: usize) {
@@ -49,7 +50,7 @@ fn settings(ui: &mut egui::Ui, settings: &mut SideSettings) {
                 }
             }
         });
-    if let Some(preset) = own_numbers(ui, &settings.preset) {
+    if let Some(preset) = plain::own(ui, &settings.preset) {
         settings.preset = preset;
     }
     if let Some(map) = settings.preset.map().copied() {
@@ -57,41 +58,17 @@ fn settings(ui: &mut egui::Ui, settings: &mut SideSettings) {
         if changed != map {
             settings.preset = settings.preset.with_map(changed);
         }
+        let rest = egui::CollapsingHeader::new("all of the map").show(ui, |ui| {
+            ui.weak("What the lists above don't have.");
+            plain::of_map(ui, &settings.preset)
+        });
+        if let Some(preset) = rest.body_returned.flatten() {
+            settings.preset = preset;
+        }
     }
 }
 
-/// Shows what a technique has beside its map, whatever it is: its settings are plain data. Returns it with what the user changed.
-fn own_numbers(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
-    let text = preset.to_toml().ok()?;
-    let mut table: toml::Table = text.parse().ok()?;
-    let mut has_changed = false;
-    for (name, value) in &mut table {
-        let label = name.replace('_', " ");
-        has_changed |= match value {
-            toml::Value::Integer(number) => {
-                let drag = egui::DragValue::new(number).range(0..=1024).speed(0.1);
-                labelled(ui, drag, &label)
-            }
-            toml::Value::Float(number) => {
-                let speed = (0.01 * number.abs()).max(1e-4);
-                let drag = egui::DragValue::new(number)
-                    .range(0.0..=64.0)
-                    .speed(speed)
-                    .max_decimals(4);
-                labelled(ui, drag, &label)
-            }
-            toml::Value::Boolean(is_on) => ui.checkbox(is_on, label).changed(),
-            _ => continue,
-        };
-    }
-    if !has_changed {
-        return None;
-    }
-    // What a technique refuses is not taken.
-    TechniquePreset::from_toml(&toml::to_string(&table).ok()?).ok()
-}
-
-fn labelled(ui: &mut egui::Ui, drag: egui::DragValue<'_>, label: &str) -> bool {
+pub(super) fn labelled(ui: &mut egui::Ui, drag: egui::DragValue<'_>, label: &str) -> bool {
     ui.horizontal(|ui| {
         let response = ui.add(drag);
         ui.label(label);
@@ -198,7 +175,15 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
             )
         };
         let mut text = app.settings.sides[side].label();
-        if let Some(error) = app.figures.sides[side].error {
+        let figures = &app.figures.sides[side];
+        if let Some(refusal) = &figures.refusal {
+            text += &format!("\nno shadows: {refusal}");
+        } else if let Some(error) = figures.error.filter(|error| error.pixels == 0) {
+            text += match error.ambiguous {
+                Some(_) => "\nnothing to compare: no pixel that the light can reach",
+                None => "\nnothing compared yet",
+            };
+        } else if let Some(error) = figures.error {
             let wrong = error.wrong * error.pixels as f64;
             text += &match error.rmse {
                 0.0 => "\nexact".to_owned(),

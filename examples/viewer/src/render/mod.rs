@@ -19,6 +19,7 @@ use pass_clock::PassClock;
 use pipelines::{COLOR, COLOR_AS_READ, DEPTH, Layouts};
 use side::{Side, clip_from_world};
 use umbrage::{Camera, glam::UVec2};
+use web_time::Duration;
 
 /// What the two sides are called.
 pub(crate) const SIDES: [&str; 2] = ["left", "right"];
@@ -49,7 +50,7 @@ pub(crate) struct FrameSettings<'a> {
     pub shown: Shown,
     /// Whether details smaller than a pixel may be left out.
     pub is_coarse: bool,
-    /// Whether a side that is not shown is made ready, too: its mask may be asked for.
+    /// Whether a side that is not shown is made ready, too: its mask may be asked for. Maps whose time isn't known are drawn once more.
     pub prepares_both: bool,
 }
 
@@ -157,9 +158,17 @@ impl Renderer {
         for &i in drawn {
             let side = &mut self.sides[i];
             side.apply(frame.lights, frame.sides[i])?;
+            let is_wanted = clock
+                .as_deref()
+                .is_some_and(|clock| clock.drawn_ms(i).is_none());
+            let everything = side.set.casters_box();
+            if frame.prepares_both && is_wanted && !everything.is_empty() {
+                // All maps are drawn in one frame that is timed. The frame after a change mostly isn't: stamps of another are on their way.
+                side.set.touch(&everything)?;
+            }
             side.prepare(&self.device, &self.queue, &self.layouts, &self.scene, frame)?;
             match &mut clock {
-                Some(clock) => side.encode_timed(encoder, clock, SIDES[i])?,
+                Some(clock) => side.encode_timed(encoder, clock, i)?,
                 None => side.set.encode(encoder)?,
             }
         }
@@ -176,9 +185,30 @@ impl Renderer {
         self.clock.as_ref().map_or(&[], |clock| &clock.times)
     }
 
-    /// Returns what a side's maps and lists, of all lights, took on the device when they were drawn last, milliseconds.
+    /// Returns what all passes of one of the last frames took on the device; none where it has no clock.
+    pub(crate) fn device_time(&self) -> Option<Duration> {
+        let times = self.pass_times();
+        let milliseconds: f64 = times.iter().map(|(_, time)| time).sum();
+        (!times.is_empty()).then(|| Duration::from_secs_f64(1e-3 * milliseconds))
+    }
+
+    /// Returns what a side's maps and lists, of all lights, took on the device when all of them were drawn, milliseconds; none before that is
+    /// known.
     pub(crate) fn drawn_ms(&self, side: usize) -> Option<f64> {
-        self.clock.as_ref()?.drawn[side]
+        self.clock.as_ref()?.drawn_ms(side)
+    }
+
+    /// Forgets what a side's maps and lists took, since they are others now.
+    pub(crate) fn forget_drawn(&mut self, side: usize) {
+        if let Some(clock) = &mut self.clock {
+            clock.forget_drawn(side);
+        }
+    }
+
+    /// Whether what a side's maps and lists take isn't known yet, and can be.
+    pub(crate) fn awaits_times(&self) -> bool {
+        let is_unknown = |clock: &PassClock| (0..2).any(|side| clock.drawn_ms(side).is_none());
+        self.clock.as_ref().is_some_and(is_unknown)
     }
 
     fn encode_picture(

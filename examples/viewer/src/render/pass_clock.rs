@@ -28,8 +28,18 @@ pub(crate) struct PassClock {
     pub written: u32,
     /// What passes took, milliseconds.
     pub times: Vec<(String, f64)>,
-    /// What maps and lists of each side took when they were drawn last, milliseconds; none before.
-    pub drawn: [Option<f64>; 2],
+    /// Layers and lists that each side draws in the frame that is timed; none if the side has no part in it.
+    layers: [Option<u32>; 2],
+    /// The drawing of each side that counts: see [`DrawnTime`].
+    drawn: [Option<DrawnTime>; 2],
+}
+
+/// What the drawing of a side's maps and lists took in one frame.
+#[derive(Clone, Copy)]
+struct DrawnTime {
+    /// How many layers and lists.
+    layers: u32,
+    milliseconds: f64,
 }
 
 impl PassClock {
@@ -63,6 +73,7 @@ impl PassClock {
             names: Vec::new(),
             written: 0,
             times: Vec::new(),
+            layers: [None; 2],
             drawn: [None; 2],
         })
     }
@@ -75,7 +86,19 @@ impl PassClock {
         }
         self.names.clear();
         self.written = 0;
+        self.layers = [None; 2];
         true
+    }
+
+    /// Returns what a side's maps and lists, of all lights, took when most of them were drawn, milliseconds; none before they are timed.
+    pub(crate) fn drawn_ms(&self, side: usize) -> Option<f64> {
+        self.drawn[side].map(|drawn| drawn.milliseconds)
+    }
+
+    /// Forgets what a side's maps and lists took, since they are others now; those of a frame that is on its way, too.
+    pub(crate) fn forget_drawn(&mut self, side: usize) {
+        self.drawn[side] = None;
+        self.layers[side] = None;
     }
 
     /// Returns the queries that are left.
@@ -84,8 +107,10 @@ impl PassClock {
         self.written..QUERIES - 2
     }
 
-    /// Notes the passes of a side that were timed.
-    pub(crate) fn note(&mut self, side: &str, passes: &[TimedPass]) {
+    /// Notes the passes of a side (0 or 1) that were timed, which draw so many layers and lists.
+    pub(crate) fn note(&mut self, side: usize, layers: u32, passes: &[TimedPass]) {
+        self.layers[side] = Some(layers);
+        let side = SIDES[side];
         for pass in passes {
             let what = match pass.pass {
                 SetPass::Cast { layer, casters } => {
@@ -155,11 +180,17 @@ impl PassClock {
             self.times = timed
                 .map(|(name, begin)| (name.clone(), milliseconds(*begin)))
                 .collect();
-            for (drawn, side) in self.drawn.iter_mut().zip(SIDES) {
-                let is_of_side = |(name, _): &&(String, f64)| name.starts_with(side);
-                let mut times = self.times.iter().filter(is_of_side).peekable();
-                if times.peek().is_some() {
-                    *drawn = Some(times.map(|(_, time)| time).sum());
+            for (i, side) in SIDES.iter().enumerate() {
+                let Some(layers) = self.layers[i] else {
+                    continue;
+                };
+                // A frame that draws one of several layers anew says less than one that draws all.
+                if self.drawn[i].is_none_or(|known| layers >= known.layers) {
+                    let of_side = self.times.iter().filter(|(name, _)| name.starts_with(side));
+                    self.drawn[i] = Some(DrawnTime {
+                        layers,
+                        milliseconds: of_side.map(|(_, time)| time).sum(),
+                    });
                 }
             }
         }

@@ -12,8 +12,9 @@ use crate::{
 };
 use anyhow::Result;
 use umbrage::{
-    Camera, Light,
+    Camera, Geometry, Light,
     glam::{Mat4, Vec3},
+    techniques::{self, TechniqueEntry},
     wgpu::{
         CastTarget, FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, SetLight,
         SetTimestamps, Unserved,
@@ -30,6 +31,8 @@ pub(crate) struct Side {
     /// What the set's lights are.
     lights: Vec<Light>,
     settings: SideSettings,
+    /// The camera that the set was made ready for last; none before.
+    camera: Option<Camera>,
     uniforms: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
     /// Made for this revision of the set's text.
@@ -61,6 +64,7 @@ impl Side {
             ids: Vec::new(),
             lights: Vec::new(),
             settings: settings.clone(),
+            camera: None,
             uniforms,
             frame_group,
             forward: None,
@@ -117,6 +121,7 @@ impl Side {
                 revision: geometry.fingerprint(),
             }),
         };
+        self.camera = None;
         self.set.prepare(device, queue, &of_set)?;
         let (_, layout) = self.set.bind_group()?;
         let revision = self.set.wgsl_revision();
@@ -131,7 +136,43 @@ impl Side {
         }
         let bytes = self.frame_bytes(frame.camera, frame.lights)?;
         queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&bytes));
+        self.camera = Some(*frame.camera);
         Ok(())
+    }
+
+    /// Whether the set was made ready for this camera, these lights and these settings.
+    pub(crate) fn is_ready_for(
+        &self,
+        camera: &Camera,
+        lights: &[EditLight],
+        settings: &SideSettings,
+    ) -> bool {
+        let on = lights.iter().filter(|light| light.is_on);
+        self.camera.as_ref() == Some(camera)
+            && self.settings == *settings
+            && on.map(|light| light.light).eq(self.lights.iter().copied())
+    }
+
+    /// Returns the names of the techniques that the set refuses for a light, with their default settings.
+    pub(crate) fn refused_techniques(
+        &self,
+        camera: &Camera,
+        light: &Light,
+        triangles: &Geometry,
+    ) -> Vec<String> {
+        let frame = SetFrame {
+            camera,
+            geometry: Some(FrameGeometry {
+                triangles,
+                revision: triangles.fingerprint(),
+            }),
+        };
+        let is_refused = |entry: &&TechniqueEntry| {
+            let technique = (entry.preset)().technique();
+            self.set.check(light, &*technique, &frame).is_err()
+        };
+        let refused = techniques::all().iter().filter(is_refused);
+        refused.map(|entry| entry.name.to_owned()).collect()
     }
 
     fn frame_bytes(&self, camera: &Camera, lights: &[EditLight]) -> Result<Vec<f32>> {
@@ -150,12 +191,12 @@ impl Side {
         Ok(floats)
     }
 
-    /// Records what the set draws, each pass between two timestamps.
+    /// Records what the set draws, each pass between two timestamps; `nth` says which side this is, 0 or 1.
     pub(crate) fn encode_timed(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         clock: &mut PassClock,
-        name: &str,
+        nth: usize,
     ) -> Result<()> {
         let mut passes = Vec::new();
         let stamps = SetTimestamps {
@@ -165,7 +206,7 @@ impl Side {
         let own_draws = |_: &mut wgpu::RenderPass<'_>, _: &CastTarget| ();
         self.set
             .encode_timed(encoder, own_draws, &stamps, &mut passes)?;
-        clock.note(name, &passes);
+        clock.note(nth, self.drawn_layers(), &passes);
         Ok(())
     }
 
@@ -187,19 +228,34 @@ impl Side {
         Ok(())
     }
 
+    /// Returns the lights that have no shadows, and why.
+    fn refused_lights(&self) -> impl Iterator<Item = (LightId, String)> + '_ {
+        let unserved = self.set.unserved();
+        let refused = unserved.filter(|(_, why)| !matches!(why, Unserved::Waiting));
+        refused.map(|(id, why)| (id, why.to_string()))
+    }
+
     /// Returns why lights have no shadows, each reason once.
     pub(crate) fn refusals(&self) -> Vec<String> {
         let mut out: Vec<String> = Vec::new();
-        for (_, unserved) in self.set.unserved() {
-            let reason = match unserved {
-                Unserved::Waiting => continue,
-                other => other.to_string(),
-            };
+        for (_, reason) in self.refused_lights() {
             if !out.contains(&reason) {
                 out.push(reason);
             }
         }
         out
+    }
+
+    /// Returns why a light has no shadows; none if it has.
+    pub(crate) fn refusal(&self, light: LightId) -> Option<String> {
+        let mut refused = self.refused_lights();
+        refused.find_map(|(id, reason)| (id == light).then_some(reason))
+    }
+
+    /// Returns how many layers and lists of casters the present frame makes anew.
+    fn drawn_layers(&self) -> u32 {
+        let report = self.set.report();
+        report.redrawn + report.listed
     }
 }
 

@@ -10,8 +10,8 @@ use std::{fs, path::PathBuf};
 pub(crate) struct ToldFile {
     path: PathBuf,
     written: String,
-    /// For which question for truth masks were compared with the CPU's, and what came out.
-    agreement: Option<(u64, Value)>,
+    /// What came of comparing the present masks with the CPU's.
+    agreement: Option<Value>,
 }
 
 impl ToldFile {
@@ -28,14 +28,15 @@ impl ToldFile {
     /// # Errors
     /// Errors if the file can't be written.
     pub(crate) fn update(&mut self, app: &App, ctx: &egui::Context) -> Result<()> {
-        let is_complete = app.figures.is_complete();
-        let asked = app.figures.asked();
-        if is_complete && self.agreement.as_ref().is_none_or(|(of, _)| *of != asked) {
-            self.agreement = Some((asked, super::agreement(app)));
+        // A mask that is made anew is not there for a frame or more.
+        if !app.figures.is_complete() {
+            self.agreement = None;
+        } else if self.agreement.is_none() {
+            self.agreement = Some(super::agreement(app));
         }
         let told = json!({
             "report": super::report(app),
-            "agreement": self.agreement.as_ref().filter(|_| is_complete).map(|(_, told)| told),
+            "agreement": self.agreement,
             "widgets": Widgets::told(ctx),
         });
         let text = told.to_string();

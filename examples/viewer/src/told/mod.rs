@@ -28,7 +28,7 @@ pub(crate) fn report(app: &App) -> Value {
         "scene": app.stage.name,
         "loading": app.loader.at(),
         "frames": app.frames,
-        "folded": app.panel_is_folded,
+        "folded": app.settings.panel_is_folded,
         "path": app.path.as_ref().map(|path| json!({
             "name": path.moving.name,
             "playing": path.is_playing,
@@ -47,7 +47,7 @@ pub(crate) fn report(app: &App) -> Value {
         "lights": app.settings.lights.iter().map(told_light).collect::<Vec<_>>(),
         "chosen": app.settings.chosen,
         "handles": app.marker.map(|at| [at.x, at.y]),
-        "plan": app.plan.as_ref().map(|plan| plan.chosen.as_ref().map(|chosen| chosen.label())),
+        "plan": app.plan.as_ref().map(|(plan, _)| plan.chosen.as_ref().map(|chosen| chosen.label())),
         "planning": app.plan_job.at(),
         "scale": app.scale,
         "interval_ms": 1000.0 * app.times.interval.as_secs_f64(),

@@ -5,7 +5,7 @@ use super::{
     worker::{PageWorker, Told, WorkerJob},
 };
 use crate::{
-    loading::{Outcome, Request, Source, going_to_device},
+    loading::{Outcome, Request, Source, Then, going_to_device},
     stage::Stage,
 };
 use anyhow::{Result, anyhow};
@@ -77,6 +77,19 @@ impl Loader {
         self.job = None;
     }
 
+    /// The scene that is being made.
+    pub(crate) fn argument(&self) -> Option<String> {
+        match &self.job.as_ref()?.request.source {
+            Source::Argument(argument) => Some(argument.clone()),
+            Source::Files(_) => None,
+        }
+    }
+
+    /// What follows once it is there.
+    pub(crate) fn then(&self) -> Option<&Then> {
+        self.job.as_ref().map(|job| &job.request.then)
+    }
+
     /// The name of what is being loaded.
     pub(crate) fn name(&self) -> Option<&str> {
         self.job.as_ref().map(|job| job.request.name.as_str())
@@ -130,7 +143,7 @@ impl SceneJob {
 
     /// Takes what was made to the device.
     fn outcome(self) -> Option<Outcome> {
-        let (name, then) = (self.request.name.clone(), self.request.then);
+        let (name, then) = (self.request.name.clone(), self.request.then.clone());
         let loaded = self.made?.and_then(|MadeStage { stage, missing }| {
             let note = note(&name, &missing);
             let loaded = self.request.prepared(stage, &|_| true)?;

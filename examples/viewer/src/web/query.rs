@@ -1,27 +1,18 @@
 //! How the page's address says what is shown first: `?scene=cubes&left=hard&right=exact&split=0.5&over=error`.
 
-use crate::{
-    bookmarks,
-    measure::figures::Picture,
-    state::{Settings, Start},
-};
+use crate::{app::FirstShown, bookmarks, measure::figures::Picture, render::Shown, state::Start};
 use umbrage::{scenes, techniques};
 use web_sys::UrlSearchParams;
 
 /// The keys, for messages.
-const KEYS: &str = "scene, failure, left, right, split (0 to 1, or `left` or `right`) and over (nothing, error, truth or mask)";
+const KEYS: &str = "scene, failure, left, right, split (0 to 1, or `left` or `right`) and over (nothing, error, truth, mask, \
+                    texels, cascades or lists)";
 
 /// What the address asks for.
 #[derive(Default)]
 pub(super) struct Query {
     pub start: Start,
-    split: Option<Split>,
-    picture: Option<Picture>,
-}
-
-enum Split {
-    At(f32),
-    Only(usize),
+    pub first_shown: FirstShown,
 }
 
 impl Query {
@@ -71,36 +62,24 @@ impl Query {
                 Some(_) => self.start.techniques[usize::from(key == "right")] = Some(value),
                 None => return unknown("technique"),
             },
-            "split" => match (value.as_str(), value.parse::<f32>()) {
-                ("left", _) => self.split = Some(Split::Only(0)),
-                ("right", _) => self.split = Some(Split::Only(1)),
-                (_, Ok(at)) if (0.0..=1.0).contains(&at) => self.split = Some(Split::At(at)),
-                _ => return unknown("split"),
-            },
-            "over" => match value.as_str() {
-                "nothing" => self.picture = Some(Picture::Nothing),
-                "error" => self.picture = Some(Picture::Error),
-                "truth" => self.picture = Some(Picture::Truth),
-                "mask" => self.picture = Some(Picture::Mask),
-                _ => return unknown("picture to lay over"),
-            },
+            "split" => {
+                let shown = match (value.as_str(), value.parse::<f32>()) {
+                    ("left", _) => Shown::One(0),
+                    ("right", _) => Shown::One(1),
+                    (_, Ok(at)) if (0.0..=1.0).contains(&at) => Shown::Both(at),
+                    _ => return unknown("split"),
+                };
+                self.first_shown.shown = Some(shown);
+            }
+            "over" => {
+                let known = Picture::ALL.iter().find(|(_, name)| *name == value);
+                let Some((picture, _)) = known else {
+                    return unknown("picture to lay over");
+                };
+                self.first_shown.picture = Some(*picture);
+            }
             _ => return Err(format!("`{key}` means nothing; the keys are {KEYS}")),
         }
         Ok(())
-    }
-
-    /// Brings settings to what was asked for beyond the start.
-    pub(super) fn apply(&self, settings: &mut Settings) {
-        match self.split {
-            Some(Split::At(at)) => settings.split = Some(at),
-            Some(Split::Only(side)) => {
-                settings.split = None;
-                settings.shown_side = side;
-            }
-            None => {}
-        }
-        if let Some(picture) = self.picture {
-            settings.picture = picture;
-        }
     }
 }

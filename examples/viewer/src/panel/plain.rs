@@ -1,0 +1,183 @@
+//! Settings as plain data: whatever a technique and its map have is shown without this program knowing their names.
+
+use super::side::labelled;
+use toml::{Table, Value};
+use umbrage::techniques::TechniquePreset;
+
+/// The part of a preset that is its map.
+const MAP: &str = "map";
+/// Of the map, what has controls of its own.
+const ELSEWHERE: [&str; 3] = ["size", "fit", "layout"];
+/// The kind of a layout that is cascades; how many there are has a control of its own.
+const CASCADES: &str = "cascades";
+const COUNT: &str = "count";
+
+/// Shows what a technique has beside its map. Returns it with what the user changed.
+pub(super) fn own(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
+    let table: Table = preset.to_toml().ok()?.parse().ok()?;
+    let mut changed = table.clone();
+    for (name, value) in &mut changed {
+        if name != MAP && name != "technique" {
+            setting(ui, &table, &[name], value);
+        }
+    }
+    taken(&table, &changed)
+}
+
+/// Shows what a technique's map has beside its size, fit and number of layers. Returns the technique with what the user changed.
+pub(super) fn of_map(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
+    let table: Table = preset.to_toml().ok()?.parse().ok()?;
+    let mut changed = table.clone();
+    let map = changed.get_mut(MAP)?.as_table_mut()?;
+    for (name, value) in map.iter_mut() {
+        if !ELSEWHERE.contains(&name.as_str()) {
+            setting(ui, &table, &[MAP, name], value);
+        }
+    }
+    let layout = map.get_mut("layout").and_then(Value::as_table_mut);
+    let cascades = layout.and_then(|layout| layout.get_mut(CASCADES)?.as_table_mut());
+    if let Some(cascades) = cascades {
+        ui.weak(CASCADES);
+        for (name, value) in cascades.iter_mut().filter(|(name, _)| *name != COUNT) {
+            setting(ui, &table, &[MAP, "layout", CASCADES, name], value);
+        }
+    }
+    taken(&table, &changed)
+}
+
+/// Returns what the user changed, if that is something; what a technique refuses is not taken.
+fn taken(before: &Table, after: &Table) -> Option<TechniquePreset> {
+    if before == after {
+        return None;
+    }
+    TechniquePreset::from_toml(&toml::to_string(after).ok()?).ok()
+}
+
+/// Shows a value, and what is in it. `preset` is all of the settings, `path` where the value stands in them.
+fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) {
+    let label = path
+        .last()
+        .map_or(String::new(), |name| name.replace('_', " "));
+    match value {
+        Value::Integer(number) => {
+            let drag = egui::DragValue::new(number).range(0..=1024).speed(0.1);
+            labelled(ui, drag, &label);
+        }
+        Value::Float(number) => {
+            let speed = (0.01 * number.abs()).max(1e-4);
+            let drag = egui::DragValue::new(number)
+                .range(0.0..=64.0)
+                .speed(speed)
+                .max_decimals(5);
+            labelled(ui, drag, &label);
+        }
+        Value::Boolean(is_on) => {
+            ui.checkbox(is_on, label);
+        }
+        Value::String(word) => {
+            let known = choices(preset, path);
+            egui::ComboBox::from_label(label)
+                .selected_text(word.clone())
+                .show_ui(ui, |ui| {
+                    for choice in known {
+                        let shown = choice.clone();
+                        ui.selectable_value(word, choice, shown);
+                    }
+                });
+        }
+        Value::Table(table) => {
+            egui::CollapsingHeader::new(label).show(ui, |ui| {
+                for (name, value) in table.iter_mut() {
+                    setting(ui, preset, &[path, &[name]].concat(), value);
+                }
+            });
+        }
+        Value::Array(_) | Value::Datetime(_) => {}
+    }
+}
+
+/// Returns the words that may stand at a place of a preset. Its reader knows them: it lists them for a word that it doesn't know.
+fn choices(preset: &Table, path: &[&str]) -> Vec<String> {
+    // No identifier of Rust, and so no word of any list.
+    const UNKNOWN: &str = "-";
+    let mut with_unknown = preset.clone();
+    let Some((last, tables)) = path.split_last() else {
+        return Vec::new();
+    };
+    let mut table = &mut with_unknown;
+    for name in tables {
+        match table.get_mut(*name).and_then(Value::as_table_mut) {
+            Some(inner) => table = inner,
+            None => return Vec::new(),
+        }
+    }
+    table.insert((*last).to_owned(), UNKNOWN.into());
+    let text = toml::to_string(&with_unknown).unwrap_or_default();
+    let Err(error) = TechniquePreset::from_toml(&text) else {
+        return Vec::new();
+    };
+    let words = error.to_string();
+    let Some((_, list)) = words.split_once("expected") else {
+        return Vec::new();
+    };
+    // `expected one of `a`, `b``: every other part stands in the marks. What follows the line is help.
+    let list = list.lines().next().unwrap_or_default();
+    let quoted = list.split('`').skip(1).step_by(2);
+    quoted.map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage::techniques;
+
+    /// Calls a function with each word of a table, and where it stands.
+    fn words(table: &Table, path: &[&str], visit: &mut dyn FnMut(&[&str], &str)) {
+        for (name, value) in table {
+            let path = [path, &[name.as_str()]].concat();
+            match value {
+                Value::String(word) => visit(&path, word),
+                Value::Table(inner) => words(inner, &path, visit),
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn words_of_all_techniques_have_choices_and_all_of_them_are_taken() {
+        let mut found = 0;
+        for entry in techniques::all() {
+            let text = (entry.preset)().to_toml().expect("written");
+            let table: Table = text.parse().expect("a table");
+            words(&table, &[], &mut |path, word| {
+                if path == ["technique"] || path == [MAP, "fit"] || path == [MAP, "layout"] {
+                    return;
+                }
+                let known = choices(&table, path);
+                assert!(
+                    known.iter().any(|choice| choice == word),
+                    "{}: {path:?}: {known:?}",
+                    entry.name
+                );
+                assert!(known.len() > 1, "{}: {path:?}: {known:?}", entry.name);
+                for choice in known {
+                    let mut changed = Value::Table(table.clone());
+                    let mut place = &mut changed;
+                    for name in path {
+                        place = place.get_mut(name).expect("there");
+                    }
+                    *place = choice.clone().into();
+                    let text = toml::to_string(&changed).expect("written");
+                    let preset = TechniquePreset::from_toml(&text);
+                    assert!(
+                        preset.is_ok(),
+                        "{}: {path:?} = {choice}: {preset:?}",
+                        entry.name
+                    );
+                }
+                found += 1;
+            });
+        }
+        assert!(found > 20, "{found} words");
+    }
+}
