@@ -7,7 +7,7 @@
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
 Regions of the pictures are compared with those in `goldens` (see `goldens.py`); `--bless` keeps the present ones instead.
-`--only NAME` plays one part: keyboard, moving, loading, holes, readable, fluent, mouse, or handed.
+`--only NAME` plays one part: keyboard, moving, loading, holes, readable, fluent, mouse, views, or handed.
 `handed` takes a model of one's own, has the least for it found, and pastes what was copied into `examples/embed`. With
 `--copied FILE...` it also pastes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
 The program keeps what it shows and measures in a file (`--report`), with the places of the panel's parts: they are found by their words.
@@ -45,7 +45,7 @@ LEAST_RATE = 10
 class Window:
     """The viewer's window on a display of its own."""
 
-    def __init__(self, program, out, arguments, folder=None, size=(WIDTH, HEIGHT), waits=True):
+    def __init__(self, program, out, arguments, folder=None, size=(WIDTH, HEIGHT), waits=True, started_in=None):
         self.out = out
         self.size = size
         # Another window in the same folder finds what the last one kept.
@@ -58,7 +58,7 @@ class Window:
         self.log = open(self.folder / "log", "w+")
         self.program = subprocess.Popen(
             [program, *arguments, "--size", "{}x{}".format(*size), "--report", self.file],
-            env=environment, stdout=self.log, stderr=self.log, cwd=self.folder)
+            env=environment, stdout=self.log, stderr=self.log, cwd=started_in or self.folder)
         self.wait(lambda r: True, "the first frame")
         self.window = self.do("search", "--sync", "--onlyvisible", "--name", "^umbrage$").split()[0]
         self.do("windowmove", self.window, 0, 0, "windowfocus", self.window)
@@ -192,8 +192,11 @@ def spread(image):
 
 
 def agreed(window):
-    for side in window.told()["agreement"]["sides"]:
+    """The masks that were compared are those of the techniques that are shown, and as the CPU's."""
+    told = window.told()
+    for side, shown in zip(told["agreement"]["sides"], told["report"]["sides"]):
         print(f"  against the CPU: {side}")
+        assert side["technique"] == shown["technique"], (side, shown)
         assert side.get("decided_off") == 0, side
 
 
@@ -291,10 +294,13 @@ def switched(window):
 
 def pictures(window):
     plain = window.shot("plain")
-    for label, name in [("error", "Error"), ("truth", "Truth"), ("mask", "Mask"), ("texels", "Texels"), ("cascades", "Layers"), ("lists", "Lists")]:
+    for label, name in [("error", "Error"), ("truth", "Truth"), ("mask", "Mask"), ("texels", "Texels"), ("cascades", "Layers"),
+                        ("lists", "Lists"), ("heat", "Heat")]:
         window.click(label)
         window.wait(lambda r: r["picture"] == name, f"the picture of {label}")
         window.move(900, 600)
+        # Pictures of lookups are made beside the frames.
+        time.sleep(2)
         shown = window.shot(f"over-{label}")
         changed = [difference(a, b) for a, b in zip(halves(plain), halves(shown))]
         print(f"  {label}: the halves change by {changed[0]:.2f} and {changed[1]:.2f}")
@@ -327,6 +333,13 @@ def planned(window):
     window.wait(lambda r: "clipboard" in (r["message"] or ""), "the preset in the clipboard")
     window.click("Close")
     window.shot("planned")
+    stale = "Made for another view, light or setting: find it again."
+    parts = [part["label"] or part["value"] for part in window.told()["widgets"]]
+    assert stale not in parts, parts
+    window.key("w")
+    window.place(stale)
+    window.key("Home")
+    window.measured()
 
 
 def failed_and_cured(window, kept):
@@ -342,28 +355,115 @@ def failed_and_cured(window, kept):
     window.key("h")
 
 
+def hidden(program, out):
+    """A side that is hidden as its technique changes has no figures of the old one: the mask that is compared is the new one's."""
+    window = Window(program, out, ["cubes", "--left", "pcf", "--right", "exact", "--fresh"], size=(640, 480))
+    before = window.measured()["sides"][0]
+    # The right side alone: the pointer is off the panel, which takes most of so small a window.
+    window.move(600, 440)
+    window.press("f", holds=lambda r: r["split"] is None and r["shown_side"] == 1, what="the right side alone")
+    window.press("1")
+    window.type("hard")
+    window.press("Return", holds=lambda r: r["sides"][0]["technique"] == "hard", what="the other technique")
+    after = window.measured()["sides"][0]
+    agreed(window)
+    assert after["rmse"] > before["rmse"], (before, after)
+    window.close()
+    print(f"a hidden side's figures are its own: RMSE {before['rmse']:.4f} of pcf, {after['rmse']:.4f} of hard")
+
+
+def refused(program, out):
+    """What a light set refuses has a reason and no figures, and the other side has its own."""
+    window = Window(program, out, ["cubes", "--left", "planar", "--right", "exact", "--fresh"])
+    report = window.wait(lambda r: r["sides"][0]["refusal"] and r["sides"][1]["rmse"] is not None and r["truth"] == 1, "figures", 300)
+    left, right = report["sides"]
+    assert left["rmse"] is None and right["rmse"] == 0, report["sides"]
+    window.shot("refused")
+    # At no error at all the plan is one that the window can show.
+    window.press("v", holds=lambda r: r["picture"] == "Error", what="errors")
+    window.shot("refused-errors")
+    window.close()
+    print(f"a technique that is refused says why: {left['refusal']}")
+
+
+def retyped(program, out):
+    """Lights of all kinds, chosen in the panel: each is valid, and its masks are the CPU's."""
+    window = Window(program, out, ["cubes", "--left", "pcf", "--right", "exact", "--fresh"])
+    window.measured()
+    kinds = ["directional", "spot", "point", "rectangle", "disc", "directional"]
+    for before, kind in zip(kinds, kinds[1:]):
+        window.click(before, role="ComboBox")
+        window.click(kind, role="Button")
+        window.wait(lambda r: r["lights"][0]["kind"].startswith(kind[:4]), f"a light that is {kind}")
+        report = window.measured()
+        assert report["message"] is None, report["message"]
+        agreed(window)
+        window.shot(f"retyped-{kind}")
+    window.close()
+    print(f"a light is made {', '.join(kinds[1:])}")
+
+
+def moved(program, out):
+    """Orbit, parallel lines, and the keys for going nearer; a screenshot is a file of what is seen."""
+    window = Window(program, out, ["cubes", "--left", "pcf", "--right", "exact", "--fresh"])
+    before = window.measured()["camera"]
+    window.key("o")
+    near = window.press("plus", holds=lambda r: r["camera"] != before, what="a nearer view")["camera"]
+    window.press("minus", holds=lambda r: r["camera"] != near, what="a farther view")
+    window.drag(3, (800, 400), [(15, 0)] * 4)
+    assert max(abs(a - b) for a, b in zip(window.report()["camera"], before)) > 0.1, "orbit leaves the eye where it is"
+    window.click("parallel")
+    window.measured()
+    agreed(window)
+    window.shot("parallel")
+    window.key("F12")
+    told = window.wait(lambda r: "screenshot is in" in (r["message"] or ""), "the screenshot")["message"]
+    file = pathlib.Path(told.split(" is in ")[1].rstrip("."))
+    kept = Image.open(file).convert("RGB")
+    assert kept.size == (WIDTH, HEIGHT), kept.size
+    seen = difference(picture(kept), picture(window.shot("screenshot")))
+    # Only the message that tells of it differs.
+    assert seen < 3, seen
+    window.close()
+    print("orbit, parallel lines and keys that go nearer; F12 keeps what is seen")
+
+
 def remembered(program, out):
-    """Settings are remembered."""
+    """Settings are remembered, with the lights as they were left, wherever the program is started."""
+    folder = pathlib.Path(tempfile.mkdtemp())
+    bowl(folder / "bowl.obj")
     first = Window(program, out, ["cubes", "--left", "midpoint"])
+    first.press("F2")
+    first.type(os.path.relpath(folder / "bowl.obj", first.folder))
+    first.press("Return", holds=lambda r: r["scene"] == "bowl", what="the model")
+    first.key("Right")
+    first.press("Insert", holds=lambda r: len(r["lights"]) == 2, what="another light")
+    first.measured()
+    before = first.report()
     first.key("ctrl+q")
     first.program.wait(timeout=30)
-    again = Window(program, out, [], first.folder)
+    # What is read in another folder is found there, too.
+    again = Window(program, out, [], first.folder, started_in=folder)
     report = again.report()
-    assert report["scene"] == "cubes" and report["sides"][0]["technique"] == "midpoint", report
+    assert report["scene"] == "bowl" and report["sides"][0]["technique"] == "midpoint", report
+    assert report["lights"] == before["lights"] and report["chosen"] == before["chosen"], (before, report)
     again.close()
-    print("settings are remembered")
+    print("settings are remembered, with a model, its view and its lights")
 
 
 def lost(program, out):
-    """A device that is lost in mid-flight: the window comes back, and says so."""
-    window = Window(program, out, ["cubes", "--left", "midpoint", "--lose-device-after", "6"])
+    """A device that is lost in mid-flight: the window comes back with its lights, and says so."""
+    window = Window(program, out, ["cubes", "--left", "midpoint", "--lose-device-after", "9"])
+    window.key("Right")
+    lights = window.press("Insert", holds=lambda r: len(r["lights"]) == 2, what="another light")["lights"]
     # It is found out by the next frame, which takes an event.
-    time.sleep(7)
+    time.sleep(10)
     # On the display: the window may have been opened again already, and is another one then.
     window.do("mousemove", 800, 400)
     report = window.wait(lambda r: r["message"] and r["loading"] is None, "a message and the scene", 60)
     assert "lost" in report["message"] and report["scene"] == "cubes", report
     assert report["sides"][0]["technique"] == "midpoint", report
+    assert report["lights"] == lights, (lights, report["lights"])
     window.measured()
     window.close()
     print(f"told in the window: {report['message']}")
@@ -793,12 +893,23 @@ def overlays(program, out, kept):
     window.close()
 
 
+def views(program, out):
+    """What is measured is what is shown, whatever the user does to it."""
+    hidden(program, out)
+    refused(program, out)
+    retyped(program, out)
+    moved(program, out)
+
+
+PARTS = ["keyboard", "moving", "loading", "holes", "readable", "fluent", "mouse", "views", "handed"]
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--viewer", type=pathlib.Path)
     parser.add_argument("--out", default=ROOT / "target/viewer-tried", type=pathlib.Path)
     parser.add_argument("--bless", action="store_true")
-    parser.add_argument("--only", choices=["keyboard", "moving", "loading", "holes", "readable", "fluent", "mouse", "handed"])
+    parser.add_argument("--only", choices=PARTS)
     parser.add_argument("--embed", type=pathlib.Path, help="the program of examples/embed; it is built if left out")
     parser.add_argument("--copied", type=pathlib.Path, nargs="*", default=[], help="presets that are pasted into it, too")
     options = parser.parse_args()
@@ -839,6 +950,7 @@ def main():
         "readable": lambda: readable(program, options.out),
         "fluent": lambda: fluent(program, options.out),
         "mouse": lambda: mouse(program, options.out, kept),
+        "views": lambda: views(program, options.out),
         "handed": lambda: handed(program, options.out, embed.resolve(), options.copied),
     }
     try:

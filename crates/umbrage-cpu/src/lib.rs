@@ -21,6 +21,7 @@ mod cast;
 mod filter;
 mod gbuffer;
 mod images;
+mod lookup_times;
 mod options;
 mod raster;
 mod receive;

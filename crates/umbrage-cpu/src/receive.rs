@@ -44,7 +44,7 @@ pub(crate) fn receive(
 
 /// Runs the kernel for a part of one row, from its first receiving pixel to its last, then lights those between on which no
 /// shadow falls.
-fn receive_span(
+pub(crate) fn receive_span(
     inputs: &Inputs<'_>,
     recipe: &Recipe,
     receivers: &Receivers,

@@ -158,7 +158,7 @@ class Viewer:
         """Waits until truth is traced, and the sides that are shown are compared with it."""
         def done(report):
             shown = report["sides"] if report["split"] is not None else [report["sides"][report["shown_side"]]]
-            return report["truth"] == 1 and all(side["wrong"] is not None for side in shown)
+            return report["truth"] == 1 and all(side["wrong"] is not None or side["refusal"] for side in shown)
         return self.wait(done, "truth", seconds)
 
     def shot(self, name):
@@ -328,6 +328,43 @@ def agreed(viewer):
         print(f"against the CPU: {side['technique']}: {side['differing']} of {side['pixels']} pixels differ, {side['undecided']} "
               f"undecided, {side['decided_off']} decided are off")
         assert side.get("decided_off") == 0, side
+
+
+def dragged(viewer):
+    """The light by its handle, and the divider, both with the mouse."""
+    viewer.open("?scene=cubes&left=hard&right=exact&split=0.5")
+    report = viewer.measured()
+    x, y = report["handles"]
+    toward = report["lights"][0]["toward"]
+    before = viewer.shot("before-drag")
+    mouse = viewer.page.mouse
+
+    def drag(begin, step, count=6):
+        mouse.move(*begin)
+        # The page has to see where the pointer is before it is pressed.
+        time.sleep(1)
+        mouse.down()
+        for i in range(1, count + 1):
+            mouse.move(begin[0] + i * step[0], begin[1] + i * step[1])
+            time.sleep(0.3)
+        mouse.up()
+        time.sleep(0.5)
+
+    for way in [(40, 0), (-40, 0), (0, -40), (28, 28)]:
+        drag((x + way[0], y + way[1]), (way[0] / 4, way[1] / 4))
+        if viewer.report()["lights"][0]["toward"] != toward:
+            break
+    report = viewer.measured()
+    assert report["lights"][0]["toward"] != toward, "no handle moves the light"
+    assert difference(picture(before), picture(viewer.shot("light-dragged"))) > 0.3, "its shadows stay"
+    agreed(viewer)
+    # The divider is in the middle of what the panel leaves.
+    middle = (PICTURE[0] + SIZE["width"]) / 2
+    drag((middle + 4, SIZE["height"] - 60), (-30, 0))
+    split = viewer.report()["split"]
+    assert split < 0.45, split
+    viewer.shot("divided")
+    print(f"the light is dragged by its handle, and the divider to {split:.2f}")
 
 
 def heat_map(viewer):
@@ -678,7 +715,7 @@ def first(viewer):
 
 
 PARTS = {
-    "first": first, "masks": masks, "switched": switched, "dropped": dropped, "together": dropped_together, "large": read_beside,
+    "first": first, "dragged": dragged, "masks": masks, "switched": switched, "dropped": dropped, "together": dropped_together, "large": read_beside,
     "made": made_beside, "plan": planned, "broken": broken_workers, "moving": moving,
     "narrow": narrow, "others": others, "handed": handed,
 }

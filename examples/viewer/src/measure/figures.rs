@@ -30,11 +30,13 @@ pub(crate) enum Picture {
     Layers,
     /// How many casters a lookup in lists asks.
     Lists,
+    /// How long lookups take.
+    Heat,
 }
 
 impl Picture {
-    /// All, with their names.
-    pub(crate) const ALL: [(Self, &'static str); 7] = [
+    /// All, with their names. Clocks of browsers are too coarse to time lookups.
+    pub(crate) const ALL: &[(Self, &'static str)] = &[
         (Self::Nothing, "nothing"),
         (Self::Error, "error"),
         (Self::Truth, "truth"),
@@ -42,6 +44,8 @@ impl Picture {
         (Self::Texels, "texels"),
         (Self::Layers, "cascades"),
         (Self::Lists, "lists"),
+        #[cfg(not(target_arch = "wasm32"))]
+        (Self::Heat, "heat"),
     ];
 
     /// What is shown of the lookups, if it is that.
@@ -50,7 +54,8 @@ impl Picture {
             Self::Texels => Some(Places::Texels),
             Self::Layers => Some(Places::Layers),
             Self::Lists => Some(Places::Lists),
-            _ => None,
+            Self::Heat => Some(Places::Heat),
+            Self::Nothing | Self::Error | Self::Truth | Self::Mask => None,
         }
     }
 }
@@ -103,7 +108,9 @@ pub(crate) fn picture(kind: Picture, truth: &TruthSoFar, mask: Option<&[f32]>) -
         }
     };
     let is_there = match kind {
-        Picture::Nothing | Picture::Texels | Picture::Layers | Picture::Lists => false,
+        Picture::Nothing | Picture::Texels | Picture::Layers | Picture::Lists | Picture::Heat => {
+            false
+        }
         Picture::Truth => true,
         Picture::Error | Picture::Mask => mask.is_some(),
     };

@@ -1,10 +1,12 @@
-//! Pictures of where lookups go: texels of maps, cascades, lists of casters.
+//! Pictures of where lookups go: texels of maps, cascades, lists of casters; and of how long they take.
 
 use super::planned_view;
 use anyhow::Result;
 use std::sync::Arc;
 use umbrage::{
     Aabb, Camera, Geometry, Light, Receivers, ShadowTechnique, View,
+    cpu::Cpu,
+    glam::UVec2,
     plan::footprint::{MapPlace, MapPlaces},
     techniques::{AskedCell, Exact},
 };
@@ -33,6 +35,8 @@ pub(crate) enum Places {
     Layers,
     /// How many casters a lookup in lists asks.
     Lists,
+    /// How long lookups take.
+    Heat,
 }
 
 /// What a picture is of.
@@ -83,6 +87,9 @@ fn picture(
     if kind == Places::Lists {
         return lists(technique, &view, seen.receivers);
     }
+    if kind == Places::Heat {
+        return heat(technique, &view, seen.receivers).map(Some);
+    }
     let recipe = technique.recipe(&view)?;
     let Some(places) = MapPlaces::new(&recipe) else {
         return Ok(None);
@@ -128,7 +135,45 @@ fn lists(
     Ok(Some(cells.iter().flat_map(length_color).collect()))
 }
 
-/// From blue (none) over white (7) to red (63 casters and more), as the panel's legend says; green where one caster covers the whole cell.
+/// Pixels of a block whose lookups are timed together: fewer take hardly longer than reading the clock does.
+const TIMED: UVec2 = UVec2::new(16, 8);
+/// How often each block is timed: the least counts, since whatever else runs only makes it longer.
+const RUNS: u32 = 3;
+
+/// Times a technique's lookups on the CPU, block by block.
+fn heat(
+    technique: &dyn ShadowTechnique,
+    view: &View<'_>,
+    receivers: &Receivers,
+) -> Result<Vec<u8>> {
+    let recipe = technique.recipe(view)?;
+    let seen = (*view).with_receivers(receivers);
+    let times = Cpu::new().lookup_times(&seen, &recipe, TIMED, RUNS)?;
+    let size = receivers.size;
+    let columns = size.x.div_ceil(TIMED.x);
+    let texel = |i: usize| {
+        if !receivers.receives[i] {
+            return NOTHING;
+        }
+        let [x, y] = [i as u32 % size.x, i as u32 / size.x];
+        let time = times[(y / TIMED.y * columns + x / TIMED.x) as usize];
+        time.map_or(NOTHING, heat_color)
+    };
+    Ok((0..receivers.len()).flat_map(texel).collect())
+}
+
+/// Nanoseconds a pixel at which [`heat_color`] is blue, white and red: the white one is the mean of the others' logarithms.
+pub(crate) const HEAT_NANOSECONDS: [f32; 3] = [4.0, 64.0, 1024.0];
+
+fn heat_color(nanoseconds: f32) -> [u8; 4] {
+    let [least, _, most] = HEAT_NANOSECONDS;
+    blue_to_red((nanoseconds / least).log2() / (most / least).log2())
+}
+
+/// Casters at which [`length_color`] is white and red.
+pub(crate) const LIST_LENGTHS: [u32; 2] = [7, 63];
+
+/// From blue (none) over white to red, as the panel's legend says; green where one caster covers the whole cell.
 fn length_color(cell: &Option<AskedCell>) -> [u8; 4] {
     let Some(cell) = cell else {
         return NOTHING;
@@ -136,12 +181,81 @@ fn length_color(cell: &Option<AskedCell>) -> [u8; 4] {
     if cell.is_covered {
         return [0, 130, 80, OPACITY];
     }
-    let share = ((cell.length as f32 + 1.0).log2() / 6.0).min(1.0);
+    let [_, most] = LIST_LENGTHS.map(|length| (length as f32 + 1.0).log2());
+    blue_to_red((cell.length as f32 + 1.0).log2() / most)
+}
+
+/// From blue (0) over white (a half) to red (1).
+fn blue_to_red(share: f32) -> [u8; 4] {
+    let share = share.clamp(0.0, 1.0);
     let rising = (255.0 * share).round() as u8;
     let falling = 255 - rising;
     if share < 0.5 {
         [2 * rising.min(127), 2 * rising.min(127), 255, OPACITY]
     } else {
         [255, 2 * falling.min(127), 2 * falling.min(127), OPACITY]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_as_the_legend_says() {
+        let is_white = |[r, g, b, _]: [u8; 4]| r.min(g).min(b) > 240;
+        let [blue, red] = [[0, 0, 255, OPACITY], [255, 0, 0, OPACITY]];
+        let [least, middle, most] = HEAT_NANOSECONDS;
+        assert_eq!((heat_color(least), heat_color(most)), (blue, red));
+        assert_eq!(
+            (heat_color(0.5 * least), heat_color(2.0 * most)),
+            (blue, red)
+        );
+        assert!(is_white(heat_color(middle)), "{:?}", heat_color(middle));
+        let of_length = |length| {
+            length_color(&Some(AskedCell {
+                number: 0,
+                length,
+                is_covered: false,
+            }))
+        };
+        let [middle, most] = LIST_LENGTHS;
+        assert_eq!((of_length(0), of_length(most)), (blue, red));
+        assert_eq!(of_length(most + 1), red);
+        assert!(is_white(of_length(middle)), "{:?}", of_length(middle));
+        let covered = AskedCell {
+            number: 0,
+            length: 1,
+            is_covered: true,
+        };
+        let [r, g, b, _] = length_color(&Some(covered));
+        assert!(g > r && g > b);
+        assert_eq!(length_color(&None), NOTHING);
+    }
+
+    /// Penumbrae take more taps than what is lit: PCSS has no filter where its search finds no blocker.
+    #[test]
+    fn more_lookups_are_hotter() {
+        let entry = umbrage::scenes::find("leaves").or(umbrage::scenes::find("cubes"));
+        let scene = (entry.expect("built in").build)();
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let camera = scene.cameras[0].resized(UVec2::new(64, 48));
+        let receivers = Cpu::new().receivers(&camera, &geometry).expect("seen");
+        let view = View::new(&camera, &scene.lights[0], &geometry);
+        let median = |name: &str| {
+            let preset = (umbrage::techniques::find(name).expect(name).preset)();
+            let recipe = preset.technique().recipe(&view).expect("a recipe");
+            let seen = view.with_receivers(&receivers);
+            let times = Cpu::new().lookup_times(&seen, &recipe, TIMED, RUNS);
+            let mut times: Vec<f32> = times.expect("timed").into_iter().flatten().collect();
+            assert!(!times.is_empty());
+            times.sort_by(f32::total_cmp);
+            times[times.len() / 2]
+        };
+        let (one, many) = (median("hard"), median("pcf_disc"));
+        assert!(
+            one > 0.0 && many > 1.5 * one,
+            "hard {one} ns, disc {many} ns"
+        );
     }
 }

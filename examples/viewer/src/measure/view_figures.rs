@@ -280,6 +280,8 @@ impl ViewFigures {
             let rgba = match shown.picture.places() {
                 // What refuses the light looks nothing up.
                 Some(_) if side.refusal.is_some() => None,
+                // Tracing takes all cores: times would be of that.
+                Some(Places::Heat) if !truth.is_checked => None,
                 Some(kind) => {
                     if side.places.as_ref().is_none_or(|there| there.kind != kind) {
                         let technique = preset.technique();

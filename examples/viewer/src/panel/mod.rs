@@ -9,10 +9,20 @@ mod side;
 
 use crate::render::SIDES;
 use crate::{
-    app::App, bookmarks, camera::Mode, focus::Focus, keys::KEYS, loading::Then,
+    app::App,
+    bookmarks,
+    camera::Mode,
+    focus::Focus,
+    keys::KEYS,
+    loading::Then,
     measure::figures::Picture,
+    measure::places::{HEAT_NANOSECONDS, LIST_LENGTHS},
 };
 use umbrage::scenes;
+
+/// Colours of words that name a colour, light enough for a dark panel.
+const BLUE: egui::Color32 = egui::Color32::from_rgb(100, 150, 255);
+const RED: egui::Color32 = egui::Color32::from_rgb(255, 90, 70);
 
 /// The panel's width until the user drags its edge, and the least, points: its longest lines fit, so that no text moves the edge.
 const WIDTH: f32 = 346.0;
@@ -175,28 +185,39 @@ fn view(app: &mut App, ui: &mut egui::Ui) {
     ui.horizontal_wrapped(|ui| {
         ui.label("Over it");
         for (picture, name) in Picture::ALL {
-            ui.selectable_value(&mut settings.picture, picture, name);
+            ui.selectable_value(&mut settings.picture, *picture, *name);
         }
     });
     if settings.picture == Picture::Error {
         ui.horizontal(|ui| {
-            ui.colored_label(egui::Color32::from_rgb(255, 90, 70), "red: too light");
-            ui.colored_label(egui::Color32::from_rgb(100, 150, 255), "blue: too dark");
+            ui.colored_label(RED, "red: too light");
+            ui.colored_label(BLUE, "blue: too dark");
             ui.add(egui::Slider::new(&mut settings.opacity, 0.1..=1.0).show_value(false))
                 .on_hover_text("Opacity");
         });
     }
     if settings.picture == Picture::Lists {
         ui.horizontal_wrapped(|ui| {
+            let [white, red] = LIST_LENGTHS;
             ui.label("casters asked:");
-            ui.colored_label(egui::Color32::from_rgb(100, 150, 255), "blue: none");
-            ui.label("white: 7");
-            ui.colored_label(egui::Color32::from_rgb(255, 90, 70), "red: 63 or more");
+            ui.colored_label(BLUE, "blue: none");
+            ui.label(format!("white: {white}"));
+            ui.colored_label(RED, format!("red: {red} or more"));
             ui.colored_label(
                 egui::Color32::from_rgb(60, 190, 130),
                 "green: one hides all",
             );
             ui.weak("nothing: no lists (other techniques than exact), or none asked");
+        });
+    }
+    if settings.picture == Picture::Heat {
+        ui.horizontal_wrapped(|ui| {
+            let [blue, white, red] = HEAT_NANOSECONDS;
+            ui.label("a pixel's lookup on one thread of the processor:");
+            ui.colored_label(BLUE, format!("blue: {blue} ns"));
+            ui.label(format!("white: {white} ns"));
+            ui.colored_label(RED, format!("red: {red} ns or more"));
+            ui.weak("timed in blocks once truth is traced");
         });
     }
     if before != (settings.picture, settings.opacity) {

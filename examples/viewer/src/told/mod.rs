@@ -17,6 +17,7 @@ pub(crate) fn report(app: &App) -> Value {
             "technique": app.settings.sides[i].preset.technique().name(),
             "label": app.settings.sides[i].label(),
             "refusals": app.renderer.sides[i].refusals(),
+            "refusal": app.figures.sides[i].refusal,
             "rmse": error.map(|e| e.rmse),
             "wrong": error.map(|e| (e.wrong * e.pixels as f64).round()),
             "pixels": error.map(|e| e.pixels),
