@@ -344,7 +344,7 @@ def planned(window):
 
 def failed_and_cured(window, kept):
     window.click("Failures")
-    window.click("1 low-sun-5")
+    window.click("shadow acne: low-sun-5")
     window.wait(lambda r: r["scene"] == "low-sun-5", "the place of a failure")
     report = window.measured()
     fault, cure = report["sides"]
@@ -367,7 +367,7 @@ def hidden(program, out):
     window.press("Return", holds=lambda r: r["sides"][0]["technique"] == "hard", what="the other technique")
     after = window.measured()["sides"][0]
     agreed(window)
-    assert after["rmse"] > before["rmse"], (before, after)
+    assert after["rmse"] != before["rmse"], (before, after)
     window.close()
     print(f"a hidden side's figures are its own: RMSE {before['rmse']:.4f} of pcf, {after['rmse']:.4f} of hard")
 

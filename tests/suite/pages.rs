@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 use umbrage::{
     glam::UVec2,
-    scenes::{self, Kind},
+    scenes::{self, Kind, motion::MovingScene},
     techniques,
 };
 use umbrage_examples::failures::failures;
@@ -102,13 +102,18 @@ fn fault_of_query(query: &str) -> Option<String> {
         let is_known = match key {
             "scene" => scenes::find(value).is_some(),
             "failure" => {
+                let mut moving = MovingScene::ALL.iter();
                 scenes::find(value).is_some_and(|entry| matches!(entry.kind, Kind::Failure(_)))
+                    || moving.any(|moving| moving.name == value)
             }
             "left" | "right" => techniques::find(value).is_some(),
             "split" => value
                 .parse::<f32>()
                 .is_ok_and(|at| (0.0..=1.0).contains(&at)),
-            "over" => ["nothing", "error", "truth", "mask"].contains(&value),
+            "over" => [
+                "nothing", "error", "truth", "mask", "texels", "cascades", "lists",
+            ]
+            .contains(&value),
             _ => false,
         };
         if !is_known {

@@ -135,8 +135,8 @@ fn failures(app: &mut App, ui: &mut egui::Ui) {
             .max_height(500.0)
             .show(ui, |ui| {
                 for bookmark in bookmarks::all() {
-                    let label = format!("{} {}", bookmark.row, bookmark.name);
-                    if ui.button(label).on_hover_text(bookmark.summary).clicked() {
+                    let button = ui.button(bookmark.label());
+                    if button.on_hover_text(bookmark.description()).clicked() {
                         app.open(ui.ctx(), bookmark.scene, Then::Compare(bookmark));
                         ui.close();
                     }
@@ -157,6 +157,9 @@ fn view(app: &mut App, ui: &mut egui::Ui) {
             .speed(0.1)
             .suffix(" m/s");
         ui.add(speed).on_hover_text("How fast W A S D fly");
+        // Browsers have their own.
+        let has_folders = cfg!(not(target_arch = "wasm32"));
+        takes_screenshot = has_folders && ui.button("Screenshot").on_hover_text("F12").clicked();
     });
     let mut is_split = settings.split.is_some();
     ui.horizontal(|ui| {
@@ -174,9 +177,6 @@ fn view(app: &mut App, ui: &mut egui::Ui) {
         ui.weak("X, F");
         ui.checkbox(&mut settings.shows_maps, "maps")
             .on_hover_text("What the chosen light draws for each side (M)");
-        // Browsers have their own.
-        let has_folders = cfg!(not(target_arch = "wasm32"));
-        takes_screenshot = has_folders && ui.button("Screenshot").on_hover_text("F12").clicked();
     });
     if is_split != settings.split.is_some() {
         settings.split = is_split.then_some(0.5);

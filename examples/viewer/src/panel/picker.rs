@@ -42,7 +42,10 @@ pub(crate) enum Outcome {
 
 /// A line of the list.
 struct Line {
+    /// What names it in addresses and on the command line.
     name: String,
+    /// What the list shows.
+    label: String,
     summary: String,
     taken: Taken,
 }
@@ -74,48 +77,48 @@ impl Picker {
         }
     }
 
-    /// Returns the lines that hold all words that are typed.
+    /// Returns the lines that hold all words that are typed, in what they show or in their summaries.
     fn lines(&self) -> Vec<Line> {
-        let line = |name: String, summary: &str, taken| Line {
-            name,
+        let line = |name: &str, summary: &str, taken| Line {
+            name: name.to_owned(),
+            label: name.to_owned(),
             summary: summary.to_owned(),
             taken,
         };
         let mut lines: Vec<Line> = match self.choice {
             Choice::Scene => scenes::all()
                 .iter()
-                .map(|e| {
-                    line(
-                        e.name.to_owned(),
-                        e.summary,
-                        Taken::Scene(e.name.to_owned()),
-                    )
-                })
+                .map(|e| line(e.name, e.summary, Taken::Scene(e.name.to_owned())))
                 .collect(),
             Choice::Failure => bookmarks::all()
                 .into_iter()
-                .map(|bookmark| {
-                    let name = format!("{} {}", bookmark.row, bookmark.name);
-                    line(name, bookmark.summary, Taken::Failure(bookmark))
+                .map(|bookmark| Line {
+                    name: bookmark.name.to_owned(),
+                    label: bookmark.label(),
+                    summary: bookmark.description(),
+                    taken: Taken::Failure(bookmark),
                 })
                 .collect(),
             Choice::Technique(side) => techniques::all()
                 .iter()
-                .map(|e| line(e.name.to_owned(), e.summary, Taken::Technique(side, e.name)))
+                .map(|e| line(e.name, e.summary, Taken::Technique(side, e.name)))
                 .collect(),
         };
-        let typed = self.typed.to_lowercase();
-        lines.retain(|line| {
-            typed
-                .split_whitespace()
-                .all(|word| line.name.contains(word))
-        });
-        // What is typed, and what begins with it, comes first; the sort keeps the rest in its order.
-        lines.sort_by_key(|line| (line.name != typed, !line.name.starts_with(&typed)));
         let path = self.typed.trim();
+        let typed = path.to_lowercase();
+        let holds = |text: &str| {
+            let text = text.to_lowercase();
+            typed.split_whitespace().all(|word| text.contains(word))
+        };
+        lines.retain(|line| holds(&format!("{} {}", line.label, line.summary)));
+        // What is typed, what begins with it, and what shows it come first; the sort keeps the rest in its order.
+        lines.sort_by_key(|line| {
+            let is_begun = line.name.starts_with(&typed) || line.label.starts_with(&typed);
+            (line.name != typed, !is_begun, !holds(&line.label))
+        });
         if self.choice == Choice::Scene && (path.ends_with(".toml") || scenes::is_model(path)) {
             let taken = Taken::Scene(path.to_owned());
-            lines.push(line(path.to_owned(), "this file", taken));
+            lines.push(line(path, "this file", taken));
         }
         lines
     }
@@ -197,7 +200,7 @@ fn contents(picker: &mut Picker, ui: &mut egui::Ui) -> Option<Taken> {
     egui::Frame::canvas(ui.style()).show(ui, |ui| {
         ui.set_width(ui.available_width());
         if picker.typed.is_empty() {
-            ui.weak("type a part of the name; Enter takes, Esc leaves");
+            ui.weak("type a part of the name or of what it says; Enter takes, Esc leaves");
         } else {
             ui.monospace(format!("{}|", picker.typed));
         }
@@ -208,7 +211,7 @@ fn contents(picker: &mut Picker, ui: &mut egui::Ui) -> Option<Taken> {
         .auto_shrink([false, true])
         .show(ui, |ui| {
             for (i, line) in lines.iter().enumerate() {
-                let label = ui.selectable_label(i == picker.at, &line.name);
+                let label = ui.selectable_label(i == picker.at, &line.label);
                 if i == picker.at && picker.has_moved {
                     label.scroll_to_me(None);
                 }
@@ -217,7 +220,7 @@ fn contents(picker: &mut Picker, ui: &mut egui::Ui) -> Option<Taken> {
                 }
             }
             if lines.is_empty() {
-                ui.weak("nothing of that name");
+                ui.weak("nothing has these words");
             }
         });
     picker.has_moved = false;
@@ -236,5 +239,55 @@ pub(crate) fn take(app: &mut App, ctx: &egui::Context, taken: Taken) {
             app.settings.sides[side].choose(entry(name));
             app.forget_mask(side);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the names of the lines that are left once something is typed.
+    fn found(choice: Choice, typed: &str) -> Vec<String> {
+        let picker = Picker {
+            typed: typed.to_owned(),
+            ..Picker::new(choice)
+        };
+        picker.lines().into_iter().map(|line| line.name).collect()
+    }
+
+    #[test]
+    fn faults_are_found_by_the_words_that_people_have() {
+        for (typed, name) in [
+            ("acne", "low-sun-5"),
+            ("Acne spheres", "low-sun-5"),
+            ("peter-panning", "thin-plate"),
+            ("detached", "thin-plate"),
+            ("leaking", "sealed-room"),
+            ("bleeding", "two-plates"),
+            ("flicker", "hills-yaw"),
+            ("jagged", "fence"),
+            ("missing", "tower-out-of-view"),
+            ("penumbra", "two-blockers"),
+        ] {
+            let found = found(Choice::Failure, typed);
+            assert!(
+                found.iter().any(|found| found == name),
+                "{typed}: {found:?}"
+            );
+        }
+        assert!(found(Choice::Failure, "nowhere-at-all").is_empty());
+    }
+
+    #[test]
+    fn scenes_and_techniques_are_found_by_their_summaries_behind_names() {
+        assert_eq!(found(Choice::Scene, "fence")[0], "fence");
+        // Its summary alone has the word.
+        assert!(found(Choice::Scene, "church").contains(&"nave".to_owned()));
+        assert_eq!(found(Choice::Technique(0), "pcf")[0], "pcf");
+        assert_eq!(found(Choice::Scene, "c3 ro")[0], "c3-room");
+        let bricks = found(Choice::Scene, "wall");
+        let first_of_summaries = bricks.iter().position(|name| !name.contains("wall"));
+        let last_of_names = bricks.iter().rposition(|name| name.contains("wall"));
+        assert!(first_of_summaries > last_of_names, "{bricks:?}");
     }
 }
