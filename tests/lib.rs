@@ -1,5 +1,6 @@
 //! Helpers shared by the tests.
 
+pub mod absurd_values;
 pub mod adapter;
 pub mod assembled;
 pub mod foreign;

@@ -19,8 +19,8 @@ use umbrage_tests::{
     light_program::{Forward, ForwardProgram},
 };
 use umbrage_wgpu::{
-    CasterMesh, CutOutBuffers, FrameGeometry, Indices, LightId, LightSet, SetBudget, SetFrame,
-    SetLight, StillLayers, Unserved, VertexLayout,
+    CasterMesh, CutOutBuffers, FrameGeometry, Indices, LightId, LightSet, MeshId, SetBudget,
+    SetFrame, SetLight, StillLayers, Unserved, VertexLayout,
 };
 use wgpu::{BufferUsages, IndexFormat};
 
@@ -78,8 +78,18 @@ impl World {
     }
 
     pub(super) fn set(&self) -> LightSet {
-        let d = self.program.d;
         let mut set = self.program.set(SetBudget::default(), StillLayers::Auto);
+        for mesh in self.meshes(&mut set) {
+            set.add_caster(mesh, Affine3A::IDENTITY).expect("valid");
+        }
+        let cut_outs = self.cut_outs();
+        set.set_cut_outs(cut_outs.as_ref()).expect("valid");
+        set
+    }
+
+    /// Adds the scene's casters to a set as meshes, which cast nothing yet; those with holes are left out.
+    pub(super) fn meshes(&self, set: &mut LightSet) -> Vec<MeshId> {
+        let d = self.program.d;
         let positions: Vec<[f32; 3]> = self
             .geometry
             .positions()
@@ -92,6 +102,7 @@ impl World {
         let vertices = foreign::buffer(d, storage | BufferUsages::VERTEX, cast_slice(&positions));
         let indices = foreign::buffer(d, storage | BufferUsages::INDEX, cast_slice(casters));
         let first = self.geometry.casters().start;
+        let mut meshes = Vec::new();
         for run in self.geometry.casters_without_holes() {
             let mesh = CasterMesh {
                 label: "casters",
@@ -105,12 +116,9 @@ impl World {
                 base_vertex: 0,
                 bounds: Aabb::around(self.geometry.vertices_of(run)),
             };
-            let mesh = set.add_mesh(&mesh).expect("valid");
-            set.add_caster(mesh, Affine3A::IDENTITY).expect("valid");
+            meshes.push(set.add_mesh(&mesh).expect("valid"));
         }
-        let cut_outs = self.cut_outs();
-        set.set_cut_outs(cut_outs.as_ref()).expect("valid");
-        set
+        meshes
     }
 
     fn cut_outs(&self) -> Option<CutOutBuffers> {
