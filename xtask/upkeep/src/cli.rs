@@ -152,6 +152,8 @@ pub(crate) enum ReleaseStep {
     Miri,
     /// `cargo publish --dry-run` of every published package
     Publish,
+    /// The viewer's lints and tests, and its window and page played with keys and a mouse: Xvfb, Chromium, Python
+    Viewer,
 }
 
 #[cfg(test)]

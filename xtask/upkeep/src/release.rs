@@ -4,6 +4,7 @@ use crate::{
     ci::{Step, published, run_all},
     cli::{ReleaseOptions, ReleaseStep},
     run::{cargo, root, run},
+    web::{build_page, target_folder},
 };
 use anyhow::{Context as _, Result, bail};
 use clap::ValueEnum as _;
@@ -44,6 +45,7 @@ pub(crate) fn release_check(options: &ReleaseOptions) -> Result<()> {
                 ReleaseStep::Versions => ("versions", Box::new(versions)),
                 ReleaseStep::Miri => ("miri", Box::new(miri)),
                 ReleaseStep::Publish => ("publish", Box::new(publish)),
+                ReleaseStep::Viewer => ("viewer", Box::new(viewer)),
             }
         })
         .collect();
@@ -138,6 +140,35 @@ fn publish() -> Result<()> {
         command.args(["--package", &package.name]);
     }
     run(&mut command)
+}
+
+/// Lints and tests the viewer, and plays its window and its page as a user would. The page's preset is pasted into `examples/embed`, too.
+fn viewer() -> Result<()> {
+    let package = ["--release", "--package", "umbrage-viewer"];
+    let mut clippy = cargo();
+    clippy.arg("clippy").args(package);
+    run(clippy.args(["--all-targets", "--", "--deny", "warnings"]))?;
+    let mut test = cargo();
+    run(test.arg("test").args(package))?;
+    let target = target_folder()?;
+    let page = target.join("web");
+    build_page(&target, &page)?;
+    let tried = target.join("web-tried");
+    let mut on_page = python("examples/viewer/web/try.py");
+    on_page.arg("--page").arg(&page).arg("--out").arg(&tried);
+    run(&mut on_page).context("the head of examples/viewer/web/try.py says what it needs")?;
+    let mut in_window = python("examples/viewer/try.py");
+    in_window.arg("--copied").arg(tried.join(COPIED));
+    run(&mut in_window).context("the head of examples/viewer/try.py says what it needs")
+}
+
+/// What the try of the page keeps: the preset that it copied.
+const COPIED: &str = "copied.preset.toml";
+
+fn python(script: &str) -> Command {
+    let mut command = Command::new("python3");
+    command.current_dir(root()).arg(script);
+    command
 }
 
 /// Checks that cargo has a further command.
