@@ -6,7 +6,7 @@
     python3 examples/viewer/try.py          # some minutes; screenshots in target/viewer-tried
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
-Regions of the pictures are compared with those in `goldens` (see `goldens.py`); `--bless` keeps the present ones instead.
+Regions of the pictures are compared with those in `goldens` (see `pictures.py`); `--bless` keeps the present ones instead.
 `--only NAME` plays one part: keyboard, moving, loading, holes, readable, fluent, mouse, views, or handed.
 `handed` takes a model of one's own, has the least for it found, and pastes what was copied into `examples/embed`. With
 `--copied FILE...` it also pastes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
@@ -28,11 +28,12 @@ import sys
 import tempfile
 import time
 
-from PIL import Image, ImageChops, ImageStat
+from PIL import Image
 
 # No folder of compiled scripts beside the viewer's sources.
 sys.dont_write_bytecode = True
-import goldens  # noqa: E402
+import pictures as compared  # noqa: E402
+from pictures import difference, spread  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WIDTH, HEIGHT = 1280, 720
@@ -178,17 +179,7 @@ def picture(image):
 
 
 def halves(image):
-    image = picture(image)
-    middle = image.width // 2
-    return image.crop((0, 0, middle - 20, image.height)), image.crop((middle + 20, 0, image.width, image.height))
-
-
-def difference(a, b):
-    return sum(ImageStat.Stat(ImageChops.difference(a, b)).mean) / 3
-
-
-def spread(image):
-    return sum(ImageStat.Stat(image).stddev) / 3
+    return compared.halves(picture(image))
 
 
 def agreed(window):
@@ -934,8 +925,8 @@ def main():
         sys.exit(f"{program} is not there: build it, or leave --viewer out")
     options.out.mkdir(parents=True, exist_ok=True)
     if not options.bless:
-        goldens.test()
-    kept = goldens.Goldens(options.bless, options.out)
+        compared.test()
+    kept = compared.Goldens(compared.FOLDERS[0], options.bless, options.out)
     messages(program)
     display = f":{random.randrange(90, 990)}"
     # Without a reset: as its last window closes it would begin anew, and refuse the next one meanwhile.

@@ -7,7 +7,7 @@
     python3 examples/viewer/web/try.py      # some minutes; screenshots in target/web-tried
 
 Another page, browser or folder for screenshots: try.py [--page FOLDER] [--browser PROGRAM] [--out FOLDER].
-Screenshots are compared with golden pictures, see `goldens.py`; --bless makes these anew.
+Screenshots are compared with golden pictures, see `../pictures.py`; --bless makes these anew.
 Clicks and keys are real ones, sent to the browser. Parts of the panel are found by their words: `umbrage_widgets()` tells where they are.
 """
 
@@ -23,12 +23,14 @@ import sys
 import threading
 import time
 
-from PIL import Image, ImageChops, ImageStat
+from PIL import Image
 from playwright.sync_api import sync_playwright
 
-# No folder of compiled scripts beside the page.
+# No folder of compiled scripts beside the sources.
 sys.dont_write_bytecode = True
-import goldens  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import pictures as compared  # noqa: E402
+from pictures import difference, spread  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 # Without the last two, the browser's compositor can't show a WebGPU canvas, and the device is lost with the first frame.
@@ -175,7 +177,7 @@ class Viewer:
     def golden_shot(self, name, region=None):
         """A screenshot that is compared with a golden one."""
         image = self.shot(name)
-        self.golden.check(name, image, region or PICTURE)
+        self.golden.check(name, image.crop(region or PICTURE))
         return image
 
     def widgets(self):
@@ -256,17 +258,7 @@ def picture(image):
 
 
 def halves(image):
-    image = picture(image)
-    middle = image.width // 2
-    return image.crop((0, 0, middle - 20, image.height)), image.crop((middle + 20, 0, image.width, image.height))
-
-
-def spread(image):
-    return sum(ImageStat.Stat(image).stddev) / 3
-
-
-def difference(a, b):
-    return sum(ImageStat.Stat(ImageChops.difference(a, b)).mean) / 3
+    return compared.halves(picture(image))
 
 
 def share(image, holds):
@@ -730,7 +722,7 @@ def main():
     parser.add_argument("--only", nargs="+", choices=PARTS, metavar="PART", help=f"plays these parts alone: {', '.join(PARTS)}")
     options = parser.parse_args()
     if not options.bless:
-        goldens.self_test()
+        compared.test()
     assert (options.page / "index.html").is_file(), f"there is no page in {options.page}: run `cargo xtask web --no-serve`"
     options.out.mkdir(parents=True, exist_ok=True)
     handler = functools.partial(Server, directory=options.page)
@@ -741,7 +733,7 @@ def main():
         without_webgpu(playwright, options.browser, address, options.out)
         browser = playwright.chromium.launch(
             executable_path=options.browser, headless=False, args=["--headless=new", *WEBGPU])
-        golden = goldens.Goldens(options.bless, options.out)
+        golden = compared.Goldens(compared.FOLDERS[1], options.bless, options.out)
         viewer = Viewer(browser, address, options.out, golden)
         for part in options.only or PARTS:
             PARTS[part](viewer)
@@ -749,7 +741,6 @@ def main():
             assert not faults, faults
         if not options.only:
             golden.end()
-            goldens.self_test()
         browser.close()
     print(f"all well; screenshots are in {options.out}")
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Compares regions of the viewer's pictures with small ones that are kept in `goldens`.
+"""Compares pictures: those of the viewer's window and page with each other, and with small ones that are kept in folders `goldens`.
 
-    python3 examples/viewer/goldens.py      # tests the comparison itself: spoilt pictures must fail
-    python3 examples/viewer/try.py --bless  # keeps the present pictures
+    python3 examples/viewer/pictures.py     # tests the comparison itself: spoilt pictures must fail
+    python3 examples/viewer/try.py --bless  # keeps the present pictures of the window; web/try.py --bless those of the page
 
 Pictures are kept at a quarter of their width and height, so that each of their pixels is the mean of 16.
 
@@ -19,12 +19,30 @@ import sys
 
 from PIL import Image, ImageChops, ImageStat
 
-FOLDER = pathlib.Path(__file__).resolve().parent / "goldens"
+VIEWER = pathlib.Path(__file__).resolve().parent
+# Those of the window, and of the page.
+FOLDERS = [VIEWER / "goldens", VIEWER / "web/goldens"]
 SHRINK = 4
 BLOCK = 8
 OF_BLOCK, OF_ALL = 6.0, 1.0
 # Of all goldens together, bytes: they are part of the repository.
 MOST_BYTES = 300_000
+
+
+def spread(image):
+    """How far an image's levels are from one colour, of 255: 0 if it is blank."""
+    return sum(ImageStat.Stat(image).stddev) / 3
+
+
+def difference(a, b):
+    """How far two images are apart in the mean, of 255."""
+    return sum(ImageStat.Stat(ImageChops.difference(a, b)).mean) / 3
+
+
+def halves(image):
+    """What is left and right of the divider in the middle, without the divider."""
+    middle = image.width // 2
+    return image.crop((0, 0, middle - 20, image.height)), image.crop((middle + 20, 0, image.width, image.height))
 
 
 def small(image):
@@ -53,13 +71,14 @@ def fault(kept, seen):
 class Goldens:
     """Compares pictures, or keeps them."""
 
-    def __init__(self, blesses, out):
+    def __init__(self, folder, blesses, out):
+        self.folder = folder
         self.blesses = blesses
         self.out = out
         self.seen = set()
 
     def check(self, name, image):
-        file = FOLDER / f"{name}.png"
+        file = self.folder / f"{name}.png"
         seen = small(image)
         self.seen.add(file)
         if self.blesses:
@@ -75,7 +94,7 @@ class Goldens:
 
     def end(self):
         """Goldens that nothing was compared with are none."""
-        idle = set(FOLDER.glob("*.png")) - self.seen
+        idle = set(self.folder.glob("*.png")) - self.seen
         if self.blesses:
             for file in idle:
                 file.unlink()
@@ -102,12 +121,12 @@ def spoilt(image):
 
 def test():
     """The comparison takes a picture for itself, also after it was packed again, and takes no spoilt one for it."""
-    files = sorted(FOLDER.glob("*.png"))
-    assert files, f"there are no goldens in {FOLDER}"
+    files = sorted(file for folder in FOLDERS for file in folder.glob("*.png"))
+    assert files, f"there are no goldens in {FOLDERS}"
     for file in files:
         kept = Image.open(file).convert("RGB")
         packed = io.BytesIO()
-        kept.save(packed, "JPEG", quality=97)
+        kept.save(packed, "JPEG", quality=97, subsampling=0)
         for same in (kept, Image.open(packed).convert("RGB")):
             wrong = fault(kept, same)
             assert wrong is None, f"{file.name} is not taken for itself: {wrong}"
