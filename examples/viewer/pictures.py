@@ -108,7 +108,9 @@ def spoilt(image):
     """Pictures with a fault that a person would see, each with its name."""
     width, height = image.size
     yield "moved by 8 pixels of the window", ImageChops.offset(image, 2, 0)
-    yield "2 levels lighter", image.point(lambda level: min(level + 2, 255))
+    # Away from the end of the scale that is nearer: there is nothing lighter than white.
+    step = 2 if sum(ImageStat.Stat(image).mean) < 3 * 128 else -2
+    yield "2 levels lighter or darker", image.point(lambda level: max(0, min(level + step, 255)))
     with_patch = image.copy()
     patch = (width // 2, height // 2, width // 2 + BLOCK, height // 2 + BLOCK)
     middle = ImageStat.Stat(image.crop(patch)).mean
