@@ -327,7 +327,10 @@ def planned(window):
     stale = "Made for another view, light or setting: find it again."
     parts = [part["label"] or part["value"] for part in window.told()["widgets"]]
     assert stale not in parts, parts
-    window.key("w")
+    window.move(900, 600)
+    window.do("keydown", "w")
+    time.sleep(0.6)
+    window.do("keyup", "w")
     window.place(stale)
     window.key("Home")
     window.measured()
