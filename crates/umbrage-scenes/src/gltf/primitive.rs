@@ -105,7 +105,7 @@ fn part(
         }
         if let Some(alpha) = material.and_then(|i| scene.materials[i].alpha) {
             let texture = &scene.textures[alpha.texture];
-            wrap::check(&mesh.uvs, wraps, texture, &alpha)?;
+            wrap::check(&mesh.uvs, wraps, texture, &alpha, read.budget)?;
         }
         if needs_tangents && !coordinates.is_transformed {
             mesh.tangents = read.tangents(primitive)?;

@@ -160,6 +160,8 @@ fn masks_that_do_not_repeat_are_refused_where_it_shows() {
         assert!(is_refused([2.0, 1.0], 0.0), "{wrap}");
         assert!(is_refused([0.5, 1.0], -0.5), "{wrap}");
         assert!(is_refused([1e30, 1.0], 0.0), "{wrap}");
+        // Where 64 bits no longer count texels, all are one.
+        assert!(!is_refused([1e30, 1.0], -2e30), "{wrap}");
         // Along v there is one texel, whatever is done beyond it.
         assert!(!is_refused([1.0, 7.0], 0.0), "{wrap}");
         let along_v = json!({ "wrapS": REPEATED, "wrapT": wrap });
