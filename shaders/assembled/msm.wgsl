@@ -473,10 +473,13 @@ fn shadow_other_depths(central: vec4f, own: f32) -> vec2f {
     return vec2f(min(first, second), max(first, second));
 }
 
-fn shadow_lit_by_three(central: vec4f, own: f32, others: vec2f) -> f32 {
+fn shadow_share_at(central: vec4f, own: f32) -> f32 {
     let tilt = 2.0 * central.x - central.z;
     let square = own * (own + tilt) - central.y;
-    let share = 1.0 / (1.0 + own * own / central.y + square * square / central.w);
+    return 1.0 / (1.0 + own * own / central.y + square * square / central.w);
+}
+
+fn shadow_lit_by_three(central: vec4f, own: f32, share: f32, others: vec2f) -> f32 {
     let span = max((own - others.x) * (others.y - others.x), 1e-20);
     let nearer = (central.y + own * others.y) / span;
     let between = select(1.0, 1.0 - nearer, others.x < own);
@@ -486,7 +489,8 @@ fn shadow_lit_by_three(central: vec4f, own: f32, others: vec2f) -> f32 {
 fn shadow_hamburger(moments: vec4f, depth: f32) -> f32 {
     let central = shadow_central_moments(moments);
     let own = min(max(depth, -1.0), 1.0) - central.x;
-    let lit = shadow_lit_by_three(central, own, shadow_other_depths(central, own));
+    let share = shadow_share_at(central, own);
+    let lit = shadow_lit_by_three(central, own, share, shadow_other_depths(central, own));
     return min(max(lit, 0.0), 1.0);
 }
 
@@ -527,10 +531,12 @@ fn shadow_hausdorff(moments: vec4f, depth: f32) -> f32 {
     let central = shadow_central_moments(moments);
     let own = min(max(depth, -1.0), 1.0) - central.x;
     let others = shadow_other_depths(central, own);
+    let share = shadow_share_at(central, own);
+    var lit = shadow_lit_by_three(central, own, share, others);
     if others.x < shadow_near_end(central) || others.y > shadow_far_end(central) {
-        return min(max(shadow_lit_by_four(central, own), 0.0), 1.0);
+        lit = min(max(shadow_lit_by_four(central, own), lit - share), lit);
     }
-    return min(max(shadow_lit_by_three(central, own, others), 0.0), 1.0);
+    return min(max(lit, 0.0), 1.0);
 }
 
 // ---- msm.wgsl

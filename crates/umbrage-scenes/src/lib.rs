@@ -66,14 +66,14 @@
 //! | `emissive` | `[r, g, b]`, linear: light of its own, which no shadow touches | `[0, 0, 0]` |
 //! | `alpha_map` | a `.png` file that cuts holes, through which light falls and the camera sees: its alpha, or, without, its first channel | none |
 //! | `alpha_cutoff` | least alpha of what is there, 0 to 1; of the nearest texel | 0.5 |
-//! | `alpha_filter` | `"nearest"`, or `"hashed"`: the camera and maps take mipmapped coverages against hashed thresholds where their pixels are larger than texels | `"nearest"` |
+//! | `alpha_filter` | `"nearest"`, or `"hashed"`: the camera and maps take mipmapped coverages against hashed thresholds where their pixels are larger than texels. With `alpha_map` it is about that; alone, on a `mesh`, about the holes that the model brings | `"nearest"` |
 //! | `normal_map` | a `.png` file of tangent-space normals, green up (OpenGL's convention) | none |
 //! | `height_map` | a `.png` file of heights, 0 to 1 in its first channel, best of 16 bits; it moves the vertices | none |
 //! | `displacement` | metres (before scaling) that white moves out and black in; negative turns the relief inside out | needed with `height_map` |
 //! | `subdivisions` | how often each triangle is split in four before, 0 to 8: a coarse mesh can't show relief | 0 |
 //!
 //! Images have 8 or 16 bits a channel, and are read once each. An object with any of these looks wears no other; a model
-//! without them brings its own, see below. Textures repeat. What has a texture must have texture coordinates: the three
+//! without them (`alpha_filter` aside) brings its own, see below. Textures repeat. What has a texture must have texture coordinates: the three
 //! shapes have, the plane and each side of the box spanning one repeat, the sphere by longitude and latitude.
 //!
 //! # Models
@@ -101,8 +101,9 @@
 //! | cameras | with and without perspective, with and without a far plane; sizes of nodes don't count. Pictures are 360 pixels high, and as wide as the aspect ratio tells (640 without one) |
 //! | lights | `KHR_lights_punctual`. Masks know no brightness: intensities, colours and ranges are checked and left aside, but a light that is black or of intensity 0 is off. Cones end at 89.9 degrees at most |
 //! | sizes of lights | the format has none: `shadow_soft_size` or `radius` (metres) of points and spots, `angle` (radians) of suns, in the `extras` of the light or its node. Blender writes its custom properties there; its own radius needs one |
-//! | materials | base colour with its texture, normal map, colour of emission; `KHR_texture_transform`. Textures repeat. Metals, roughness and other textures are left aside; so is a normal map that lies otherwise on the mesh than the colours |
-//! | masks | `alphaMode` `MASK` cuts out texels below `alphaCutoff`; `BLEND` those below one half, and what is less than half there altogether throws no shadow. Holes are kept as [`Material::alpha`](umbrage_core::Material::alpha); the techniques `planar` and `volumes` refuse such casters |
+//! | materials | base colour with its texture, normal map, colour of emission; `KHR_texture_transform`. Textures repeat. Metals, roughness and other textures are left aside; so are a normal map that lies otherwise on the mesh than the colours, and colours of vertices (`COLOR_0`) with their alpha |
+//! | masks | `alphaMode` `MASK` cuts out texels below `alphaCutoff`; `BLEND` those below one half, and what is less than half there altogether throws no shadow. Holes are kept as [`Material::alpha`](umbrage_core::Material::alpha); the techniques `planar` and `volumes` refuse such casters. A texture that is nowhere below that, as JPEG is, cuts nothing out. Holes repeat: where a sampler clamps or mirrors, and a mesh would show other holes by it, that is an error |
+//! | glass | `BLEND` as above. `KHR_materials_transmission` is left aside: such a surface casts as a wall does, unless its alpha says otherwise |
 //! | sides | all surfaces are seen, and cast, on both sides, whatever `doubleSided` says |
 //! | pictures | PNG and JPEG, embedded or beside the file, whatever their names say. One that isn't there, or of another kind, is left aside unless a mask needs it |
 //!
@@ -118,7 +119,7 @@
 //! Of a glTF file, this is all meshes of its default scene (or of the one that is named behind `#`), each where its nodes put it, in the
 //! looks of its materials, with their holes; what throws no shadow by its material throws none here. Its cameras and lights are left aside:
 //! they are the scene file's. An object with any look of its own wears no other, glTF's masks and panes of glass included; its
-//! textures then lie as `TEXCOORD_0` says.
+//! textures then lie as `TEXCOORD_0` says. `alpha_filter` alone is no look: it is about the model's own holes, of OBJ and of glTF.
 //!
 //! # Detailed surfaces
 //!

@@ -156,13 +156,19 @@ impl BevyProgram {
         anyhow::bail!("nothing was drawn in {MAX_FRAMES} frames")
     }
 
-    /// Returns the bytes of maps and masks.
+    /// Returns the bytes of maps and masks, and of the prepass that they need. Bevy's are reckoned from its settings: Bevy tells no sizes.
     pub fn bytes(&mut self) -> u64 {
+        // An image of four bytes a pixel, such as the prepass' depth.
+        let image = 4 * u64::from(self.size.x * self.size.y);
         match &self.source {
             ShadowSource::Nothing => 0,
-            // Depth and normals, four bytes each.
-            ShadowSource::NothingButPrepass => 2 * 4 * u64::from(self.size.x * self.size.y),
-            ShadowSource::Bevy(bevy) => 4 * (bevy.size * bevy.size * bevy.cascades) as u64,
+            // Depth and normals.
+            ShadowSource::NothingButPrepass => 2 * image,
+            ShadowSource::Bevy(bevy) => {
+                let maps = 4 * (bevy.size * bevy.size * bevy.cascades) as u64;
+                // Contact shadows walk through the prepass' depth.
+                maps + if bevy.contact { image } else { 0 }
+            }
             ShadowSource::Umbrage(..) => {
                 let render_app = self.app.sub_app(RenderApp);
                 render_app.world().resource::<SunShadows>().bytes(self.size)

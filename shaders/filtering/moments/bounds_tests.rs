@@ -88,14 +88,120 @@ fn bounds_are_bounds_and_better_ones_leak_less() {
     );
 }
 
+/// Shares of the technique's own biases, of 32 and of 16 bits.
+const MOMENT_BIASES: [f32; 2] = [3e-6, 6e-5];
+
+/// Returns the moments with as much of the fixed distribution mixed in as the kernel does.
+fn biased(moments: Vec4, bias: f32) -> Vec4 {
+    moments + (Vec4::new(0.0, 0.375, 0.0, 0.375) - moments) * bias
+}
+
+/// Maps of one depth, and empty ones (whose depth is 1), darken what is nearer and light what is behind by no more than the bias allows, at
+/// any depth, and so at those where the answer is ill conditioned: those around the depth of all that isn't at the map's ends, which is
+/// the bias' depth 0 in an empty map and in one whose depth is -1.
+///
+/// The share of a distribution that lies d or more from a depth c is no more than the mean of (z - c)² over d² (Markov). Of a map of depth c
+/// that mean is the bias times (c² + 3/8). Rounding adds 5/4 of a float's epsilon: of the mean of squares, the power and the sum
+/// with the bias are rounded to half of 2^-24 each, of the mean's square the mean to that and the square once, which is five times
+/// 2^-25. Answers are 1 less a quotient, whose six operations round by half an epsilon each.
+#[test]
+fn maps_of_one_depth_err_by_their_bias_alone() {
+    let epsilon = f64::from(f32::EPSILON);
+    for bias in MOMENT_BIASES {
+        for depth in [1.0_f32, -1.0, 0.0, 0.001, -0.3, 0.5, 0.95] {
+            let moments = biased(power_moments(0.5 * depth + 0.5), bias);
+            let mean_square = f64::from(bias) * (f64::from(depth).powi(2) + 0.375);
+            let mut worst = 0.0_f64;
+            let mut check = |z: f32| {
+                let distance = f64::from(z) - f64::from(depth);
+                let expected = if z > depth { 0.0 } else { 1.0 };
+                let most = |distance: f64| {
+                    (mean_square + 1.25 * epsilon) / (distance * distance) + 3.0 * epsilon
+                };
+                let mut check = |bound: fn(Vec4, f32) -> f32, most: f64| {
+                    let error = (f64::from(bound(moments, z)) - expected).abs();
+                    worst = worst.max(error / most);
+                };
+                check(hamburger, most(distance));
+                // Nothing lies behind the depth of an empty map, so its neighbours are dark by no more than what is half as far as the bias'
+                // depths are.
+                let is_empty = depth == 1.0;
+                check(
+                    hausdorff,
+                    most(if is_empty {
+                        distance.abs().max(0.5)
+                    } else {
+                        distance
+                    }),
+                );
+            };
+            // All over, and every multiple of 2^-25 around 0 up to 2^-6.
+            (-(1 << 18)..=1 << 18).for_each(|i| check(i as f32 / (1 << 18) as f32));
+            (-(1 << 19)..1 << 19).for_each(|i| check(i as f32 / (1 << 25) as f32));
+            // And every float next to the far plane.
+            (0..1 << 16).for_each(|i| check(1.0 - i as f32 / (1 << 24) as f32));
+            assert!(worst <= 1.0, "{worst} with bias {bias} at depth {depth}");
+        }
+    }
+}
+
+/// What is nearer than two depths is lit, and what is behind both is dark, but for the bias: up to the map's planes, where one of the four
+/// depths of the bound meets the receiver's.
+///
+/// With q(z) = ((z - a) (z - b))², the share that lies no nearer to a and b than z does is at most the mean of q over q(z) (Markov). The
+/// bias has a part of that mean; and rounding moves it by as much as the moments, times q's coefficients, whose sizes add up to
+/// ((1 + |a|) (1 + |b|))². A moment is rounded six times (power, share, sum and bias), and as often again on the way to the variances,
+/// each time by no more than half of 2^-24: three epsilons.
+#[test]
+fn maps_of_two_depths_err_by_their_bias_alone() {
+    let epsilon = f64::from(f32::EPSILON);
+    for bias in MOMENT_BIASES {
+        for [a, b] in [
+            [0.0_f32, 1.0],
+            [-0.5, 1.0],
+            [0.3, 0.95],
+            [-1.0, 0.0],
+            [-0.9, 0.25],
+        ] {
+            for share in [0.02, 0.1, 0.5, 0.9] {
+                let distribution = vec![(0.5 * a + 0.5, share), (0.5 * b + 0.5, 1.0 - share)];
+                let moments = biased(mean_powers(&distribution), bias);
+                let [a, b] = [a, b].map(f64::from);
+                let q = |z: f64| ((z - a) * (z - b)).powi(2);
+                let of_bias = 0.1875 * (q(-1.0) + q(1.0)) + 0.625 * q(0.0);
+                let coefficients = ((1.0 + a.abs()) * (1.0 + b.abs())).powi(2);
+                let mean = f64::from(bias) * of_bias + 3.0 * epsilon * coefficients;
+                let mut told = 0;
+                for i in -(1 << 15)..=1 << 15 {
+                    let z = i as f32 / (1 << 15) as f32;
+                    let expected = if f64::from(z) < a { 1.0 } else { 0.0 };
+                    let is_outside = f64::from(z) < a || f64::from(z) > b;
+                    if !is_outside {
+                        continue;
+                    }
+                    let most = mean / q(f64::from(z)) + 3.0 * epsilon;
+                    told += u32::from(most < 1e-3);
+                    for bound in [hamburger, hausdorff] {
+                        let lit = f64::from(bound(moments, z));
+                        let error = (lit - expected).abs();
+                        assert!(
+                            error <= most,
+                            "{lit}, not {expected} by {most}: {z} of {a}, {b}, {share}"
+                        );
+                    }
+                }
+                assert!(told > 1000, "{told}");
+            }
+        }
+    }
+}
+
 /// Two depths are what four moments know without doubt; two moments don't.
 #[test]
 fn four_moments_tell_two_depths_exactly() {
     for (near, far, share) in [(0.2, 0.7, 0.3), (0.4, 0.5, 0.9), (0.05, 0.95, 0.5)] {
         let distribution = vec![(near, share), (far, 1.0 - share)];
-        let mut moments = mean_powers(&distribution);
-        // As much bias as the technique's default has.
-        moments = moments * (1.0 - 3e-6) + Vec4::new(0.0, 0.375, 0.0, 0.375) * 3e-6;
+        let moments = biased(mean_powers(&distribution), MOMENT_BIASES[0]);
         for bound in [hamburger, hausdorff] {
             let dark = bound(moments, 2.0 * (far - 1e-3) - 1.0);
             let lit = bound(moments, 2.0 * (near - 0.01) - 1.0);

@@ -59,13 +59,17 @@ pub(crate) fn other_depths(central: Vec4, own: f32) -> Vec2 {
     Vec2::new(first.min(second), first.max(second))
 }
 
-/// Returns what of that distribution isn't nearer than `own`.
+/// Returns what of that distribution lies at `own`: one over the kernel polynomial there.
 #[inline(always)]
-pub(crate) fn lit_by_three(central: Vec4, own: f32, others: Vec2) -> f32 {
+pub(crate) fn share_at(central: Vec4, own: f32) -> f32 {
     let tilt = 2.0 * central.x - central.z;
     let square = own * (own + tilt) - central.y;
-    // What lies at the receiver's own depth: one over the kernel polynomial there.
-    let share = 1.0 / (1.0 + own * own / central.y + square * square / central.w);
+    1.0 / (1.0 + own * own / central.y + square * square / central.w)
+}
+
+/// Returns what of that distribution isn't nearer than `own`, where it has `share`.
+#[inline(always)]
+pub(crate) fn lit_by_three(central: Vec4, own: f32, share: f32, others: Vec2) -> f32 {
     let span = ((own - others.x) * (others.y - others.x)).max(1e-20);
     // What lies at the nearest depth: the mean of Lagrange's polynomial that is 1 there and 0 at the other two.
     let nearer = (central.y + own * others.y) / span;
@@ -83,7 +87,8 @@ pub(crate) fn lit_by_three(central: Vec4, own: f32, others: Vec2) -> f32 {
 pub(crate) fn hamburger(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
     let own = depth.max(-1.0).min(1.0) - central.x;
-    let lit = lit_by_three(central, own, other_depths(central, own));
+    let share = share_at(central, own);
+    let lit = lit_by_three(central, own, share, other_depths(central, own));
     lit.max(0.0).min(1.0)
 }
 

@@ -28,10 +28,13 @@ fn other_depths(central: vec4f, own: f32) -> vec2f {
     return vec2f(min(first, second), max(first, second));
 }
 
-fn lit_by_three(central: vec4f, own: f32, others: vec2f) -> f32 {
+fn share_at(central: vec4f, own: f32) -> f32 {
     let tilt = 2.0 * central.x - central.z;
     let square = own * (own + tilt) - central.y;
-    let share = 1.0 / (1.0 + own * own / central.y + square * square / central.w);
+    return 1.0 / (1.0 + own * own / central.y + square * square / central.w);
+}
+
+fn lit_by_three(central: vec4f, own: f32, share: f32, others: vec2f) -> f32 {
     let span = max((own - others.x) * (others.y - others.x), 1e-20);
     let nearer = (central.y + own * others.y) / span;
     let between = select(1.0, 1.0 - nearer, others.x < own);
@@ -41,6 +44,7 @@ fn lit_by_three(central: vec4f, own: f32, others: vec2f) -> f32 {
 fn hamburger(moments: vec4f, depth: f32) -> f32 {
     let central = central_moments(moments);
     let own = min(max(depth, -1.0), 1.0) - central.x;
-    let lit = lit_by_three(central, own, other_depths(central, own));
+    let share = share_at(central, own);
+    let lit = lit_by_three(central, own, share, other_depths(central, own));
     return min(max(lit, 0.0), 1.0);
 }

@@ -2,7 +2,9 @@
 //!
 //! Peters and Klein 2015, "Moment shadow mapping" (I3D).
 
-use crate::filtering::moments::hamburger::{central_moments, lit_by_three, not_zero, other_depths};
+use crate::filtering::moments::hamburger::{
+    central_moments, lit_by_three, not_zero, other_depths, share_at,
+};
 use glam::Vec4;
 use umbrage_core::Module;
 
@@ -31,7 +33,10 @@ fn far_end(central: Vec4) -> f32 {
 /// Returns the same of the only distribution of four depths that has these moments, with one at `own`, and one at either end of the
 /// map, -1 and 1.
 ///
-/// The fourth, `free`, follows from the mean of (1 + z)(1 - z)(m - own)(m - free), which is zero.
+/// The fourth, `free`, follows from the mean of (1 + z)(1 - z)(m - own)(m - free), which is zero. That is, where (1 + z)(1 - z) weighs
+/// depths, `own` and `free` lie on either side of their mean, and the product of their distances from it is their variance. Where almost
+/// all that weighs has one depth (an empty map, whose depth 1 weighs nothing, has only the bias' depth 0), the variance is less than
+/// what its terms are rounded by: near that depth `free` is then any number, and the answer with it. `hausdorff` bounds it.
 #[inline(always)]
 pub(crate) fn lit_by_four(central: Vec4, own: f32) -> f32 {
     let near = near_end(central);
@@ -72,10 +77,19 @@ pub(crate) fn hausdorff(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
     let own = depth.max(-1.0).min(1.0) - central.x;
     let others = other_depths(central, own);
+    let share = share_at(central, own);
+    let by_three = lit_by_three(central, own, share, others);
     let lit = if others.x < near_end(central) || others.y > far_end(central) {
+        // All distributions with these moments, bounded or not, have no more behind `own` than the one of three depths, and no less than
+        // that without its share at `own`: the inequalities of Chebyshev, Markov and Stieltjes (Akhiezer 1965, "The classical
+        // moment problem"). So in exact arithmetic these bounds change nothing; and where the four depths are ill conditioned, they
+        // leave what the three allow, which aren't. (A greater least distance of `free` from `own` would not do: with 1e-4, what
+        // lies behind a blocker at the near plane is lit.)
         lit_by_four(central, own)
+            .max(by_three - share)
+            .min(by_three)
     } else {
-        lit_by_three(central, own, others)
+        by_three
     };
     lit.max(0.0).min(1.0)
 }

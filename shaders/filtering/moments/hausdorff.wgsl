@@ -34,8 +34,10 @@ fn hausdorff(moments: vec4f, depth: f32) -> f32 {
     let central = central_moments(moments);
     let own = min(max(depth, -1.0), 1.0) - central.x;
     let others = other_depths(central, own);
+    let share = share_at(central, own);
+    var lit = lit_by_three(central, own, share, others);
     if others.x < near_end(central) || others.y > far_end(central) {
-        return min(max(lit_by_four(central, own), 0.0), 1.0);
+        lit = min(max(lit_by_four(central, own), lit - share), lit);
     }
-    return min(max(lit_by_three(central, own, others), 0.0), 1.0);
+    return min(max(lit, 0.0), 1.0);
 }

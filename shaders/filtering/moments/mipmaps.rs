@@ -62,7 +62,7 @@ pub(crate) fn level_side(size: u32, level: u32) -> u32 {
     size >> level
 }
 
-/// Returns where a level from 1 on begins in the image that holds them side by side, texels.
+/// Returns at which row a level from 1 on begins in the image that holds them one below the other, texels.
 #[inline(always)]
 pub(crate) fn level_start(size: u32, level: u32) -> u32 {
     (1..level).map(|finer| level_side(size, finer)).sum()

@@ -321,7 +321,7 @@ impl CutOuts {
             let first_row = match places.get(&key) {
                 Some(&row) => row,
                 None => {
-                    let row = append_texture(&mut rows, texture, alpha.cutoff)?;
+                    let row = append_texture(&mut rows, texture, &alpha)?;
                     places.insert(key, row);
                     row
                 }
@@ -393,7 +393,7 @@ fn alpha_of(scene: &Scene, material: Option<&u32>) -> Option<AlphaCutout> {
 fn append_texture(
     rows: &mut Vec<[u32; 4]>,
     texture: &Texture,
-    cutoff: f32,
+    alpha: &AlphaCutout,
 ) -> Result<u32, Invalid> {
     if texture.size.max_element() > MAX_ALPHA_SIDE {
         let why = format!("is {} x {} texels", texture.size.x, texture.size.y);
@@ -409,8 +409,7 @@ fn append_texture(
     for texels in texture.texels.chunks(TEXELS_A_ROW as usize) {
         let mut row = [0; 4];
         for (i, texel) in texels.iter().enumerate() {
-            let is_there = texel[3] >= cutoff;
-            row[i / 32] |= u32::from(is_there) << (i % 32);
+            row[i / 32] |= u32::from(alpha.is_there(texel)) << (i % 32);
         }
         rows.push(row);
     }

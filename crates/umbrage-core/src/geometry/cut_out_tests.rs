@@ -115,10 +115,12 @@ fn what_is_behind_a_hole_is_hit() {
     assert!(!g.bvh().occluded(o, Vec3::Z * 5.0, u32::MAX));
 }
 
-/// What has no hole is hit as if there were no alpha texture, and what is all holes as if it were not there.
+/// What shows no hole is hit as if there were no alpha texture, and what is all holes as if it were not there.
 #[test]
 fn textures_without_holes_and_without_anything() {
-    let full = baked(&card(Some(texture(UVec2::splat(3), |_, _| true)), 1.0));
+    // The card shows three quarters of the texture's width, and the hole is in its last fifth.
+    let is_shown = |x: u32, _: u32| x < 4;
+    let full = baked(&card(Some(texture(UVec2::splat(5), is_shown)), 0.75));
     let clear = baked(&card(Some(texture(UVec2::splat(3), |_, _| false)), 1.0));
     let plain = baked(&card(None, 1.0));
     assert!(plain.cut_outs().is_none() && !plain.has_cut_out_casters());
@@ -135,6 +137,38 @@ fn textures_without_holes_and_without_anything() {
         hits += u32::from(expected);
     }
     assert!(hits > 100, "{hits}");
+}
+
+/// An alpha texture without a texel below the cut-off is left aside, whatever the filter: one such texel makes the difference, and so does a
+/// cut-off that is the next float above all alphas.
+#[test]
+fn textures_without_a_hole_cut_nothing_out() {
+    let has_holes = |alphas: [f32; 4], cutoff, filter| {
+        let mut scene = card(Some(texture(UVec2::splat(2), |_, _| true)), 1.0);
+        for (texel, alpha) in scene.textures[0].texels.iter_mut().zip(alphas) {
+            texel[3] = alpha;
+        }
+        scene.materials[0].alpha = Some(AlphaCutout {
+            texture: 0,
+            cutoff,
+            filter,
+        });
+        // One without an alpha texture stands before it in the list of materials.
+        scene.materials.insert(0, Material::default());
+        scene.instances[0].material = Some(1);
+        let geometry = baked(&scene);
+        assert_eq!(geometry.has_holes(0), geometry.has_cut_out_casters());
+        assert_eq!(geometry.has_holes(0), geometry.cut_outs().is_some());
+        geometry.has_holes(0)
+    };
+    for filter in [AlphaFilter::Nearest, AlphaFilter::Hashed] {
+        assert!(!has_holes([1.0; 4], 1.0, filter));
+        assert!(!has_holes([0.5; 4], 0.5, filter));
+        assert!(!has_holes([0.0; 4], 0.0, filter));
+        assert!(has_holes([0.5; 4], 0.5_f32.next_up(), filter));
+        assert!(has_holes([0.5, 0.5, 0.5, 0.25], 0.5, filter));
+        assert!(!has_holes([0.5, 0.5, 0.5, 0.25], 0.25, filter));
+    }
 }
 
 /// What lies around a point is told by all texels around it.
@@ -188,8 +222,8 @@ fn textures_are_kept_once_for_each_cut_off() {
     };
     // A row, two for each of four triangles, and 200 bits in two rows of 128.
     assert_eq!(rows([0.5, 0.5]).0, 1 + 8 + 2);
-    assert_eq!(rows([0.5, 0.0]).0, 1 + 8 + 4);
-    assert_ne!(rows([0.5, 0.5]).1, rows([0.5, 0.0]).1);
+    assert_eq!(rows([0.5, 0.25]).0, 1 + 8 + 4);
+    assert_ne!(rows([0.5, 0.5]).1, rows([0.5, 0.25]).1);
 }
 
 #[test]
@@ -217,10 +251,12 @@ fn tables_are_read_back_and_spoilt_ones_refused() {
 
 #[test]
 fn textures_that_are_too_large_are_refused() {
-    let long = texture(UVec2::new(MAX_ALPHA_SIDE + 1, 1), |_, _| true);
-    let error = Geometry::bake(&card(Some(long), 1.0)).unwrap_err();
+    let long = |is_there| texture(UVec2::new(MAX_ALPHA_SIDE + 1, 1), |_, _| is_there);
+    let error = Geometry::bake(&card(Some(long(false)), 1.0)).unwrap_err();
     let expected = "texture `holes`: is 65536 x 1 texels; use at most 65535 on each side where it is an alpha texture";
     assert_eq!(error.to_string(), expected);
+    // Nothing is asked of one without holes.
+    assert!(Geometry::bake(&card(Some(long(true)), 1.0)).is_ok());
 }
 
 #[test]

@@ -21,7 +21,7 @@ pub(crate) mod subdivide;
 pub(crate) mod weld;
 
 use crate::{
-    Aabb, Bvh, Instance, Invalid, Scene,
+    Aabb, AlphaCutout, Bvh, Instance, Invalid, Scene,
     geometry::{
         box_tree::{BoxTree, RUN},
         cut_out::CutOuts,
@@ -33,6 +33,7 @@ use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::{
     any::Any,
+    collections::BTreeMap,
     ops::Range,
     sync::{Arc, OnceLock},
 };
@@ -85,10 +86,11 @@ const GROUPS: [Group; 8] = [
 ];
 
 impl Group {
-    fn has(&self, scene: &Scene, instance: &Instance) -> bool {
+    /// `has_holes` is that of [`materials_with_holes`].
+    fn has(&self, instance: &Instance, has_holes: &[bool]) -> bool {
         instance.casts == self.casts
             && instance.receives == self.receives
-            && is_cut_out(scene, instance) == self.has_holes
+            && instance.material.is_some_and(|id| has_holes[id]) == self.has_holes
     }
 }
 
@@ -100,14 +102,15 @@ impl Geometry {
     /// outside out.
     ///
     /// # Errors
-    /// Errors if [`Scene::validate`] does; if subdivisions make too many triangles; if an alpha texture is too large; and if a
-    /// placement leaves the range of `f32`.
+    /// Errors if [`Scene::validate`] does; if subdivisions make too many triangles; if an alpha texture with holes is too large; and
+    /// if a placement leaves the range of `f32`.
     pub fn bake(scene: &Scene) -> Result<Self, Invalid> {
         scene.validate()?;
         let mut placed = PlacedMeshes::default();
         let mut starts = [0; GROUPS.len() + 1];
+        let has_holes = materials_with_holes(scene);
         for (i, group) in GROUPS.iter().enumerate() {
-            placed.append_all(scene, |instance| group.has(scene, instance))?;
+            placed.append_all(scene, |instance| group.has(instance, &has_holes))?;
             starts[i + 1] = placed.next_id();
         }
         placed.finish();
@@ -241,7 +244,7 @@ impl Geometry {
         })
     }
 
-    /// Returns whether an alpha texture cuts holes into a triangle.
+    /// Returns whether a triangle's alpha texture has holes. They need not lie on the triangle.
     #[inline]
     pub fn has_holes(&self, triangle: u32) -> bool {
         let cut_outs = self.cut_outs.as_ref();
@@ -378,10 +381,23 @@ impl Geometry {
     }
 }
 
-/// Returns whether an alpha texture cuts holes into an instance of a valid scene.
-fn is_cut_out(scene: &Scene, instance: &Instance) -> bool {
-    let material = instance.material.map(|id| &scene.materials[id]);
-    material.is_some_and(|material| material.alpha.is_some())
+/// Returns, for each material of a valid scene, whether its alpha texture has a hole: a texel that is less than its cut-off. Without one every
+/// [`AlphaFilter`](crate::AlphaFilter) answers that the surface is there: the nearest texel is, and the coverage that is compared with a
+/// threshold is 1 on all levels, which no threshold exceeds. So such a material is baked as one without alpha, and costs as little.
+fn materials_with_holes(scene: &Scene) -> Vec<bool> {
+    // Materials often share a texture, and textures have millions of texels.
+    let mut known: BTreeMap<(usize, u32), bool> = BTreeMap::new();
+    let mut has_holes = |alpha: &AlphaCutout| {
+        let key = (alpha.texture, alpha.cutoff.to_bits());
+        *known.entry(key).or_insert_with(|| {
+            let texels = &scene.textures[alpha.texture].texels;
+            !texels.par_iter().all(|texel| alpha.is_there(texel))
+        })
+    };
+    let materials = scene.materials.iter();
+    materials
+        .map(|material| material.alpha.as_ref().is_some_and(&mut has_holes))
+        .collect()
 }
 
 #[cfg(test)]

@@ -42,7 +42,8 @@ pub struct Material {
 }
 
 /// Holes in a surface, cut out by a texture: through them light falls, and the camera sees. A point is a hole if the fourth
-/// channel of the texel nearest to its uv (repeating) is less than the cut-off.
+/// channel of the texel nearest to its uv (repeating) is less than the cut-off. A texture without such a texel cuts nothing out, and
+/// [`Geometry::bake`](crate::Geometry::bake) leaves it aside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AlphaCutout {
     /// Index into [`Scene::textures`](crate::Scene::textures); its fourth channel is alpha, 0 clear to 1 opaque.
@@ -68,6 +69,11 @@ pub enum AlphaFilter {
 }
 
 impl AlphaCutout {
+    /// Returns whether there is surface where a texel is the nearest one.
+    pub(crate) fn is_there(&self, texel: &[f32; 4]) -> bool {
+        texel[3] >= self.cutoff
+    }
+
     fn validate(&self) -> Result<(), Invalid> {
         let what = "cut-off of the alpha texture";
         finite(what, &[self.cutoff])?;

@@ -6,7 +6,7 @@ use crate::{FilesInMemory, SceneError};
 use serde_json::json;
 use std::path::Path;
 use umbrage_core::glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
-use umbrage_core::{Geometry, Light, Scene};
+use umbrage_core::{AlphaFilter, Geometry, Light, Scene};
 
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
 
@@ -204,6 +204,48 @@ fn a_model_brings_its_looks_with_their_holes() {
         .map(|i| (i.casts, i.receives))
         .collect();
     assert_eq!(of_both, [(true, false), (false, false)]);
+}
+
+/// The filter alone is no look: the model keeps its own, with its masks, and another object that names the same model has the file's.
+#[test]
+fn a_model_s_own_holes_may_be_hashed() {
+    let plain = "[[object]]\nmesh = \"models/model.glb\"\n";
+    let text = object(&format!(
+        "alpha_filter = \"hashed\"\n{plain}{plain}alpha_filter = \"nearest\"\n{plain}alpha_filter = \"hashed\"\n"
+    ));
+    let scene = scene_of(&leaves(), &text).expect("valid");
+    let alone = scene_of(&leaves(), &object("")).expect("valid");
+    let materials: Vec<_> = scene.instances.iter().map(|i| i.material).collect();
+    // The leaf's and the pane's of each object; hashed once.
+    let [leaf, pane] = [Some(0), Some(1)];
+    let hashed = Some(2);
+    assert_eq!(
+        materials,
+        [hashed, pane, leaf, pane, leaf, pane, hashed, pane]
+    );
+    assert_eq!(scene.materials[..2], alone.materials[..]);
+    let mut expected = alone.materials[0];
+    expected.alpha.as_mut().expect("holes").filter = AlphaFilter::Hashed;
+    assert_eq!(scene.materials[2..], [expected]);
+    assert!(!scene.instances[1].casts, "glass stays glass");
+    // Beside other looks it belongs to their own alpha map, and where there are no holes, it says nothing.
+    let message = |model: &TestModel, rest: &str| {
+        let scene = scene_of(model, &object(rest));
+        scene.expect_err("no holes").to_string()
+    };
+    let filter = "alpha_filter = \"hashed\"\n";
+    let beside = message(&leaves(), &format!("{filter}color = [1, 0, 0]\n"));
+    assert!(
+        beside.contains("`object.alpha_filter`: stands without `alpha_map`"),
+        "{beside}"
+    );
+    let whole = message(&TestModel::square(), filter);
+    assert!(
+        whole.contains("`object.alpha_filter`: is asked for, but the model has no holes"),
+        "{whole}"
+    );
+    let unknown = message(&leaves(), "alpha_filter = \"blurred\"\n");
+    assert!(unknown.contains("object.alpha_filter"), "{unknown}");
 }
 
 #[test]

@@ -12,13 +12,15 @@ use umbrage_core::{
     invalid,
 };
 
+const ALPHA_FILTER: &str = "alpha_filter";
+
 /// The keys of looks, which stand among an object's others.
 pub(super) const KEYS: [&str; 12] = [
     "color",
     "texture",
     "alpha_map",
     "alpha_cutoff",
-    "alpha_filter",
+    ALPHA_FILTER,
     "normal_map",
     "height_map",
     "displacement",
@@ -36,14 +38,14 @@ pub(super) struct Look<'a> {
     pub(super) textured: Option<Item<'a>>,
 }
 
-/// None where an object has none of the keys.
+/// None where an object has none of the keys, or only one that is about the looks of its model.
 pub(super) fn read<'a>(
     table: &Table<'a>,
     folder: &Path,
     files: &mut TextureFiles<'_>,
     scene: &mut Scene,
 ) -> Result<Option<Look<'a>>, SceneError> {
-    if KEYS.iter().all(|key| table.get(key).is_none()) {
+    if KEYS.iter().all(|key| table.get(key).is_none()) || filter_of_model(table)?.is_some() {
         return Ok(None);
     }
     let mut texture = |key: &str, meaning| -> Result<Option<usize>, SceneError> {
@@ -96,8 +98,30 @@ pub(super) fn read<'a>(
     Ok(Some(Look { material, textured }))
 }
 
+/// Returns the filter that an object asks for of the holes which its model brings, with the item that says so; none if it doesn't, or has
+/// a look of its own, to which the key then belongs.
+pub(super) fn filter_of_model<'a>(
+    table: &Table<'a>,
+) -> Result<Option<(AlphaFilter, Item<'a>)>, SceneError> {
+    let others = KEYS.iter().filter(|&&key| key != ALPHA_FILTER);
+    if table.get("mesh").is_none() || others.into_iter().any(|key| table.get(key).is_some()) {
+        return Ok(None);
+    }
+    let Some(item) = table.get(ALPHA_FILTER) else {
+        return Ok(None);
+    };
+    Ok(Some((alpha_filter(&item)?, item)))
+}
+
+fn alpha_filter(item: &Item<'_>) -> Result<AlphaFilter, SceneError> {
+    Ok(match item.word(&["nearest", "hashed"])? {
+        "hashed" => AlphaFilter::Hashed,
+        _ => AlphaFilter::Nearest,
+    })
+}
+
 fn alpha(table: &Table<'_>, alpha_map: Option<usize>) -> Result<Option<AlphaCutout>, SceneError> {
-    let items = ["alpha_cutoff", "alpha_filter"].map(|key| table.get(key));
+    let items = ["alpha_cutoff", ALPHA_FILTER].map(|key| table.get(key));
     let Some(texture) = alpha_map else {
         return match items.iter().flatten().next() {
             None => Ok(None),
@@ -118,10 +142,7 @@ fn alpha(table: &Table<'_>, alpha_map: Option<usize>) -> Result<Option<AlphaCuto
     };
     let filter = match filter {
         None => AlphaFilter::Nearest,
-        Some(item) => match item.word(&["nearest", "hashed"])? {
-            "hashed" => AlphaFilter::Hashed,
-            _ => AlphaFilter::Nearest,
-        },
+        Some(item) => alpha_filter(&item)?,
     };
     Ok(Some(AlphaCutout {
         texture,

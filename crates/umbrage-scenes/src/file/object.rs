@@ -17,7 +17,9 @@ use crate::{
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, EulerRot, Quat, Vec3};
-use umbrage_core::{Aabb, Anchor, Instance, Mesh, Scene, invalid};
+use umbrage_core::{
+    Aabb, AlphaCutout, AlphaFilter, Anchor, Instance, Material, Mesh, Scene, invalid,
+};
 
 const KEYS: [&str; 8] = [
     "mesh",
@@ -42,6 +44,7 @@ pub(super) fn read_all(
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
     let mut known = HashMap::new();
+    let mut filtered = FilteredMaterials::default();
     let mut textures = TextureFiles::new(files);
     for table in tables {
         table.only(&[KEYS.as_slice(), &look::KEYS].concat())?;
@@ -59,6 +62,15 @@ pub(super) fn read_all(
             scene.materials.push(look.material);
             scene.materials.len() - 1
         });
+        let filter = look::filter_of_model(table)?;
+        if let Some((_, item)) = &filter {
+            let has_holes = |part: &ModelPart| alpha_of(part.material, scene).is_some();
+            item.require(
+                parts.iter().any(has_holes),
+                "is asked for, but the model has no holes",
+                "leave it out, or add alpha_map = \"leaf.png\"",
+            )?;
+        }
         let casts = table.flag_or_true("casts")?;
         let receives = table.flag_or_true("receives")?;
         let world_from_model = placement(table, anchor)?;
@@ -66,16 +78,54 @@ pub(super) fn read_all(
         check_size(table, &item, world_from_model, &local, anchor)?;
         for part in parts {
             let world_from_local = part.placed(world_from_model);
+            let material = match &filter {
+                Some((filter, _)) => filtered.of(part.material, *filter, scene),
+                None => own.or(part.material),
+            };
             scene.instances.push(Instance {
                 mesh: part.mesh,
                 world_from_local: not_flat(&item, world_from_local)?,
                 casts: casts && part.casts,
                 receives,
-                material: own.or(part.material),
+                material,
             });
         }
     }
     Ok(())
+}
+
+fn alpha_of(material: Option<usize>, scene: &Scene) -> Option<AlphaCutout> {
+    scene.materials[material?].alpha
+}
+
+/// Materials of models whose holes have another filter than the model's own, by the model's: objects without the key share a model with others.
+#[derive(Debug, Default)]
+struct FilteredMaterials {
+    known: HashMap<usize, usize>,
+}
+
+impl FilteredMaterials {
+    /// Returns the material of a part whose holes are to have this filter.
+    fn of(
+        &mut self,
+        material: Option<usize>,
+        filter: AlphaFilter,
+        scene: &mut Scene,
+    ) -> Option<usize> {
+        let alpha = alpha_of(material, scene).filter(|alpha| alpha.filter != filter);
+        let (Some(material), Some(alpha)) = (material, alpha) else {
+            return material;
+        };
+        // There are two filters, so that the other one is one.
+        let place = self.known.entry(material).or_insert_with(|| {
+            scene.materials.push(Material {
+                alpha: Some(AlphaCutout { filter, ..alpha }),
+                ..scene.materials[material]
+            });
+            scene.materials.len() - 1
+        });
+        Some(*place)
+    }
 }
 
 /// Returns the box around a model where it stands by itself.

@@ -60,7 +60,7 @@ impl ReadBudget {
         within("its mesh", self.placed, most, "triangles", self.bytes)
     }
 
-    /// Counts texels of a picture that is about to be decoded.
+    /// Counts texels of a picture that are about to be decoded, or compared.
     pub(super) fn decode(&mut self, texels: u64) -> Result<(), Invalid> {
         self.texels = self.texels.saturating_add(texels);
         let most = TEXELS + TEXELS_A_BYTE * self.bytes;

@@ -24,7 +24,22 @@ pub(super) struct Buffers<'a> {
     pub(super) files: &'a dyn Files,
     fetched: Vec<Option<Bytes<'a>>>,
     /// Files that several buffers may share.
-    read: HashMap<PathBuf, Rc<Vec<u8>>>,
+    read: HashMap<PathBuf, ReadFile>,
+}
+
+/// What was read of a file.
+#[derive(Clone, Debug)]
+struct ReadFile {
+    bytes: Rc<Vec<u8>>,
+    /// How much was asked for.
+    most: u64,
+}
+
+impl ReadFile {
+    /// Returns whether reading up to so many bytes would give no more.
+    fn has(&self, most: u64) -> bool {
+        most <= self.most || (self.bytes.len() as u64) < self.most
+    }
 }
 
 /// Bytes that were fetched.
@@ -112,7 +127,7 @@ impl<'a> Buffers<'a> {
         }
         let bytes = match buffer.source() {
             Source::Bin => self.binary(buffer)?,
-            Source::Uri(uri) => self.fetch(uri, budget)?,
+            Source::Uri(uri) => self.fetch(uri, buffer.length() as u64, budget)?,
         };
         let there = bytes.slice().len();
         if there < buffer.length() {
@@ -133,28 +148,36 @@ impl<'a> Buffers<'a> {
         })
     }
 
-    /// Returns the bytes that a URI names, or holds.
+    /// Returns the bytes that a URI names, or holds. Of a file `most` bytes are read, however long it is, so that a small model can't have
+    /// memory filled with what lies beside it.
     pub(super) fn fetch(
         &mut self,
         uri: &str,
+        most: u64,
         budget: &mut ReadBudget,
     ) -> Result<Bytes<'a>, Invalid> {
         if let Some(data) = uri.strip_prefix("data:") {
             return decode(data).map(|bytes| Bytes::Apart(Rc::new(bytes)));
         }
         let path = self.path(uri)?;
-        if let Some(bytes) = self.read.get(&path) {
-            return Ok(Bytes::Apart(bytes.clone()));
+        let known = self.read.get(&path);
+        if let Some(known) = known.filter(|known| known.has(most)) {
+            return Ok(Bytes::Apart(known.bytes.clone()));
         }
+        let counted = known.map_or(0, |known| known.bytes.len());
         let mut bytes = Vec::new();
         let files = self.files;
         files
             .open(&path)
-            .and_then(|mut source| source.read_to_end(&mut bytes))
+            .and_then(|source| source.take(most).read_to_end(&mut bytes))
             .map_err(|e| missing(&path, &e, files))?;
-        budget.add_bytes(bytes.len());
+        budget.add_bytes(bytes.len().saturating_sub(counted));
         let bytes = Rc::new(bytes);
-        self.read.insert(path, bytes.clone());
+        let read = ReadFile {
+            bytes: bytes.clone(),
+            most,
+        };
+        self.read.insert(path, read);
         Ok(Bytes::Apart(bytes))
     }
 

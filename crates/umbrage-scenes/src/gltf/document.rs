@@ -80,7 +80,16 @@ fn check_extensions(root: &Root) -> Result<(), Invalid> {
 fn strip(root: &mut Root) {
     root.animations.clear();
     root.skins.clear();
-    root.samplers.clear();
+    for sampler in &mut root.samplers {
+        // Of samplers it is read how textures go on, where that can be told.
+        sampler.min_filter = None;
+        sampler.mag_filter = None;
+        for wrap in [&mut sampler.wrap_s, &mut sampler.wrap_t] {
+            if matches!(wrap, Checked::Invalid) {
+                *wrap = Checked::default();
+            }
+        }
+    }
     for node in &mut root.nodes {
         node.skin = None;
     }
@@ -98,8 +107,9 @@ fn strip(root: &mut Root) {
             )
         });
     }
+    let samplers = root.samplers.len();
     for texture in &mut root.textures {
-        texture.sampler = None;
+        texture.sampler = texture.sampler.filter(|index| index.value() < samplers);
     }
     for view in &mut root.buffer_views {
         view.target = None;

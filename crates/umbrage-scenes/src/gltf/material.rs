@@ -6,17 +6,21 @@ use super::{
     buffers::Buffers,
     picture::{self, Pictures},
     told,
+    wrap::Wraps,
 };
 use crate::detail::{Meaning, USUAL_CUTOFF};
 use gltf::{
     Document, Material as FileMaterial, Primitive, Semantic, Texture as FileTexture,
     json::extensions::texture::TextureTransform,
     material::{AlphaMode, NormalTexture},
-    texture::Info,
+    texture::{Info, WrappingMode},
 };
 use std::collections::HashMap;
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{AlphaCutout, AlphaFilter, Invalid, Material, Scene};
+
+/// What textures do unless a file says otherwise.
+const REPEATED: Wraps = [WrappingMode::Repeat; 2];
 
 /// The materials of a file that were read.
 #[derive(Debug)]
@@ -48,6 +52,8 @@ pub(super) enum SurfaceLook {
         coordinates: Option<Coordinates>,
         /// Whether it throws shadows.
         casts: bool,
+        /// How the texture of its colours, and so of its holes, goes on beyond its edges.
+        wraps: Wraps,
     },
 }
 
@@ -74,6 +80,7 @@ impl<'a> Materials<'a> {
                 material: None,
                 coordinates: Some(first).filter(|at| at.has(primitive)),
                 casts: true,
+                wraps: REPEATED,
             });
         }
         let material = primitive.material();
@@ -82,6 +89,7 @@ impl<'a> Materials<'a> {
                 material: None,
                 coordinates: None,
                 casts: true,
+                wraps: REPEATED,
             });
         };
         let color = color_map(&material).filter(|map| map.coordinates.has(primitive));
@@ -154,6 +162,13 @@ impl<'a> Materials<'a> {
             material: Some(scene.materials.len() - 1),
             coordinates,
             casts,
+            wraps: file
+                .pbr_metallic_roughness()
+                .base_color_texture()
+                .map_or(REPEATED, |info| {
+                    let sampler = info.texture().sampler();
+                    [sampler.wrap_s(), sampler.wrap_t()]
+                }),
         })
     }
 }

@@ -17,6 +17,7 @@ mod primitive;
 mod sparse;
 #[cfg(test)]
 pub(crate) mod tests;
+mod wrap;
 
 use crate::{
     Files, SceneError, error::Place, lone_model, model_part::ModelPart, obj::name_of,

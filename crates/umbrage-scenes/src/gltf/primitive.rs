@@ -6,7 +6,7 @@ use super::{
     budget::ReadBudget,
     buffers::Buffers,
     material::{Materials, SurfaceLook},
-    told,
+    told, wrap,
 };
 use crate::detail::with_tangents;
 use gltf::{Mesh as FileMesh, Primitive, Semantic, mesh::Mode};
@@ -78,6 +78,7 @@ fn part(
         material,
         coordinates,
         casts,
+        wraps,
     } = look
     else {
         return Ok(None);
@@ -101,6 +102,10 @@ fn part(
                 "texture transform",
                 "leaves the range of 32-bit floats",
             ));
+        }
+        if let Some(alpha) = material.and_then(|i| scene.materials[i].alpha) {
+            let texture = &scene.textures[alpha.texture];
+            wrap::check(&mesh.uvs, wraps, texture, &alpha, read.budget)?;
         }
         if needs_tangents && !coordinates.is_transformed {
             mesh.tangents = read.tangents(primitive)?;

@@ -4,8 +4,13 @@ use super::{
     model::{F32, TestModel, U16, glb, words},
     said, scene_of,
 };
-use crate::{FilesInMemory, damage::damaged};
+use crate::{Files, FilesInMemory, OpenFile, damage::damaged, scene_of_file::SceneOfFile};
 use serde_json::{Value, json};
+use std::{
+    io::{self, Cursor},
+    path::Path,
+};
+use umbrage_core::Scene;
 
 /// Returns the error of a square that was changed.
 fn error(change: impl Fn(&mut TestModel)) -> String {
@@ -313,6 +318,83 @@ fn of_files(files: &[(&str, &[u8])]) -> String {
     let first = files[0].0;
     let files: FilesInMemory = files.iter().map(|&(path, bytes)| (path, bytes)).collect();
     said(first, &files).expect_err("no model").to_string()
+}
+
+/// Files one of which, `long.bin`, is a buffer with more bytes behind it than are good to read: an error tells that one was.
+struct WithLongFile {
+    others: FilesInMemory,
+    bytes: Vec<u8>,
+}
+
+/// Bytes behind which lies a fault.
+struct ThenFault<'a>(Cursor<&'a [u8]>);
+
+impl io::Read for ThenFault<'_> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        match self.0.read(out)? {
+            0 if !out.is_empty() => Err(io::Error::other("was read too far")),
+            count => Ok(count),
+        }
+    }
+}
+
+impl io::BufRead for ThenFault<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        match self.0.fill_buf()? {
+            [] => Err(io::Error::other("was read too far")),
+            bytes => Ok(bytes),
+        }
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.0.consume(count);
+    }
+}
+
+impl io::Seek for ThenFault<'_> {
+    fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
+impl Files for WithLongFile {
+    fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>> {
+        match path.ends_with("long.bin") {
+            true => Ok(Box::new(ThenFault(Cursor::new(&self.bytes)))),
+            false => self.others.open(path),
+        }
+    }
+}
+
+/// Of a file beside the model no more is read than its buffer tells; of one that two buffers share, as much as the longer one tells.
+#[test]
+fn files_are_read_as_far_as_buffers_tell() {
+    let model = TestModel::square();
+    let text = model.text(Some("long.bin"));
+    let read = |json: &Value, bytes: &[u8]| {
+        let others = [("a.gltf", json.to_string().into_bytes())];
+        let files = WithLongFile {
+            others: others.into_iter().collect(),
+            bytes: bytes.to_vec(),
+        };
+        let wanted = SceneOfFile::of(Path::new("a.gltf")).expect("a glTF file");
+        super::super::read(json.to_string().as_bytes(), &wanted, &files).map_err(|e| e.to_string())
+    };
+    let json: Value = serde_json::from_str(&text).expect("JSON");
+    let alone = scene_of(&model).expect("valid");
+    let same = |read: Result<Scene, String>| read.expect("valid").meshes == alone.meshes;
+    assert!(same(read(&json, &model.bytes)));
+    // The control: a buffer that tells more is read on.
+    let mut longer = json.clone();
+    longer["buffers"][0]["byteLength"] = json!(model.bytes.len() + 1);
+    let message = read(&longer, &model.bytes).expect_err("too far");
+    assert!(message.contains("was read too far"), "{message}");
+    // The positions, from a buffer of their length alone, and then the indices, behind them in the same file.
+    let mut shared = json.clone();
+    let positions = json["bufferViews"][0]["byteLength"].clone();
+    shared["buffers"] = json!([json["buffers"][0], { "byteLength": positions, "uri": "long.bin" }]);
+    shared["bufferViews"][0]["buffer"] = json!(1);
+    assert!(same(read(&shared, &model.bytes)));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb};
 use serde_json::{Value, json};
 use std::{f32::consts::FRAC_PI_2, io::Cursor};
 use umbrage_core::glam::{Vec2, Vec3, Vec4};
-use umbrage_core::{AlphaCutout, AlphaFilter, Material, Mesh, Scene, Texture};
+use umbrage_core::{AlphaCutout, AlphaFilter, Geometry, Material, Mesh, Scene, Texture};
 
 const UVS: [f32; 8] = [0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
 
@@ -100,6 +100,83 @@ fn masks_cut_out_and_blended_surfaces_cast_by_half() {
     assert_eq!(cut(blend(texture(), 1.0)), Ok((holes(0.5), true)));
     assert_eq!(cut(blend(json!(null), 0.6)), Ok((None, true)));
     assert_eq!(cut(blend(json!(null), 0.3)), Ok((None, false)), "glass");
+}
+
+/// What a file calls a mask or a blend cuts nothing out where its texture is nowhere clear, as of JPEG, which has no alpha.
+#[test]
+fn pictures_without_alpha_cut_nothing_out() {
+    let opaque = DynamicImage::from(ImageBuffer::from_pixel(8, 8, Rgb([9_u8, 99, 9])));
+    let mut jpeg = Cursor::new(Vec::new());
+    opaque
+        .write_to(&mut jpeg, ImageFormat::Jpeg)
+        .expect("encoded");
+    for mode in ["MASK", "BLEND"] {
+        let has_holes = |picture: &[u8]| {
+            let textured = base(json!({ "index": 0 }), [1.0; 4]);
+            let mut model = square(json!({ "alphaMode": mode, "pbrMetallicRoughness": textured }));
+            let view = model.view(picture);
+            model.json["images"][0] = json!({ "bufferView": view });
+            let scene = scene_of(&model).expect("valid");
+            assert_eq!(scene.textures.len(), 1);
+            let geometry = Geometry::bake(&scene).expect("valid");
+            geometry.cut_outs().is_some()
+        };
+        assert!(has_holes(PICTURE), "{mode}");
+        assert!(!has_holes(jpeg.get_ref()), "{mode}");
+    }
+}
+
+/// Holes repeat. A sampler that clamps or mirrors is refused where a mesh would show other holes by it, and nowhere else. The texture is
+/// two texels, of which the right one is a hole.
+#[test]
+fn masks_that_do_not_repeat_are_refused_where_it_shows() {
+    const CLAMPED: u32 = 33071;
+    const MIRRORED: u32 = 33648;
+    const REPEATED: u32 = 10497;
+    let read = |mode: &str, sampler: Value, scale: [f32; 2], offset: f32| {
+        let transform = json!({ "scale": scale, "offset": [offset, 0.0] });
+        let texture = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
+        let mut model = square(
+            json!({ "alphaMode": mode, "pbrMetallicRoughness": { "baseColorTexture": texture } }),
+        );
+        model.json["samplers"] = json!([sampler]);
+        model.json["textures"][0]["sampler"] = json!(0);
+        scene_of(&model).map(|_| ())
+    };
+    let along_u = |wrap: u32| json!({ "wrapS": wrap, "magFilter": 9729, "minFilter": 1 });
+    for wrap in [CLAMPED, MIRRORED] {
+        let is_refused = |scale, offset| match read("MASK", along_u(wrap), scale, offset) {
+            Ok(()) => false,
+            Err(why) => {
+                let expected = "primitive 0, alpha mask: goes on beyond its texture, which is clamped or mirrored there";
+                assert!(why.contains(expected), "{why}");
+                true
+            }
+        };
+        assert!(!is_refused([1.0, 1.0], 0.0), "{wrap}");
+        // Less than an eighth of a texel is taken for rounding.
+        assert!(!is_refused([1.05, 1.0], 0.0), "{wrap}");
+        assert!(is_refused([1.1, 1.0], 0.0), "{wrap}");
+        assert!(is_refused([2.0, 1.0], 0.0), "{wrap}");
+        assert!(is_refused([0.5, 1.0], -0.5), "{wrap}");
+        assert!(is_refused([1e30, 1.0], 0.0), "{wrap}");
+        // Where 64 bits no longer count texels, all are one.
+        assert!(!is_refused([1e30, 1.0], -2e30), "{wrap}");
+        // Along v there is one texel, whatever is done beyond it.
+        assert!(!is_refused([1.0, 7.0], 0.0), "{wrap}");
+        let along_v = json!({ "wrapS": REPEATED, "wrapT": wrap });
+        assert_eq!(read("MASK", along_v, [7.0, 7.0], 0.3), Ok(()));
+        assert_eq!(read("OPAQUE", along_u(wrap), [7.0, 7.0], 0.3), Ok(()));
+        assert!(read("BLEND", along_u(wrap), [7.0, 7.0], 0.3).is_err());
+    }
+    // From 1 to 1.5 a clamped texture shows its right half and a repeated one its left half; from 2 to 2.5 a mirrored one shows its left, too.
+    assert!(read("MASK", along_u(MIRRORED), [0.5, 1.0], 1.0).is_err());
+    assert_eq!(read("MASK", along_u(MIRRORED), [0.5, 1.0], 2.0), Ok(()));
+    assert!(read("MASK", along_u(CLAMPED), [0.5, 1.0], 2.0).is_err());
+    assert_eq!(read("MASK", along_u(CLAMPED), [0.5, 1.0], 2.5), Ok(()));
+    // What no sampler can say counts as repeated, as where there is none.
+    assert_eq!(read("MASK", along_u(REPEATED), [7.0, 7.0], 0.3), Ok(()));
+    assert_eq!(read("MASK", along_u(5), [7.0, 7.0], 0.3), Ok(()));
 }
 
 #[test]

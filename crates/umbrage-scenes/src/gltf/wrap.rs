@@ -1,0 +1,83 @@
+//! How masks go on beyond their textures. Holes repeat ([`AlphaCutout`](umbrage_core::AlphaCutout)); the format's samplers may clamp or mirror
+//! instead, which is the same only where a mesh doesn't leave its texture, or finds the same holes beyond it.
+
+use super::budget::ReadBudget;
+use gltf::texture::WrappingMode;
+use std::collections::BTreeSet;
+use umbrage_core::glam::Vec2;
+use umbrage_core::{AlphaCutout, Invalid, Texture};
+
+/// What coordinates may reach beyond a texture, texels: exporters round them, and those of 16 bits are off by half of 2^-16, which is 1/16 of a texel
+/// where a texture is 8,192 texels wide.
+const ROUNDING: f64 = 0.125;
+
+/// How a texture goes on along u and along v.
+pub(super) type Wraps = [WrappingMode; 2];
+
+/// Errors if a mesh shows other holes where its texture repeats than where it goes on by `wraps`.
+pub(super) fn check(
+    uvs: &[Vec2],
+    wraps: Wraps,
+    texture: &Texture,
+    alpha: &AlphaCutout,
+    budget: &mut ReadBudget,
+) -> Result<(), Invalid> {
+    if wraps == [WrappingMode::Repeat; 2] {
+        return Ok(());
+    }
+    let low = uvs.iter().copied().reduce(Vec2::min).unwrap_or(Vec2::ZERO);
+    let high = uvs.iter().copied().reduce(Vec2::max).unwrap_or(Vec2::ZERO);
+    let size = texture.size;
+    let columns = texels(low.x, high.x, size.x, wraps[0]);
+    let rows = texels(low.y, high.y, size.y, wraps[1]);
+    let is_found = |[found, asked]: &[i64; 2]| found == asked;
+    if columns.iter().all(is_found) && rows.iter().all(is_found) {
+        return Ok(());
+    }
+    // Many meshes may ask it of one large picture.
+    budget.decode(columns.len() as u64 * rows.len() as u64)?;
+    let is_hole = |x: i64, y: i64| {
+        let texel = texture.texels[(y * i64::from(size.x) + x) as usize];
+        texel[3] < alpha.cutoff
+    };
+    let is_alike = |&[row, asked_row]: &[i64; 2]| {
+        columns
+            .iter()
+            .all(|&[column, asked]| is_hole(column, row) == is_hole(asked, asked_row))
+    };
+    if rows.iter().all(is_alike) {
+        return Ok(());
+    }
+    Err(Invalid::new(
+        "alpha mask",
+        "goes on beyond its texture, which is clamped or mirrored there; holes are repeated here, and would be others",
+        "keep texture coordinates within 0 to 1, or draw what is mirrored into the picture",
+    ))
+}
+
+/// Returns the texels along one axis that a mesh shows: of each, the one that it finds where the texture repeats, and the one that it asks for.
+fn texels(low: f32, high: f32, count: u32, wrap: WrappingMode) -> BTreeSet<[i64; 2]> {
+    let count_real = f64::from(count);
+    let first = (f64::from(low) * count_real + ROUNDING).floor() as i64;
+    // At least one: a mesh may show a line of its texture.
+    let end = (f64::from(high) * count_real - ROUNDING).ceil() as i64;
+    let last = end.saturating_sub(1).max(first);
+    let count = i64::from(count);
+    let asked = |i: i64| match wrap {
+        WrappingMode::Repeat => i.rem_euclid(count),
+        WrappingMode::ClampToEdge => i.clamp(0, count - 1),
+        WrappingMode::MirroredRepeat => {
+            let i = i.rem_euclid(2 * count);
+            i.min(2 * count - 1 - i)
+        }
+    };
+    // Beyond these all pairs come again: mirrored ones after two textures, clamped ones after one at either side.
+    let shown = |i: &i64| (first..=last).contains(i);
+    let parts = [
+        first..=last.min(first.saturating_add(2 * count)),
+        first.max(last.saturating_sub(2 * count))..=last,
+        0..=count - 1,
+    ];
+    let all = parts.into_iter().flatten().filter(shown);
+    all.map(|i| [i.rem_euclid(count), asked(i)]).collect()
+}
