@@ -1,11 +1,10 @@
 //! Every technique with a map at the points of the closed forms, on both backends: away from shadow edges by more than
 //! its kernel reaches, its answer must be the formula's. (Volumes and planar shadows need a camera's pixels: `exact.rs`.)
 
-use glam::{UVec2, Vec2, Vec3};
-use std::f32::consts::TAU;
+use glam::{Mat2, UVec2, Vec2, Vec3};
 use umbrage_core::{
-    Backend, Geometry, Light, LightSpace, NO_TRIANGLE, Receivers, Recipe, RecipeError, Scene,
-    ShadowTechnique, View,
+    Backend, Geometry, Light, NO_TRIANGLE, Receivers, Recipe, RecipeError, Scene, ShadowTechnique,
+    View,
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};
@@ -22,9 +21,28 @@ fn demands() -> Vec<ClosedFormDemand<TechniquePreset>> {
         ..ShadowMap::default()
     };
     let entries = umbrage_techniques::all().iter();
-    entries
-        .filter_map(|entry| (entry.closed_form)(map))
-        .collect()
+    let own = entries.filter_map(|entry| (entry.closed_form)(map));
+    own.chain(narrow_moment_maps(map)).collect()
+}
+
+/// Moment maps with the narrowest blur: the one by default reaches farther.
+fn narrow_moment_maps(map: ShadowMap) -> impl Iterator<Item = ClosedFormDemand<TechniquePreset>> {
+    let wide = ["vsm", "evsm", "msm"].into_iter().filter_map(move |name| {
+        let entry = umbrage_techniques::find(name).expect("a built-in technique");
+        (entry.closed_form)(map)
+    });
+    wide.map(|demand| {
+        let text = demand.technique.to_toml().expect("written");
+        let mut table: toml::Table = text.parse().expect("a table");
+        let blur = table["blur"].as_integer().expect("texels");
+        table["blur"] = 1.into();
+        let text = toml::to_string(&table).expect("written");
+        ClosedFormDemand {
+            technique: TechniquePreset::from_toml(&text).expect("a preset"),
+            reach: demand.reach - blur as f32 + 1.0,
+            ..demand
+        }
+    })
 }
 
 /// Scenes of closed bodies: neither sheets nor rooms without an outside.
@@ -91,33 +109,24 @@ impl Case {
         Some((recipe, [cpu, gpu]))
     }
 
-    /// Whether truth is the same all around a sample, as far as a kernel reaches there.
+    /// Whether truth is the same at a sample and all around it, as far as a kernel reaches there.
     fn is_decided(&self, i: usize, recipe: &Recipe, reach: f32) -> bool {
-        let p = self.samples[i].point;
-        let n = self.samples[i].normal;
-        let (u, v) = n.any_orthonormal_pair();
-        let mut around = Vec::new();
-        for k in 0..16_u32 {
-            let (sin, cos) = (k as f32 / 16.0 * TAU).sin_cos();
-            let along = u * cos + v * sin;
-            let mut radius = 0.0_f32;
-            for cast in &recipe.casts {
-                let size = recipe.images[cast.image].size;
-                radius = radius.max(step(&cast.space, size, p, along, reach));
-            }
-            let mut point = ReceiverPoint::new(p + along * radius, n, &self.geometry);
-            point.triangle = self.receivers.triangle[i];
-            around.push(point);
-        }
-        let seen = trace_points(
-            &self.geometry,
-            &self.scene.lights[0],
-            &around,
-            &TruthOptions::default(),
-        )
-        .expect("valid");
-        seen.iter()
-            .all(|s| s.visibility == self.samples[i].visibility)
+        let sample = &self.samples[i];
+        let Some(around) = around(sample, recipe, reach) else {
+            return false;
+        };
+        let points: Vec<ReceiverPoint> = around
+            .into_iter()
+            .map(|place| {
+                let mut point = ReceiverPoint::new(place, sample.normal, &self.geometry);
+                point.triangle = self.receivers.triangle[i];
+                point
+            })
+            .collect();
+        let light = &self.scene.lights[0];
+        let seen = trace_points(&self.geometry, light, &points, &TruthOptions::default());
+        let mut seen = seen.expect("valid").into_iter();
+        seen.all(|s| s.visibility == sample.visibility)
     }
 }
 
@@ -132,14 +141,38 @@ fn cosine(light: &Light, s: &Sample) -> f32 {
     to_light.normalize().dot(s.normal)
 }
 
-/// How far along a unit vector a kernel's taps lie from `p`, metres: its reach and the receiver's own texel.
-fn step(space: &LightSpace, size: UVec2, p: Vec3, along: Vec3, reach: f32) -> f32 {
-    let texel = |p: Vec3| {
-        let clip = space.clip_from_world() * p.extend(1.0);
-        Vec2::new(clip.x, clip.y) / clip.w * 0.5 * size.as_vec2()
-    };
-    let texels_per_metre = (texel(p + along * 1e-3) - texel(p)).length() * 1e3;
-    (reach + 1.5) / texels_per_metre.max(1e-3)
+/// Distance between the points at which truth is asked around a sample, texels: less than the narrowest slit of the scenes, which is 1.2 texels
+/// wide on a map of 2048.
+const SPACING: f32 = 0.75;
+
+/// Returns the points of a sample's plane on which a kernel's taps may lie: a grid over the square of texels that it reaches, and the receiver's
+/// own texel. A narrow light within that square counts, too, and not its rim alone. None where the light meets the plane at too low an angle.
+fn around(sample: &Sample, recipe: &Recipe, reach: f32) -> Option<Vec<Vec3>> {
+    let (u, v) = sample.normal.any_orthonormal_pair();
+    let p = sample.point;
+    let farthest = reach + 1.5;
+    let steps = (farthest / SPACING).ceil() as i32;
+    let mut out = Vec::new();
+    for cast in &recipe.casts {
+        let size = recipe.images[cast.image].size;
+        let texel = |p: Vec3| {
+            let clip = cast.space.clip_from_world() * p.extend(1.0);
+            Vec2::new(clip.x, clip.y) / clip.w * 0.5 * size.as_vec2()
+        };
+        let along = |way: Vec3| (texel(p + way * 1e-3) - texel(p)) * 1e3;
+        let metres_from_texels = Mat2::from_cols(along(u), along(v)).inverse();
+        if !metres_from_texels.is_finite() {
+            return None;
+        }
+        for y in -steps..=steps {
+            for x in -steps..=steps {
+                let texels = Vec2::new(x as f32, y as f32) * (farthest / steps as f32);
+                let metres = metres_from_texels * texels;
+                out.push(p + u * metres.x + v * metres.y);
+            }
+        }
+    }
+    Some(out)
 }
 
 fn receivers(samples: &[Sample], geometry: &Geometry) -> Receivers {
@@ -224,4 +257,28 @@ fn wrong_formulas_are_noticed() {
     let demands = demands();
     let answers = ask(&cases, &demands[0], |v| 1.0 - v);
     assert_eq!(answers.wrong.len(), answers.decided.iter().sum::<usize>());
+}
+
+/// A slit that is narrower than the kernel's reach lies between two dark points of its rim: points beside it are undecided all the same.
+#[test]
+fn light_within_reach_is_seen() {
+    let cases = cases();
+    let slit = cases.iter().find(|case| case.name == "c6b-thick-slit");
+    let slit = slit.expect("a closed form");
+    let preset = demands().swap_remove(0).technique;
+    let (recipe, _) = slit
+        .masks(&*preset.technique(), &mut gpu())
+        .expect("served");
+    let dark = |&i: &usize| slit.samples[i].visibility == 0.0;
+    let decided = |reach: f32| {
+        let all = (0..slit.samples.len()).filter(dark);
+        all.filter(|&i| slit.is_decided(i, &recipe, reach)).count()
+    };
+    let dark_samples = (0..slit.samples.len()).filter(dark).count();
+    assert_eq!(dark_samples, 2);
+    // A tenth of a texel; and what kernels of 3x3, 7x7 and 17x17 texels reach.
+    assert_eq!(decided(-1.4), 2);
+    for reach in [2.0, 4.0, 9.0] {
+        assert_eq!(decided(reach), 0, "{reach} texels");
+    }
 }
