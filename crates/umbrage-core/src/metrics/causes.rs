@@ -317,6 +317,10 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(
+        miri,
+        ignore = "measures seven pictures, which takes many minutes there"
+    )]
     fn each_place_has_its_cause() {
         let one = 1.0 / N as f64;
         let right = Causes {

@@ -231,6 +231,7 @@ fn kernels_may_ask_for_tolerance() {
 
 /// The standard error that is told is how far the RMSE of samples scatters.
 #[test]
+#[cfg_attr(miri, ignore = "200 draws of 16,384 pixels take hours there")]
 fn samples_tell_their_own_error() {
     let side = 128_u32;
     let size = UVec2::splat(side);
