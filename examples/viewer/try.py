@@ -373,9 +373,11 @@ def refused(program, out):
     left, right = report["sides"]
     assert left["rmse"] is None and right["rmse"] == 0, report["sides"]
     window.shot("refused")
-    # At no error at all the plan is one that the window can show.
     window.press("v", holds=lambda r: r["picture"] == "Error", what="errors")
     window.shot("refused-errors")
+    # A plan is one that the window can show.
+    report = window.press("p", holds=lambda r: r["planning"] or r["plan"], what="a plan's begin")
+    assert report["refused"] == ["planar", "volumes"], report["refused"]
     window.close()
     print(f"a technique that is refused says why: {left['refusal']}")
 

@@ -7,6 +7,7 @@ use crate::{
     device::{Message, is_left, put, taken},
     focus::Focus,
     gizmo::{self, LightHandles},
+    lights::Kind,
     loading::{Loader, Then},
     measure::{
         figures::Picture,
@@ -98,6 +99,8 @@ pub(crate) struct App {
     pub plan_job: PlanJob,
     /// What the plan that is being made is for.
     plan_asked: Option<PlannedFor>,
+    /// The techniques that the last plan left out.
+    pub refused: Vec<String>,
     /// The last plan, and what it was made for.
     pub plan: Option<(Plan, PlannedFor)>,
     pub maps: [MapPicture; 2],
@@ -194,6 +197,7 @@ impl App {
             marker: None,
             plan_job: PlanJob::default(),
             plan_asked: None,
+            refused: Vec::new(),
             plan: None,
             maps: Default::default(),
             message: None,
@@ -441,12 +445,18 @@ impl App {
             self.message = Some("Choose a light that is on: plans are made for one.".to_owned());
             return;
         };
-        let (camera, light) = (planned_for.camera, planned_for.light);
-        let geometry = &self.stage.geometry;
         let side = &self.renderer.sides[0];
+        let refused = match side.refused_techniques(Kind::of(&planned_for.light)) {
+            Ok(refused) => refused,
+            Err(error) => {
+                self.message = Some(format!("{error:#}"));
+                return;
+            }
+        };
+        self.refused.clone_from(&refused);
         let request = PlanRequest {
-            geometry: geometry.clone(),
-            refused: side.refused_techniques(&camera, &light, geometry),
+            geometry: self.stage.geometry.clone(),
+            refused,
             planned_for: planned_for.clone(),
         };
         self.plan_asked = Some(planned_for);

@@ -50,6 +50,7 @@ pub(crate) fn report(app: &App) -> Value {
         "handles": app.marker.map(|at| [at.x, at.y]),
         "plan": app.plan.as_ref().map(|(plan, _)| plan.chosen.as_ref().map(|chosen| chosen.label())),
         "planning": app.plan_job.at(),
+        "refused": app.refused,
         "scale": app.scale,
         "interval_ms": 1000.0 * app.times.interval.as_secs_f64(),
         "message": app.message,
