@@ -9,16 +9,13 @@ use crate::{
     gizmo::{self, LightHandles},
     lights::Kind,
     loading::{Loader, Then},
-    measure::{
-        figures::Picture,
-        view_figures::{Question, ShownFigures, ViewFigures},
-    },
+    measure::view_figures::{Question, ShownFigures, ViewFigures},
     panel::{self, maps::MapPicture, picker::Picker},
     path::MotionPath,
     plan_job::{PlanJob, PlanRequest, PlannedFor},
     render::{FrameSettings, Renderer, Shown, present::Presenter},
     stage::Stage,
-    state::{Saved, Settings, Start},
+    state::{FirstShown, Saved, Settings, Start},
     zoom,
 };
 use anyhow::{Context as _, Result};
@@ -49,29 +46,6 @@ pub(crate) struct FrameTimes {
     pub interval: Duration,
     /// Work on the CPU for a frame.
     pub work: Duration,
-}
-
-/// How the first scene is shown, beyond what comes with it.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct FirstShown {
-    pub shown: Option<Shown>,
-    pub picture: Option<Picture>,
-}
-
-impl FirstShown {
-    pub(crate) fn apply(self, settings: &mut Settings) {
-        match self.shown {
-            Some(Shown::Both(divider)) => settings.split = Some(divider),
-            Some(Shown::One(side)) => {
-                settings.split = None;
-                settings.shown_side = side;
-            }
-            None => {}
-        }
-        if let Some(picture) = self.picture {
-            settings.picture = picture;
-        }
-    }
 }
 
 pub(crate) struct App {

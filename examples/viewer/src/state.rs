@@ -4,6 +4,7 @@ use crate::{
     camera::ViewCamera,
     lights::{EditLight, MAX_LIGHTS},
     measure::figures::Picture,
+    render::Shown,
     settings::{SavedSide, SideSettings, entry},
     stage::Stage,
 };
@@ -28,6 +29,29 @@ pub(crate) struct Start {
     /// Where what is told goes, for tests.
     #[cfg(not(target_arch = "wasm32"))]
     pub told: Option<std::path::PathBuf>,
+}
+
+/// How the first scene is shown, beyond what comes with it.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct FirstShown {
+    pub shown: Option<Shown>,
+    pub picture: Option<Picture>,
+}
+
+impl FirstShown {
+    pub(crate) fn apply(self, settings: &mut Settings) {
+        match self.shown {
+            Some(Shown::Both(divider)) => settings.split = Some(divider),
+            Some(Shown::One(side)) => {
+                settings.split = None;
+                settings.shown_side = side;
+            }
+            None => {}
+        }
+        if let Some(picture) = self.picture {
+            settings.picture = picture;
+        }
+    }
 }
 
 /// What is kept from one time to the next.

@@ -1,6 +1,11 @@
 //! How the page's address says what is shown first: `?scene=cubes&left=hard&right=exact&split=0.5&over=error`.
 
-use crate::{app::FirstShown, bookmarks, measure::figures::Picture, render::Shown, state::Start};
+use crate::{
+    bookmarks,
+    measure::figures::Picture,
+    render::Shown,
+    state::{FirstShown, Start},
+};
 use umbrage::{scenes, techniques};
 use web_sys::UrlSearchParams;
 
