@@ -7,8 +7,8 @@ use crate::{
 };
 use rayon::ThreadPool;
 use umbrage_core::{
-    Backend, BackendError, BackendLimits, Camera, Geometry, Image, Invalid, MAX_SIDE, Receivers,
-    Recipe, Shadows, Simd, Snapping, Source, Timings, View,
+    Backend, BackendError, BackendLimits, Camera, Geometry, Image, Inputs, Invalid, MAX_SIDE,
+    Receivers, Recipe, Shadows, Simd, Snapping, Source, Timings, View,
 };
 // The standard library's, but in browsers, where that panics.
 use web_time::{Duration, Instant};
@@ -171,6 +171,24 @@ impl Cpu {
         self.cast_all(view.geometry, recipe);
         filter::filter_all(&mut self.images, recipe, self.simd);
         Ok(())
+    }
+
+    /// Plays all that comes before the receive stage, then `play` with what the receive kernel reads.
+    pub(crate) fn with_inputs<R>(
+        &mut self,
+        view: &View<'_>,
+        recipe: &Recipe,
+        play: impl FnOnce(&Inputs<'_>) -> R,
+    ) -> Result<R, BackendError> {
+        self.draw(view, recipe)?;
+        let views = images::views(&self.images, &recipe.receive.inputs);
+        let inputs = Inputs {
+            images: &views,
+            simd: self.simd,
+        };
+        // Kernels may read what tables are made of.
+        recipe.make_tables();
+        Ok(play(&inputs))
     }
 
     fn cast_all(&mut self, geometry: Option<&Geometry>, recipe: &Recipe) {

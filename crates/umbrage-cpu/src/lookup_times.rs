@@ -1,6 +1,6 @@
 //! How long lookups take, block by block: for pictures of where a technique spends its time.
 
-use crate::{Cpu, backend, images, receive::receive_span};
+use crate::{Cpu, backend, receive::receive_span};
 use umbrage_core::{BackendError, Inputs, Invalid, Receivers, Recipe, View, glam::UVec2};
 use web_time::Instant;
 
@@ -27,26 +27,19 @@ impl Cpu {
             let help = "time blocks of at least one pixel at least once";
             return Err(Invalid::new("timed blocks", why, help).into());
         }
-        self.install(|cpu| {
-            cpu.draw(view, recipe)?;
-            let views = images::views(&cpu.images, &recipe.receive.inputs);
-            let inputs = Inputs {
-                images: &views,
-                simd: cpu.simd,
-            };
-            // Kernels may read what tables are made of.
-            recipe.make_tables();
+        let play = |inputs: &Inputs<'_>| {
             let size = receivers.size;
             let mut times = Vec::new();
             for top in (0..size.y).step_by(block.y as usize) {
                 for left in (0..size.x).step_by(block.x as usize) {
                     let corner = UVec2::new(left, top);
                     let part = block.min(size - corner);
-                    times.push(block_time(&inputs, recipe, receivers, corner, part, runs));
+                    times.push(block_time(inputs, recipe, receivers, corner, part, runs));
                 }
             }
-            Ok(times)
-        })
+            times
+        };
+        self.install(|cpu| cpu.with_inputs(view, recipe, play))
     }
 }
 

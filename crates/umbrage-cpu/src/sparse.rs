@@ -1,6 +1,6 @@
 //! Masks of some pixels alone, for samplers of an image.
 
-use crate::{Cpu, backend, images};
+use crate::{Cpu, backend};
 use rayon::prelude::*;
 use umbrage_core::{BackendError, Inputs, Invalid, Receivers, Recipe, View};
 
@@ -29,24 +29,17 @@ impl Cpu {
                 Invalid::new(format!("pixel {beyond}"), why, "count from 0, row by row").into(),
             );
         }
-        self.install(|cpu| {
-            cpu.draw(view, recipe)?;
-            let views = images::views(&cpu.images, &recipe.receive.inputs);
-            let inputs = Inputs {
-                images: &views,
-                simd: cpu.simd,
-            };
+        let play = |inputs: &Inputs<'_>| {
             let mut out = vec![1.0; pixels.len()];
-            // Kernels may read what tables are made of.
-            recipe.make_tables();
             let chunks = out.par_chunks_mut(CHUNK).zip(pixels.par_chunks(CHUNK));
             chunks.for_each(|(out, pixels)| {
                 for (out, &pixel) in out.iter_mut().zip(pixels) {
-                    receive_one(&inputs, recipe, receivers, pixel as usize, out);
+                    receive_one(inputs, recipe, receivers, pixel as usize, out);
                 }
             });
-            Ok(out)
-        })
+            out
+        };
+        self.install(|cpu| cpu.with_inputs(view, recipe, play))
     }
 }
 

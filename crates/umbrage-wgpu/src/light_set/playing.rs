@@ -26,7 +26,8 @@ use umbrage_core::{Aabb, BackendError, BackendLimits, Light, RecipeError, Shadow
 use wgpu::Queue;
 
 impl LightSet {
-    /// Checks whether the set can serve a light with a technique, and makes nothing: for lists in which a user picks one.
+    /// Checks whether the set can serve a light with a technique, and makes nothing on the device: for lists in which a user picks one. The
+    /// technique makes its recipe, for which some go through all triangles of the frame: ask between frames, or about a small scene.
     ///
     /// # Errors
     /// Errors with the reason that [`Unserved::Refused`](crate::Unserved::Refused) would have. What depends on the other lights, such as

@@ -75,11 +75,10 @@ fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) 
             ui.checkbox(is_on, label);
         }
         Value::String(word) => {
-            let known = choices(preset, path);
             egui::ComboBox::from_label(label)
                 .selected_text(word.clone())
                 .show_ui(ui, |ui| {
-                    for choice in known {
+                    for choice in choices(preset, path) {
                         let shown = choice.clone();
                         ui.selectable_value(word, choice, shown);
                     }
@@ -141,6 +140,24 @@ mod tests {
                 _ => {}
             }
         }
+    }
+
+    /// Shows a map's settings without a user.
+    fn shown(preset: &TechniquePreset) -> Option<TechniquePreset> {
+        let mut changed = None;
+        let context = egui::Context::default();
+        let _ = context.run_ui(egui::RawInput::default(), |ui| {
+            changed = of_map(ui, preset);
+        });
+        changed
+    }
+
+    #[test]
+    fn what_is_only_shown_stays_as_it_is() {
+        // Beyond what can be dragged to.
+        let far = "technique = 'pcf'\n[map.layout.cascades]\ncount = 3\nnearest = 1000.0\n";
+        let preset = TechniquePreset::from_toml(far).expect("a preset");
+        assert_eq!(shown(&preset), None);
     }
 
     #[test]

@@ -70,7 +70,8 @@ fn settings(ui: &mut egui::Ui, settings: &mut SideSettings) {
 
 pub(super) fn labelled(ui: &mut egui::Ui, drag: egui::DragValue<'_>, label: &str) -> bool {
     ui.horizontal(|ui| {
-        let response = ui.add(drag);
+        // Ranges are for dragging: what a preset brings from beyond them stays as it is.
+        let response = ui.add(drag.clamp_existing_to_range(false));
         ui.label(label);
         response.changed()
     })
