@@ -2,12 +2,12 @@
 """Tries the viewer's window as a user would, without a display: real keys, a real mouse, and what came of it.
 
     apt-get install xvfb xdotool xclip imagemagick libxkbcommon-x11-0 libxcursor1 libxi6 mesa-vulkan-drivers
-    pip install pillow
+    pip install pillow python-xlib
     python3 examples/viewer/try.py          # some minutes; screenshots in target/viewer-tried
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
 Regions of the pictures are compared with those in `goldens` (see `pictures.py`); `--bless` keeps the present ones instead.
-`--only NAME` plays one part: keyboard, moving, loading, holes, readable, fluent, mouse, views, or handed.
+`--only NAME` plays one part: keyboard, moving, loading, dropped, holes, readable, fluent, mouse, views, or handed.
 `handed` takes a model of one's own, has the least for it found, and pastes what was copied into `examples/embed`. With
 `--copied FILE...` it also pastes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
 The program keeps what it shows and measures in a file (`--report`), with the places of the panel's parts: they are found by their words.
@@ -32,6 +32,7 @@ from PIL import Image
 
 # No folder of compiled scripts beside the viewer's sources.
 sys.dont_write_bytecode = True
+import drop  # noqa: E402
 import pictures as compared  # noqa: E402
 from pictures import difference, spread  # noqa: E402
 
@@ -781,6 +782,40 @@ def handed(program, out, embed, copied):
         taken(text, embed, out, f"handed-{i}")
 
 
+def dropped(program, out):
+    """Files that are dropped on the window, as a file manager does."""
+    folder = pathlib.Path(tempfile.mkdtemp()) / "with blanks & signs"
+    folder.mkdir()
+    model, card, notes, broken = [folder / name for name in ["bowl.obj", "card.gltf", "notes.txt", "broken.obj"]]
+    bowl(model)
+    checked_card(card, "MASK")
+    notes.write_text("no scene")
+    broken.write_text("v 0 0\nf 1 2 3\n")
+    window = Window(program, out, ["cubes", "--left", "pcf", "--right", "exact", "--fresh"])
+    held = drop.Drag(window.window, [notes, model])
+    held.over(800, 400)
+    window.place("Drop it here to show bowl.obj.")
+    window.shot("dropped-held")
+    held.leave()
+    time.sleep(1)
+    labels = [part["label"] or part["value"] for part in window.told()["widgets"]]
+    assert "Drop it here to show bowl.obj." not in labels and window.report()["scene"] == "cubes", labels
+    for files, scene in [([notes, model], "bowl"), ([card], "card")]:
+        drop.dropped(window.window, files)
+        window.wait(lambda r: r["scene"] == scene and r["loading"] is None, f"the scene {scene}")
+        report = window.measured()
+        assert report["message"] is None, report["message"]
+        agreed(window)
+    window.shot("dropped")
+    for file, word in [(broken, "broken.obj"), (notes, "notes.txt")]:
+        drop.dropped(window.window, [file])
+        message = window.wait(lambda r: word in (r["message"] or ""), "a message about the file")["message"]
+        print(f"  told in the window: {message}")
+        assert window.report()["scene"] == "card", "the old scene is gone"
+    window.close()
+    print("files that are dropped are shown, with what they are named while they are held over the window")
+
+
 def checked_card(file, mode):
     """Writes a glTF model: an upright card whose texture is clear in every other of 8 x 8 squares."""
     image = Image.new("RGBA", (64, 64), (60, 150, 50, 255))
@@ -897,7 +932,7 @@ def views(program, out):
     moved(program, out)
 
 
-PARTS = ["keyboard", "moving", "loading", "holes", "readable", "fluent", "mouse", "views", "handed"]
+PARTS = ["keyboard", "moving", "loading", "dropped", "holes", "readable", "fluent", "mouse", "views", "handed"]
 
 
 def main():
@@ -942,6 +977,7 @@ def main():
         "keyboard": lambda: keyboard(program, options.out, kept),
         "moving": lambda: moving(program, options.out),
         "loading": lambda: loading(program, options.out),
+        "dropped": lambda: dropped(program, options.out),
         "holes": lambda: holes(program, options.out),
         "readable": lambda: readable(program, options.out),
         "fluent": lambda: fluent(program, options.out),

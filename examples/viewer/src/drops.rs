@@ -28,6 +28,19 @@ pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
     }
 }
 
+/// Returns what to say while files are held over the window or the page; none if there are none. Browsers tell no names before the drop.
+pub(crate) fn offer(held: &[Option<PathBuf>]) -> Option<String> {
+    if held.is_empty() {
+        return None;
+    }
+    let Some(paths) = held.iter().cloned().collect::<Option<Vec<_>>>() else {
+        return Some("Drop it here to show it.".to_owned());
+    };
+    let (scene, _) = scene_among(&paths);
+    let name = paths[scene].file_name().unwrap_or(paths[scene].as_os_str());
+    Some(format!("Drop it here to show {}.", name.display()))
+}
+
 fn is_scene_file(path: &Path) -> bool {
     path.extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
@@ -53,6 +66,23 @@ mod tests {
         assert_eq!(
             note.as_deref(),
             Some("2 scenes were dropped together; this is a.obj.")
+        );
+    }
+
+    #[test]
+    fn what_is_held_over_the_window_is_named() {
+        let held = |names: &[Option<&str>]| {
+            let paths: Vec<_> = names.iter().map(|name| name.map(PathBuf::from)).collect();
+            offer(&paths)
+        };
+        assert_eq!(held(&[]), None);
+        assert_eq!(
+            held(&[Some("/a/wood.png"), Some("/a/tile.obj")]).as_deref(),
+            Some("Drop it here to show tile.obj.")
+        );
+        assert_eq!(
+            held(&[None, None]).as_deref(),
+            Some("Drop it here to show it.")
         );
     }
 }

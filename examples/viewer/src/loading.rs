@@ -232,7 +232,14 @@ impl App {
                 if self.stage.is_nothing() && name != FIRST_SCENE {
                     self.open(ctx, FIRST_SCENE, Then::Show);
                 }
-                self.message = Some(format!("{name}: {error:#}"));
+                let error = format!("{error:#}");
+                // Errors of files begin with them.
+                let names_it = error.contains(&name);
+                self.message = Some(if names_it {
+                    error
+                } else {
+                    format!("{name}: {error}")
+                });
             }
         }
     }

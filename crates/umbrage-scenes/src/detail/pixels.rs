@@ -1,9 +1,11 @@
 //! Textures from pictures.
 
 use crate::{Files, SceneError};
-use image::{DynamicImage, ImageFormat, ImageReader, ImageResult, Limits};
+use image::{
+    DynamicImage, ImageError, ImageFormat, ImageReader, ImageResult, Limits, error::DecodingError,
+};
 use std::{
-    io::{BufRead, Seek},
+    io::{BufRead, Read, Result as IoResult, Seek, SeekFrom},
     path::Path,
 };
 use umbrage_core::glam::UVec2;
@@ -68,15 +70,46 @@ pub(super) fn load_image(path: &Path, files: &dyn Files) -> Result<DynamicImage,
 
 /// Decodes a picture of at most [`PICTURE_SIDE`] texels a side.
 pub(crate) fn decode_picture(
-    source: impl BufRead + Seek,
+    mut source: impl BufRead + Seek,
     format: ImageFormat,
 ) -> ImageResult<DynamicImage> {
+    if format == ImageFormat::Png {
+        // The crate `png` 0.18.1 panics where a palette ends within a colour.
+        let begin = source.stream_position()?;
+        let bytes = palette_bytes(&mut source)?;
+        source.seek(SeekFrom::Start(begin))?;
+        if bytes % 3 != 0 {
+            let why = format!("its palette has {bytes} bytes, which is no multiple of 3");
+            return Err(ImageError::Decoding(DecodingError::new(format.into(), why)));
+        }
+    }
     let mut limits = Limits::default();
     limits.max_image_width = Some(PICTURE_SIDE);
     limits.max_image_height = Some(PICTURE_SIDE);
     let mut reader = ImageReader::with_format(source, format);
     reader.limits(limits);
     reader.decode()
+}
+
+/// Returns how long a PNG file tells that its palette is, bytes; 0 if it has none before its pixels, or is cut short. Each chunk is its
+/// length, its name, its bytes and a checksum: "Portable Network Graphics (PNG) Specification (Third Edition)", W3C 2025, 5.3.
+fn palette_bytes(source: &mut (impl Read + Seek)) -> IoResult<u64> {
+    const SIGNATURE: i64 = 8;
+    const CHECKSUM: i64 = 4;
+    source.seek(SeekFrom::Current(SIGNATURE))?;
+    loop {
+        let mut head = [0; 8];
+        if source.read_exact(&mut head).is_err() {
+            return Ok(0);
+        }
+        let [a, b, c, d, name @ ..] = head;
+        let length = u32::from_be_bytes([a, b, c, d]);
+        match &name {
+            b"PLTE" => return Ok(length.into()),
+            b"IDAT" | b"IEND" => return Ok(0),
+            _ => source.seek(SeekFrom::Current(i64::from(length) + CHECKSUM))?,
+        };
+    }
 }
 
 fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {

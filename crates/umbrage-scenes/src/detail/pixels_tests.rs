@@ -1,5 +1,6 @@
 use super::*;
 use image::{ImageBuffer, Luma, Rgb, Rgba};
+use std::io::Cursor;
 
 fn read(image: &DynamicImage, meaning: Meaning) -> Texture {
     let folder = tempfile::tempdir().unwrap();
@@ -108,4 +109,25 @@ fn what_is_no_png_is_refused() {
         "{}",
         message()
     );
+}
+
+#[test]
+fn a_palette_that_ends_within_a_colour_is_refused() {
+    // A pixel of the palette's first colour: the checksums are right.
+    const HEAD: &[u8] = b"\x89PNG\x0d\x0a\x1a\x0a\x00\x00\x00\x0dIHDR\x00\x00\x00\x01\x00\x00\x00\x01\x08\x03\x00\x00\x00(\xcb4\xbb";
+    const TAIL: &[u8] = b"\x00\x00\x00\x0aIDATx\x9cc`\x00\x00\x00\x02\x00\x01H\xaf\xa4q\x00\x00\x00\x00IEND\xaeB`\x82";
+    let png = |palette: &[u8]| Cursor::new([HEAD, palette, TAIL].concat());
+    let whole = decode_picture(
+        png(b"\x00\x00\x00\x03PLTE\xff\x00\x00\x19\xe2\x097"),
+        ImageFormat::Png,
+    );
+    assert_eq!(whole.unwrap().to_rgb8().into_raw(), [255, 0, 0]);
+    let cut_short: [&[u8]; 2] = [
+        b"\x00\x00\x00\x04PLTE\xff\x00\x00\x00j\xa6\xa8\x8b",
+        b"\x00\x00\x00\x05PLTE\xff\x00\x00\x00\xff\x85\x00\xfc\x00",
+    ];
+    for cut in cut_short {
+        let error = decode_picture(png(cut), ImageFormat::Png).unwrap_err();
+        assert!(error.to_string().contains("no multiple of 3"), "{error}");
+    }
 }

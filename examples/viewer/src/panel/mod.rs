@@ -12,6 +12,7 @@ use crate::{
     app::App,
     bookmarks,
     camera::Mode,
+    drops,
     focus::Focus,
     keys::KEYS,
     loading::Then,
@@ -267,6 +268,7 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
     side::labels(app, ui, rect.with_min_y(rect.min.y + below));
     maps::show(app, ui, app.rests());
     picker::show(app, ui);
+    offer(ui);
     let is_loading = loading(app, ui);
     if let Some(message) = app.message.clone() {
         // Above what is being read.
@@ -288,6 +290,23 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
     if app.settings.shows_help {
         help(app, ui);
     }
+}
+
+/// Says what would be shown of the files that are held over the window.
+fn offer(ui: &egui::Ui) {
+    let held = ui.input(|input| input.raw.hovered_files.clone());
+    let paths: Vec<_> = held.iter().map(|file| file.path.clone()).collect();
+    let Some(words) = drops::offer(&paths) else {
+        return;
+    };
+    egui::Window::new("offer")
+        .title_bar(false)
+        .resizable(false)
+        .anchor(
+            egui::Align2::CENTER_CENTER,
+            [beside(ui.max_rect(), ui.ctx()), 0.0],
+        )
+        .show(ui.ctx(), |ui| ui.label(words));
 }
 
 /// Shows the keys.
