@@ -7,7 +7,7 @@
 
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
 Regions of the pictures are compared with those in `goldens` (see `pictures.py`); `--bless` keeps the present ones instead.
-`--only NAME` plays one part: keyboard, moving, loading, dropped, holes, readable, fluent, mouse, views, or handed.
+`--only NAME` plays one part: keyboard, moving, loading, dropped, holes, readable, scaled, fluent, mouse, views, or handed.
 `handed` takes a model of one's own, has the least for it found, and pastes what was copied into `examples/embed`. With
 `--copied FILE...` it also pastes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
 The program keeps what it shows and measures in a file (`--report`), with the places of the panel's parts: they are found by their words.
@@ -45,17 +45,18 @@ LEAST_RATE = 10
 
 
 class Window:
-    """The viewer's window on a display of its own."""
+    """The viewer's window on a display of its own. Places are points: pixels, divided by the display's scale factor."""
 
-    def __init__(self, program, out, arguments, folder=None, size=(WIDTH, HEIGHT), waits=True, started_in=None):
+    def __init__(self, program, out, arguments, folder=None, size=(WIDTH, HEIGHT), waits=True, started_in=None, scale=1):
         self.out = out
+        self.scale = scale
         self.size = size
         # Another window in the same folder finds what the last one kept.
         self.folder = folder or pathlib.Path(tempfile.mkdtemp())
         self.file = self.folder / "told.json"
         self.file.unlink(missing_ok=True)
         # Settings of the last time are kept in here.
-        environment = dict(os.environ, WINIT_X11_SCALE_FACTOR="1", XDG_DATA_HOME=str(self.folder))
+        environment = dict(os.environ, WINIT_X11_SCALE_FACTOR=str(scale), XDG_DATA_HOME=str(self.folder))
         environment.pop("WAYLAND_DISPLAY", None)
         self.log = open(self.folder / "log", "w+")
         self.program = subprocess.Popen(
@@ -98,7 +99,8 @@ class Window:
     def shot(self, name):
         file = self.out / f"{name}.png"
         subprocess.run(["import", "-window", self.window, file], check=True)
-        return Image.open(file).convert("RGB")
+        image = Image.open(file).convert("RGB")
+        return image if self.scale == 1 else image.reduce(self.scale)
 
     def still(self, name, region=(PANEL, 70, WIDTH, HEIGHT)):
         """A region of the window once it stays as it is: frames come after what is told of them."""
@@ -112,7 +114,7 @@ class Window:
         raise AssertionError(f"the window does not come to rest for `{name}`")
 
     def move(self, x, y):
-        self.do("mousemove", "--window", self.window, x, y)
+        self.do("mousemove", "--window", self.window, x * self.scale, y * self.scale)
         time.sleep(0.4)
 
     def click(self, words, nth=0, role=None):
@@ -164,7 +166,7 @@ class Window:
         self.do("mousedown", button)
         time.sleep(0.5)
         for dx, dy in steps:
-            self.do("mousemove_relative", "--", dx, dy)
+            self.do("mousemove_relative", "--", dx * self.scale, dy * self.scale)
             time.sleep(0.2)
         self.do("mouseup", button)
         time.sleep(0.5)
@@ -895,6 +897,23 @@ def readable(program, out):
     print("text is readable at 1280x720 and 3840x2160, and its size is remembered")
 
 
+def scaled(program, out):
+    """On a display whose scale factor is 2: the pointer meets what is drawn, and all pixels are measured."""
+    window = Window(program, out, ["cubes", "--left", "hard", "--right", "exact", "--fresh"], scale=2)
+    window.wait(lambda r: r["pixels_per_point"] == 2, "text of twice the size")
+    window.shot("scaled")
+    size = Image.open(out / "scaled.png").size
+    assert size == (2 * WIDTH, 2 * HEIGHT), size
+    report = window.measured(600)
+    assert report["size"][1] == 2 * HEIGHT, report["size"]
+    agreed(window)
+    divided(window)
+    dragged_light(window)
+    switched(window)
+    window.close()
+    print("a display with a scale factor of 2 has all of it")
+
+
 def mouse(program, out, kept):
     window = Window(program, out, ["cubes", "--left", "hard", "--right", "exact", "--fresh"])
     start = measured(window)
@@ -932,7 +951,7 @@ def views(program, out):
     moved(program, out)
 
 
-PARTS = ["keyboard", "moving", "loading", "dropped", "holes", "readable", "fluent", "mouse", "views", "handed"]
+PARTS = ["keyboard", "moving", "loading", "dropped", "holes", "readable", "scaled", "fluent", "mouse", "views", "handed"]
 
 
 def main():
@@ -980,6 +999,7 @@ def main():
         "dropped": lambda: dropped(program, options.out),
         "holes": lambda: holes(program, options.out),
         "readable": lambda: readable(program, options.out),
+        "scaled": lambda: scaled(program, options.out),
         "fluent": lambda: fluent(program, options.out),
         "mouse": lambda: mouse(program, options.out, kept),
         "views": lambda: views(program, options.out),
