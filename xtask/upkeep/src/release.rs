@@ -57,11 +57,33 @@ fn oldest_rust() -> Result<()> {
     let manifest = fs::read_to_string(root().join("Cargo.toml"))?;
     let version = oldest(&manifest)?;
     println!("the manifest names Rust {version}");
-    // The cargo that runs this program is of one toolchain; rustup's chooses another.
-    let mut check = Command::new("rustup");
-    check.current_dir(root());
-    check.args(["run", "--install", version, "cargo", "check"]);
-    run(check.args(["--workspace", "--all-targets", "--all-features", "--locked"]))
+    let told = cargo().arg("--version").output()?.stdout;
+    let mut check = if is_of(&String::from_utf8_lossy(&told), version) {
+        println!("it is the Rust that runs this");
+        cargo()
+    } else {
+        // The cargo that runs this program is of one toolchain; rustup's chooses another.
+        let mut rustup = Command::new("rustup");
+        rustup.current_dir(root());
+        rustup.args(["run", "--install", version, "cargo"]);
+        rustup
+    };
+    check.args([
+        "check",
+        "--workspace",
+        "--all-targets",
+        "--all-features",
+        "--locked",
+    ]);
+    run(&mut check)
+}
+
+/// Whether `cargo --version` tells a version, such as 1.95, or a correction of it, such as 1.95.1.
+fn is_of(told: &str, version: &str) -> bool {
+    let number = told.strip_prefix("cargo ").unwrap_or_default();
+    let number = number.split_whitespace().next().unwrap_or_default();
+    let rest = number.strip_prefix(version);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 /// Returns the `rust-version` that a manifest names.
@@ -182,12 +204,27 @@ fn needs(command: &str, package: &str) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::oldest;
+    use super::{is_of, oldest};
 
     #[test]
     fn the_oldest_rust_is_the_manifests() {
         let manifest = "[workspace.package]\nedition = \"2024\"\nrust-version = \"1.95\"\n";
         assert_eq!(oldest(manifest).expect("named"), "1.95");
         assert!(oldest("[workspace]").is_err());
+    }
+
+    #[test]
+    fn corrections_of_a_version_are_of_it() {
+        assert!(is_of("cargo 1.95.0 (f2d3ce0bd 2026-03-21)\n", "1.95"));
+        assert!(is_of("cargo 1.95.1 (f2d3ce0bd 2026-03-21)\n", "1.95.1"));
+        for other in [
+            "cargo 1.950.0 (a)",
+            "cargo 1.96.0 (a)",
+            "cargo 1.95.0-nightly (a)",
+            "",
+        ] {
+            assert!(!is_of(other, "1.95.0"), "{other}");
+        }
+        assert!(!is_of("cargo 1.950.0 (a)", "1.95"));
     }
 }
