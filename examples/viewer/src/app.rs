@@ -8,7 +8,7 @@ use crate::{
     focus::Focus,
     gizmo::{self, LightHandles},
     lights::Kind,
-    loading::{Loader, Then},
+    loading::{Loader, Then, anywhere},
     measure::view_figures::{Question, ShownFigures, ViewFigures},
     panel::{self, maps::MapPicture, picker::Picker},
     path::MotionPath,
@@ -26,9 +26,10 @@ use web_time::{Duration, Instant};
 
 /// The scene that is shown when nobody names one.
 pub(crate) const FIRST_SCENE: &str = "town";
-/// Frames a second below which the picture gets coarser while something moves, on drivers that draw by the processor.
-const FLUENT_ON_PROCESSOR: f32 = 20.0;
-/// The same on graphics cards.
+/// Frames a second below which the picture gets coarser while something moves, on drivers that draw by the processor, and where the device has
+/// no clock: there the rate may be the display's own.
+const FLUENT_WITHOUT_CLOCK: f32 = 20.0;
+/// The same on graphics cards with a clock.
 const FLUENT: f32 = 60.0;
 /// The least share of the picture's width and height that is drawn.
 const COARSEST: f32 = 0.25;
@@ -78,6 +79,8 @@ pub(crate) struct App {
     /// The last plan, and what it was made for.
     pub plan: Option<(Plan, PlannedFor)>,
     pub maps: [MapPicture; 2],
+    /// How many steps nearer the user has asked for since the last frame.
+    pub steps_nearer: f32,
     pub message: Option<String>,
     fault: Message,
     lost: Message,
@@ -174,6 +177,7 @@ impl App {
             refused: Vec::new(),
             plan: None,
             maps: Default::default(),
+            steps_nearer: 0.0,
             message: None,
             fault,
             lost,
@@ -194,7 +198,9 @@ impl App {
         let scene = failure.map_or(wanted.as_str(), |failure| failure.scene);
         let then = match (failure, saved) {
             (Some(failure), _) => Then::Compare(failure),
-            (None, Some(saved)) if saved.scene == wanted => Then::AsLeft(saved.scene_as_left()),
+            (None, Some(saved)) if saved.scene == anywhere(&wanted) => {
+                Then::AsLeft(saved.scene_as_left())
+            }
             _ => Then::Show,
         };
         app.open(ctx, scene, then);
@@ -303,16 +309,15 @@ impl App {
     fn adapt(&mut self, passed: Duration) {
         let draws_by_processor =
             self.render.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        let allowed = if draws_by_processor {
-            1.0 / FLUENT_ON_PROCESSOR
+        let wanted = if draws_by_processor || !self.renderer.has_clock() {
+            wanted_scale(self.scale, passed, FLUENT_WITHOUT_CLOCK)
+        } else if let Some(timed) = self.renderer.take_moving_frame() {
+            // It was drawn some frames ago.
+            let scale = timed.size.x as f32 / self.pixels.x.max(1) as f32;
+            wanted_scale(scale, timed.took.max(self.times.work), FLUENT)
         } else {
-            1.0 / FLUENT
+            return;
         };
-        let of_device = self.renderer.device_time();
-        let took = frame_seconds(draws_by_processor, passed, self.times.work, of_device);
-        // What a frame takes goes with its pixels: with the square of the scale.
-        let wanted = self.scale * (allowed / took.max(1e-3)).sqrt();
-        let wanted = wanted.clamp(COARSEST, 1.0);
         // Coarser at once, finer slowly.
         self.scale = if wanted < self.scale {
             wanted
@@ -374,6 +379,7 @@ impl App {
     /// Asks for truth once nothing moves, and takes what is there of it and of the sides' masks.
     fn measure(&mut self, ctx: &egui::Context) -> Result<()> {
         let Some(question) = question(self.camera, &self.settings, &self.stage) else {
+            self.forget_figures();
             return Ok(());
         };
         let rests = self.rests();
@@ -396,6 +402,16 @@ impl App {
             ctx.request_repaint_after(Duration::from_millis(10));
         }
         Ok(())
+    }
+
+    /// Forgets what was measured and laid over the sides, since nothing can be measured.
+    fn forget_figures(&mut self) {
+        if self.figures.is_asked() {
+            self.figures.forget();
+            for overlay in &mut self.renderer.overlays {
+                overlay.clear();
+            }
+        }
     }
 
     /// Compares masks with truth, and lays a picture of it over the sides.
@@ -532,20 +548,12 @@ impl App {
     }
 }
 
-/// Returns what a frame takes, seconds: a driver that draws by the processor draws as fast as it can, from frame to frame. A card waits for
-/// the display, whose rate says nothing: there it is the longer one of the work on the processor and that on the device, as far as its
-/// clock tells.
-fn frame_seconds(
-    draws_by_processor: bool,
-    passed: Duration,
-    on_processor: Duration,
-    on_device: Option<Duration>,
-) -> f32 {
-    let took = match on_device {
-        Some(on_device) if !draws_by_processor => on_processor.max(on_device),
-        _ => passed,
-    };
-    took.as_secs_f32()
+/// Returns the share of the full width at which frames are as many a second as they should be, from what one took at another share. What a
+/// frame takes goes with its pixels: with the square of the scale.
+fn wanted_scale(scale: f32, took: Duration, frames_a_second: f32) -> f32 {
+    let allowed = 1.0 / frames_a_second;
+    let wanted = scale * (allowed / took.as_secs_f32().max(1e-3)).sqrt();
+    wanted.clamp(COARSEST, 1.0)
 }
 
 /// Returns how many pixels of the window a part of it has, as the panel's painter places its edges.
@@ -665,11 +673,20 @@ mod tests {
 
     #[test]
     fn displays_don_t_make_cards_coarser() {
-        let [passed, on_processor, on_device] = [33, 2, 5].map(Duration::from_millis);
-        let seconds = |is_cpu, device| frame_seconds(is_cpu, passed, on_processor, device);
-        assert_eq!(seconds(false, Some(on_device)), 0.005);
-        // Without a clock only the rate of frames is known.
-        assert_eq!(seconds(false, None), 0.033);
-        assert_eq!(seconds(true, Some(on_device)), 0.033);
+        // Without a clock only the rate of frames is known, which may be the display's: 30, 50 or 60 a second.
+        for passed in [33, 20, 17].map(Duration::from_millis) {
+            assert_eq!(wanted_scale(1.0, passed, FLUENT_WITHOUT_CLOCK), 1.0);
+        }
+    }
+
+    #[test]
+    fn slow_frames_have_as_many_pixels_as_fit_into_their_time() {
+        let of_card = |scale, took| wanted_scale(scale, Duration::from_millis(took), FLUENT);
+        // Twice as long as there is time for: half of the pixels.
+        assert!((of_card(1.0, 33) - 0.71).abs() < 0.01);
+        // At the scale that it was drawn at, whatever the present one is.
+        assert!((of_card(0.5, 33) - 0.355).abs() < 0.01);
+        assert!((of_card(0.5, 5) - 0.91).abs() < 0.01);
+        assert_eq!((of_card(1.0, 1), of_card(1.0, 10_000)), (1.0, COARSEST));
     }
 }

@@ -36,6 +36,12 @@ pub(crate) fn offer(held: &[Option<PathBuf>]) -> Option<String> {
     let Some(paths) = held.iter().cloned().collect::<Option<Vec<_>>>() else {
         return Some("Drop it here to show it.".to_owned());
     };
+    if !paths
+        .iter()
+        .any(|path| is_scene_file(path) || scenes::is_model(path))
+    {
+        return Some("None of it can be shown: drop a .toml, .obj, .glb or .gltf file.".to_owned());
+    }
     let (scene, _) = scene_among(&paths);
     let name = paths[scene].file_name().unwrap_or(paths[scene].as_os_str());
     Some(format!("Drop it here to show {}.", name.display()))
@@ -80,6 +86,8 @@ mod tests {
             held(&[Some("/a/wood.png"), Some("/a/tile.obj")]).as_deref(),
             Some("Drop it here to show tile.obj.")
         );
+        let words = held(&[Some("/a/wood.png")]).expect("words");
+        assert!(words.starts_with("None of it can be shown"), "{words}");
         assert_eq!(
             held(&[None, None]).as_deref(),
             Some("Drop it here to show it.")

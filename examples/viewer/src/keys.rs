@@ -422,8 +422,8 @@ impl App {
                 };
             }
             Action::Near(steps) => {
-                settings.view.step(steps);
-                self.touch();
+                // With the rest that moves the view: it may be under way along a path.
+                self.steps_nearer += steps;
             }
             Action::Screenshot => self.ask_for_screenshot(ctx),
             Action::Zoom(by) => {
@@ -537,6 +537,10 @@ impl App {
         if response.dragged_by(egui::PointerButton::Middle) {
             let moved = response.drag_delta();
             view.pan(Vec2::new(moved.x, moved.y), response.rect.height());
+        }
+        let steps = std::mem::take(&mut self.steps_nearer);
+        if steps != 0.0 {
+            view.step(steps);
         }
         if response.hovered() {
             let lines = ctx.input(|input| input.smooth_scroll_delta().y) / 40.0;

@@ -155,7 +155,7 @@ impl Then {
 /// Returns what names the same scene when the program is started in another folder: built-in scenes are named as they are, files with all
 /// their folders.
 #[cfg(not(target_arch = "wasm32"))]
-fn anywhere(argument: &str) -> String {
+pub(crate) fn anywhere(argument: &str) -> String {
     let is_built_in = umbrage::scenes::find(argument).is_some();
     match std::path::absolute(argument) {
         Ok(path) if !is_built_in => path.display().to_string(),
@@ -165,7 +165,7 @@ fn anywhere(argument: &str) -> String {
 
 /// Browsers have no folders.
 #[cfg(target_arch = "wasm32")]
-fn anywhere(argument: &str) -> String {
+pub(crate) fn anywhere(argument: &str) -> String {
     argument.to_owned()
 }
 

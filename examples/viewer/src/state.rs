@@ -65,6 +65,9 @@ pub(crate) struct Saved {
     // Files of older programs don't have what follows.
     #[serde(default)]
     zoom: Option<f32>,
+    /// Whether `lights` are those of the scene, though there may be none.
+    #[serde(default)]
+    has_lights: bool,
     #[serde(default)]
     lights: Vec<EditLight>,
     #[serde(default)]
@@ -87,7 +90,8 @@ pub(crate) struct Saved {
 #[derive(Clone)]
 pub(crate) struct SceneAsLeft {
     view: ViewCamera,
-    lights: Vec<EditLight>,
+    /// None if they weren't kept.
+    lights: Option<Vec<EditLight>>,
     chosen: usize,
     /// Of each side's fit, metres.
     ranges: [f32; 2],
@@ -97,10 +101,13 @@ impl Saved {
     /// Returns how the scene was left.
     pub(crate) fn scene_as_left(&self) -> SceneAsLeft {
         let is_valid = |light: &&EditLight| light.light.validate().is_ok();
+        let valid: Vec<_> = self.lights.iter().filter(is_valid).copied().collect();
+        // A scene that was left in the dark stays dark; one whose lights are all broken has its own.
+        let are_lights = self.has_lights && (!valid.is_empty() || self.lights.is_empty());
         let range = |i: usize| self.sides.get(i).map_or(1.0, SavedSide::range);
         SceneAsLeft {
             view: self.view,
-            lights: self.lights.iter().filter(is_valid).copied().collect(),
+            lights: are_lights.then_some(valid),
             chosen: self.chosen,
             ranges: [range(0), range(1)],
         }
@@ -112,9 +119,9 @@ impl SceneAsLeft {
     pub(crate) fn apply(&self, settings: &mut Settings) {
         settings.view = self.view;
         // Older programs kept no lights.
-        if !self.lights.is_empty() {
-            settings.lights = self.lights.iter().take(MAX_LIGHTS).copied().collect();
-            settings.chosen = self.chosen.min(settings.lights.len() - 1);
+        if let Some(lights) = &self.lights {
+            settings.lights = lights.iter().take(MAX_LIGHTS).copied().collect();
+            settings.chosen = self.chosen.min(settings.lights.len().saturating_sub(1));
         }
         for (side, range) in settings.sides.iter_mut().zip(self.ranges) {
             side.range = range;
@@ -211,6 +218,7 @@ impl Settings {
             split: self.split,
             picture: self.picture,
             zoom: self.zoom,
+            has_lights: true,
             lights: self.lights.clone(),
             chosen: self.chosen,
             shown_side: self.shown_side,
@@ -290,6 +298,21 @@ mod tests {
             radius: -1.0,
         };
         let left = settings.saved(&stage).expect("kept").scene_as_left();
-        assert_eq!(left.lights, settings.lights[1..]);
+        assert_eq!(left.lights.as_deref(), Some(&settings.lights[1..]));
+        settings.lights.truncate(1);
+        let left = settings.saved(&stage).expect("kept").scene_as_left();
+        assert_eq!(left.lights, None, "the scene's own are better than none");
+    }
+
+    #[test]
+    fn a_scene_without_lights_stays_dark() {
+        let scene = umbrage::scenes::by_argument("cubes").expect("built in");
+        let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
+        let mut settings = Settings::new(&stage, None, &[None, None]);
+        let mut again = settings.clone();
+        settings.lights.clear();
+        let left = settings.saved(&stage).expect("kept").scene_as_left();
+        left.apply(&mut again);
+        assert!(again.lights.is_empty() && again.chosen == 0);
     }
 }

@@ -38,7 +38,7 @@ pub fn follows_camera(technique: &dyn ShadowTechnique, recipe: &Recipe, view: &V
     };
     if view.receivers.is_some() {
         // What is fitted to the receivers that are seen changes with them.
-        let unknown = View::new(view.camera, view.light, geometry);
+        let unknown = around_same_casters(view, view.camera, geometry);
         let of_unknown = technique.recipe(&unknown);
         if of_unknown.map_or(true, |other| !draw_alike(recipe, &other)) {
             return true;
@@ -46,10 +46,23 @@ pub fn follows_camera(technique: &dyn ShadowTechnique, recipe: &Recipe, view: &V
     }
     CAMERA_MOTIONS.iter().any(|motion| {
         let camera = motion.apply(view.camera, geometry);
-        let moved_view = View::new(&camera, view.light, geometry);
+        let moved_view = around_same_casters(view, &camera, geometry);
         let moved = technique.recipe(&moved_view);
         moved.map_or(true, |moved| !draw_alike(recipe, &moved))
     })
+}
+
+/// Returns the view of another camera that knows no receivers. The box around the casters stays, since fits go by it: a light set has a larger
+/// one than the casters need.
+fn around_same_casters<'a>(
+    view: &View<'a>,
+    camera: &'a Camera,
+    geometry: &'a Geometry,
+) -> View<'a> {
+    View {
+        casters: view.casters,
+        ..View::new(camera, view.light, geometry)
+    }
 }
 
 /// A motion of a camera.
@@ -167,6 +180,18 @@ mod tests {
 
     fn follows(technique: &dyn ShadowTechnique) -> bool {
         follows_when(technique, false)
+    }
+
+    #[test]
+    fn a_larger_box_around_the_casters_follows_no_camera() {
+        let scene = umbrage_scenes::by_argument("street").expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let camera = scene.cameras[0].resized(UVec2::new(32, 18));
+        let mut view = View::new(&camera, &scene.lights[0], &geometry);
+        view.casters.max += Vec3::new(1.0, 2.0, 3.0);
+        let technique = hard(Fit::Tight);
+        let recipe = technique.recipe(&view).expect("served");
+        assert!(!follows_camera(&technique, &recipe, &view));
     }
 
     /// Whether a technique follows the camera where receivers are known, or where they aren't.

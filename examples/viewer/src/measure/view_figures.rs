@@ -43,6 +43,15 @@ struct PlacesPicture {
     job: Beside<Option<Vec<u8>>>,
     /// sRGB and opacity, a byte each; none before it is there, and if there is nothing of that kind.
     rgba: Option<Vec<u8>>,
+    is_under_way: bool,
+}
+
+impl SideFigures {
+    /// Whether the side's lookups are being timed.
+    fn times_lookups(&self) -> bool {
+        let places = self.places.as_ref();
+        places.is_some_and(|places| places.kind == Places::Heat && places.is_under_way)
+    }
 }
 
 /// What is laid over the picture, and how densely.
@@ -186,6 +195,7 @@ impl ViewFigures {
             if let Some(places) = &mut side.places
                 && let Some(rgba) = places.job.take()
             {
+                places.is_under_way = false;
                 places.rgba = rgba?;
                 has_news = true;
             }
@@ -265,6 +275,8 @@ impl ViewFigures {
             casters: renderer.sides[0].set.casters_box(),
             receivers: &truth.receivers,
         };
+        // Times are of one side at a time: each takes all cores.
+        let mut times_another = self.sides.iter().any(SideFigures::times_lookups);
         let sides = self.sides.iter_mut().zip(&mut renderer.overlays);
         for ((side, overlay), settings) in sides.zip(techniques) {
             let mask = side.mask.as_deref();
@@ -283,7 +295,10 @@ impl ViewFigures {
                 // Tracing takes all cores: times would be of that.
                 Some(Places::Heat) if !truth.is_checked => None,
                 Some(kind) => {
-                    if side.places.as_ref().is_none_or(|there| there.kind != kind) {
+                    let is_there = side.places.as_ref().is_some_and(|there| there.kind == kind);
+                    let waits = kind == Places::Heat && times_another;
+                    if !is_there && !waits {
+                        times_another |= kind == Places::Heat;
                         let technique = preset.technique();
                         let work = places::job(kind, technique, &seen, truth.receivers.clone());
                         let wake = self.wake.clone();
@@ -291,9 +306,11 @@ impl ViewFigures {
                             kind,
                             job: Beside::start(work, move || wake()),
                             rgba: None,
+                            is_under_way: true,
                         });
                     }
-                    side.places.as_ref().and_then(|there| there.rgba.clone())
+                    let there = side.places.as_ref().filter(|there| there.kind == kind);
+                    there.and_then(|there| there.rgba.clone())
                 }
                 None => figures::picture(shown.picture, truth, mask),
             };

@@ -51,6 +51,7 @@ pub(crate) fn show(app: &mut App, ui: &egui::Ui, rests: bool) {
 
 fn update(app: &mut App, ctx: &egui::Context, side: usize) -> Result<()> {
     let Some((camera, light)) = app.looked_at() else {
+        app.maps[side] = MapPicture::default();
         return Ok(());
     };
     let of = MapsOf {

@@ -292,7 +292,7 @@ pub(crate) fn over_picture(app: &mut App, ui: &egui::Ui) {
     }
 }
 
-/// Says what would be shown of the files that are held over the window.
+/// Says what would be shown of the files that are held over the window, if anything.
 fn offer(ui: &egui::Ui) {
     let held = ui.input(|input| input.raw.hovered_files.clone());
     let paths: Vec<_> = held.iter().map(|file| file.path.clone()).collect();

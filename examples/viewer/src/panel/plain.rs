@@ -78,7 +78,7 @@ fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) 
             egui::ComboBox::from_label(label)
                 .selected_text(word.clone())
                 .show_ui(ui, |ui| {
-                    for choice in choices(preset, path) {
+                    for choice in taken_choices(preset, path) {
                         let shown = choice.clone();
                         ui.selectable_value(word, choice, shown);
                     }
@@ -95,23 +95,34 @@ fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) 
     }
 }
 
+/// Returns the words that may stand at a place of a preset, without those that ask for more than a word.
+fn taken_choices(preset: &Table, path: &[&str]) -> Vec<String> {
+    let mut words = choices(preset, path);
+    words.retain(|word| {
+        with_word(preset, path, word).is_some_and(|text| TechniquePreset::from_toml(&text).is_ok())
+    });
+    words
+}
+
+/// Returns the text of a preset with a word at a place; none if the preset has no such place.
+fn with_word(preset: &Table, path: &[&str], word: &str) -> Option<String> {
+    let (last, tables) = path.split_last()?;
+    let mut changed = preset.clone();
+    let mut table = &mut changed;
+    for name in tables {
+        table = table.get_mut(*name)?.as_table_mut()?;
+    }
+    table.insert((*last).to_owned(), word.into());
+    toml::to_string(&changed).ok()
+}
+
 /// Returns the words that may stand at a place of a preset. Its reader knows them: it lists them for a word that it doesn't know.
 fn choices(preset: &Table, path: &[&str]) -> Vec<String> {
     // No identifier of Rust, and so no word of any list.
     const UNKNOWN: &str = "-";
-    let mut with_unknown = preset.clone();
-    let Some((last, tables)) = path.split_last() else {
+    let Some(text) = with_word(preset, path, UNKNOWN) else {
         return Vec::new();
     };
-    let mut table = &mut with_unknown;
-    for name in tables {
-        match table.get_mut(*name).and_then(Value::as_table_mut) {
-            Some(inner) => table = inner,
-            None => return Vec::new(),
-        }
-    }
-    table.insert((*last).to_owned(), UNKNOWN.into());
-    let text = toml::to_string(&with_unknown).unwrap_or_default();
     let Err(error) = TechniquePreset::from_toml(&text) else {
         return Vec::new();
     };

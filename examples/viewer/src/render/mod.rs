@@ -15,11 +15,10 @@ use crate::{lights::EditLight, settings::SideSettings, stage::Stage};
 use anyhow::Result;
 use buffers::{SceneBuffers, SeenPart};
 use overlay::Overlay;
-use pass_clock::PassClock;
+use pass_clock::{PassClock, TimedFrame};
 use pipelines::{COLOR, COLOR_AS_READ, DEPTH, Layouts};
 use side::{Side, clip_from_world};
 use umbrage::{Camera, glam::UVec2};
-use web_time::Duration;
 
 /// What the two sides are called.
 pub(crate) const SIDES: [&str; 2] = ["left", "right"];
@@ -72,6 +71,16 @@ struct Targets {
     color: wgpu::TextureView,
     as_read: wgpu::TextureView,
     depth: wgpu::TextureView,
+}
+
+/// Returns the sides that a frame draws, 0 or 1.
+fn drawn_sides(frame: &FrameSettings<'_>) -> &'static [usize] {
+    match frame.shown {
+        _ if frame.prepares_both => &[0, 1],
+        Shown::One(0) => &[0],
+        Shown::One(_) => &[1],
+        Shown::Both(_) => &[0, 1],
+    }
 }
 
 impl Renderer {
@@ -127,9 +136,15 @@ impl Renderer {
         let mut encoder = self
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for &i in drawn_sides(frame) {
+            if self.sides[i].apply(frame.lights, frame.sides[i])? {
+                self.forget_drawn(i);
+            }
+        }
         // Taken out while the frame is recorded, since both it and the sides change.
         let mut clock = self.clock.take();
-        let is_timed = clock.as_mut().is_some_and(PassClock::begin);
+        let moving = (!frame.prepares_both).then_some(size);
+        let is_timed = clock.as_mut().is_some_and(|clock| clock.begin(moving));
         let recorded = self.record(&mut encoder, frame, clock.as_mut().filter(|_| is_timed));
         self.clock = clock;
         recorded?;
@@ -149,26 +164,20 @@ impl Renderer {
         frame: &FrameSettings<'_>,
         mut clock: Option<&mut PassClock>,
     ) -> Result<()> {
-        let drawn: &[usize] = match frame.shown {
-            _ if frame.prepares_both => &[0, 1],
-            Shown::One(0) => &[0],
-            Shown::One(_) => &[1],
-            Shown::Both(_) => &[0, 1],
-        };
-        for &i in drawn {
+        for &i in drawn_sides(frame) {
             let side = &mut self.sides[i];
-            side.apply(frame.lights, frame.sides[i])?;
             let is_wanted = clock
                 .as_deref()
                 .is_some_and(|clock| clock.drawn_ms(i).is_none());
             let everything = side.set.casters_box();
-            if frame.prepares_both && is_wanted && !everything.is_empty() {
+            let draws_all = frame.prepares_both && is_wanted;
+            if draws_all && !everything.is_empty() {
                 // All maps are drawn in one frame that is timed. The frame after a change mostly isn't: stamps of another are on their way.
                 side.set.touch(&everything)?;
             }
             side.prepare(&self.device, &self.queue, &self.layouts, &self.scene, frame)?;
             match &mut clock {
-                Some(clock) => side.encode_timed(encoder, clock, i)?,
+                Some(clock) => side.encode_timed(encoder, clock, i, draws_all)?,
                 None => side.set.encode(encoder)?,
             }
         }
@@ -185,11 +194,14 @@ impl Renderer {
         self.clock.as_ref().map_or(&[], |clock| &clock.times)
     }
 
-    /// Returns what all passes of one of the last frames took on the device; none where it has no clock.
-    pub(crate) fn device_time(&self) -> Option<Duration> {
-        let times = self.pass_times();
-        let milliseconds: f64 = times.iter().map(|(_, time)| time).sum();
-        (!times.is_empty()).then(|| Duration::from_secs_f64(1e-3 * milliseconds))
+    /// Whether the device tells what passes take.
+    pub(crate) fn has_clock(&self) -> bool {
+        self.clock.is_some()
+    }
+
+    /// Returns the last frame that was timed while something moved, once.
+    pub(crate) fn take_moving_frame(&mut self) -> Option<TimedFrame> {
+        self.clock.as_mut()?.take_moving_frame()
     }
 
     /// Returns what a side's maps and lists, of all lights, took on the device when all of them were drawn, milliseconds; none before that is

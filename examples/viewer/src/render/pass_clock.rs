@@ -5,6 +5,8 @@ use std::sync::{
     Arc,
     atomic::{AtomicU8, Ordering},
 };
+use std::time::Duration;
+use umbrage::glam::UVec2;
 use umbrage::wgpu::{PassCasters, SetPass, TimedPass};
 
 /// Most timestamps of a frame.
@@ -28,18 +30,22 @@ pub(crate) struct PassClock {
     pub written: u32,
     /// What passes took, milliseconds.
     pub times: Vec<(String, f64)>,
-    /// Layers and lists that each side draws in the frame that is timed; none if the side has no part in it.
-    layers: [Option<u32>; 2],
-    /// The drawing of each side that counts: see [`DrawnTime`].
-    drawn: [Option<DrawnTime>; 2],
+    /// Whether each side draws all of its maps and lists in the frame that is timed.
+    draws_all: [bool; 2],
+    /// What the drawing of all of a side's maps and lists took, milliseconds; none before it is timed.
+    drawn_ms: [Option<f64>; 2],
+    /// The frame that is timed: its size, pixels; none if it rests.
+    moving: Option<UVec2>,
+    /// The last frame that was timed while something moved, until it is taken.
+    timed: Option<TimedFrame>,
 }
 
-/// What the drawing of a side's maps and lists took in one frame.
+/// What a frame took on the device.
 #[derive(Clone, Copy)]
-struct DrawnTime {
-    /// How many layers and lists.
-    layers: u32,
-    milliseconds: f64,
+pub(crate) struct TimedFrame {
+    /// Pixels.
+    pub size: UVec2,
+    pub took: Duration,
 }
 
 impl PassClock {
@@ -73,32 +79,41 @@ impl PassClock {
             names: Vec::new(),
             written: 0,
             times: Vec::new(),
-            layers: [None; 2],
-            drawn: [None; 2],
+            draws_all: [false; 2],
+            drawn_ms: [None; 2],
+            moving: None,
+            timed: None,
         })
     }
 
-    /// Begins to time a frame. Returns whether it can be timed: not while timestamps of another one are on their way.
-    pub(crate) fn begin(&mut self) -> bool {
+    /// Begins to time a frame; `moving` is its size if something moves. Returns whether it can be timed: not while timestamps of another one are
+    /// on their way.
+    pub(crate) fn begin(&mut self, moving: Option<UVec2>) -> bool {
         self.take();
         if self.state.load(Ordering::Acquire) != IDLE {
             return false;
         }
         self.names.clear();
         self.written = 0;
-        self.layers = [None; 2];
+        self.draws_all = [false; 2];
+        self.moving = moving;
         true
     }
 
-    /// Returns what a side's maps and lists, of all lights, took when most of them were drawn, milliseconds; none before they are timed.
+    /// Returns what a side's maps and lists, of all lights, took when all of them were drawn, milliseconds; none before they are timed.
     pub(crate) fn drawn_ms(&self, side: usize) -> Option<f64> {
-        self.drawn[side].map(|drawn| drawn.milliseconds)
+        self.drawn_ms[side]
     }
 
     /// Forgets what a side's maps and lists took, since they are others now; those of a frame that is on its way, too.
     pub(crate) fn forget_drawn(&mut self, side: usize) {
-        self.drawn[side] = None;
-        self.layers[side] = None;
+        self.drawn_ms[side] = None;
+        self.draws_all[side] = false;
+    }
+
+    /// Returns the last frame that was timed while something moved, once.
+    pub(crate) fn take_moving_frame(&mut self) -> Option<TimedFrame> {
+        self.timed.take()
     }
 
     /// Returns the queries that are left.
@@ -107,9 +122,9 @@ impl PassClock {
         self.written..QUERIES - 2
     }
 
-    /// Notes the passes of a side (0 or 1) that were timed, which draw so many layers and lists.
-    pub(crate) fn note(&mut self, side: usize, layers: u32, passes: &[TimedPass]) {
-        self.layers[side] = Some(layers);
+    /// Notes the passes of a side (0 or 1) that were timed, and whether they draw all of its maps and lists.
+    pub(crate) fn note(&mut self, side: usize, draws_all: bool, passes: &[TimedPass]) {
+        self.draws_all[side] = draws_all;
         let side = SIDES[side];
         for pass in passes {
             let what = match pass.pass {
@@ -181,17 +196,15 @@ impl PassClock {
                 .map(|(name, begin)| (name.clone(), milliseconds(*begin)))
                 .collect();
             for (i, side) in SIDES.iter().enumerate() {
-                let Some(layers) = self.layers[i] else {
-                    continue;
-                };
-                // A frame that draws one of several layers anew says less than one that draws all.
-                if self.drawn[i].is_none_or(|known| layers >= known.layers) {
+                if self.draws_all[i] {
                     let of_side = self.times.iter().filter(|(name, _)| name.starts_with(side));
-                    self.drawn[i] = Some(DrawnTime {
-                        layers,
-                        milliseconds: of_side.map(|(_, time)| time).sum(),
-                    });
+                    self.drawn_ms[i] = Some(of_side.map(|(_, time)| time).sum());
                 }
+            }
+            if let Some(size) = self.moving {
+                let milliseconds: f64 = self.times.iter().map(|(_, time)| time).sum();
+                let took = Duration::from_secs_f64(1e-3 * milliseconds);
+                self.timed = Some(TimedFrame { size, took });
             }
         }
         self.read.unmap();

@@ -76,8 +76,8 @@ impl Side {
         })
     }
 
-    /// Brings the set's lights to what the user set.
-    pub(crate) fn apply(&mut self, lights: &[EditLight], settings: &SideSettings) -> Result<()> {
+    /// Brings the set's lights to what the user set. Returns whether they have other maps now.
+    pub(crate) fn apply(&mut self, lights: &[EditLight], settings: &SideSettings) -> Result<bool> {
         let wanted: Vec<Light> = lights.iter().filter(|l| l.is_on).map(|l| l.light).collect();
         let alike = |a: &Light, b: &Light| {
             // Cascades are for directional lights alone, so that another kind has another technique.
@@ -98,7 +98,7 @@ impl Side {
             }
             self.settings = settings.clone();
             self.lights = wanted;
-            return Ok(());
+            return Ok(true);
         }
         for ((id, old), new) in self.ids.iter().zip(&mut self.lights).zip(&wanted) {
             if old != new {
@@ -106,7 +106,7 @@ impl Side {
                 *old = *new;
             }
         }
-        Ok(())
+        Ok(false)
     }
 
     /// Makes the set ready for a frame, and writes what its shader reads.
@@ -201,12 +201,13 @@ impl Side {
         Ok(floats)
     }
 
-    /// Records what the set draws, each pass between two timestamps; `nth` says which side this is, 0 or 1.
+    /// Records what the set draws, each pass between two timestamps; `nth` says which side this is, 0 or 1, and `draws_all` whether all maps are drawn.
     pub(crate) fn encode_timed(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         clock: &mut PassClock,
         nth: usize,
+        draws_all: bool,
     ) -> Result<()> {
         let mut passes = Vec::new();
         let stamps = SetTimestamps {
@@ -216,7 +217,7 @@ impl Side {
         let own_draws = |_: &mut wgpu::RenderPass<'_>, _: &CastTarget| ();
         self.set
             .encode_timed(encoder, own_draws, &stamps, &mut passes)?;
-        clock.note(nth, self.drawn_layers(), &passes);
+        clock.note(nth, draws_all, &passes);
         Ok(())
     }
 
@@ -260,12 +261,6 @@ impl Side {
     pub(crate) fn refusal(&self, light: LightId) -> Option<String> {
         let mut refused = self.refused_lights();
         refused.find_map(|(id, reason)| (id == light).then_some(reason))
-    }
-
-    /// Returns how many layers and lists of casters the present frame makes anew.
-    fn drawn_layers(&self) -> u32 {
-        let report = self.set.report();
-        report.redrawn + report.listed
     }
 }
 

@@ -11,7 +11,7 @@ use web_sys::UrlSearchParams;
 
 /// The keys, for messages.
 const KEYS: &str = "scene, failure, left, right, split (0 to 1, or `left` or `right`) and over (nothing, error, truth, mask, \
-                    texels, cascades, lists or heat)";
+                    texels, cascades or lists)";
 
 /// What the address asks for.
 #[derive(Default)]
