@@ -385,6 +385,24 @@ def refused(program, out):
     print(f"a technique that is refused says why: {left['refusal']}")
 
 
+def switched_off(program, out):
+    """Without the light that is measured there are no figures, and nothing lies over the picture."""
+    window = Window(program, out, ["cubes", "--left", "hard", "--right", "exact", "--fresh"])
+    window.press("v", holds=lambda r: r["picture"] == "Error", what="errors")
+    window.measured()
+    window.press("g", holds=lambda r: not r["lights"][0]["is_on"], what="the light off")
+    report = window.wait(lambda r: r["truth"] is None, "no truth")
+    assert all(side["rmse"] is None for side in report["sides"]), report["sides"]
+    with_errors = window.still("switched-off")
+    window.press("shift+v", holds=lambda r: r["picture"] == "Nothing", what="nothing over it")
+    assert difference(with_errors, window.still("switched-off-plain")) == 0, "errors stay over the picture"
+    window.press("g", holds=lambda r: r["lights"][0]["is_on"], what="the light on")
+    window.measured()
+    agreed(window)
+    window.close()
+    print("a light that is switched off takes its figures and pictures with it")
+
+
 def retyped(program, out):
     """Lights of all kinds, chosen in the panel: each is valid, and its masks are the CPU's."""
     window = Window(program, out, ["cubes", "--left", "pcf", "--right", "exact", "--fresh"])
@@ -446,7 +464,17 @@ def remembered(program, out):
     report = again.report()
     assert report["scene"] == "bowl" and report["sides"][0]["technique"] == "midpoint", report
     assert report["lights"] == before["lights"] and report["chosen"] == before["chosen"], (before, report)
-    again.close()
+    again.key("ctrl+q")
+    again.program.wait(timeout=30)
+    # Named by its path from there, it is the same.
+    named = Window(program, out, ["bowl.obj"], first.folder, started_in=folder)
+    assert named.report()["lights"] == before["lights"], named.report()
+    named.press("Delete", "Delete", holds=lambda r: not r["lights"], what="no lights")
+    named.key("ctrl+q")
+    named.program.wait(timeout=30)
+    dark = Window(program, out, [], first.folder)
+    assert dark.report()["lights"] == [], dark.report()
+    dark.close()
     print("settings are remembered, with a model, its view and its lights")
 
 
@@ -557,8 +585,13 @@ def moving(program, out):
     window.shot("paused")
     fault, cure = [side["wrong"] for side in after["sides"]]
     print(f"hills-pan, paused at step {after['path']['step']}: {fault:.0f} pixels wrong on the left, {cure:.0f} on the right")
+    window.press("plus", holds=lambda r: r["path"]["step"] is None, what="the end of the path")
+    nearer = window.report()["camera"]
+    back = window.press("minus", holds=lambda r: r["camera"] != nearer, what="a step back")["camera"]
+    assert math.dist(back, paused["camera"]) < 0.1 * math.dist(begin["camera"], paused["camera"]), (back, paused, begin)
+    window.press("Home")
     window.click("Play", role="Button")
-    window.wait(lambda r: r["path"]["playing"] and r["camera"] != paused["camera"], "the way on")
+    window.wait(lambda r: r["path"]["playing"] and r["camera"] not in (begin["camera"], back), "the way on")
     before = window.report()["camera"]
     window.move(WIDTH - 200, HEIGHT - 60)
     window.do("keydown", "w")
@@ -947,6 +980,7 @@ def views(program, out):
     """What is measured is what is shown, whatever the user does to it."""
     hidden(program, out)
     refused(program, out)
+    switched_off(program, out)
     retyped(program, out)
     moved(program, out)
 
