@@ -6,7 +6,10 @@ use crate::{
     render::SIDES,
     settings::{FitKind, SideSettings},
 };
-use umbrage::techniques::{self, Bias, ShadowMap};
+use umbrage::{
+    Cascades, Layout,
+    techniques::{self, Bias, ShadowMap},
+};
 
 /// Draws a side's settings.
 pub(crate) fn show(app: &mut App, ui: &mut egui::Ui, side: usize) {
@@ -100,9 +103,28 @@ fn map_settings(ui: &mut egui::Ui, settings: &mut SideSettings, mut map: ShadowM
             .suffix(" m");
         labelled(ui, drag, "range");
     }
-    ui.add(egui::Slider::new(&mut settings.cascades, 1..=8).text("cascades (directional)"));
+    let slider = egui::Slider::new(&mut settings.cascades, 1..=8).text("cascades (directional)");
+    if ui.add(slider).changed() {
+        map.layout = layout(settings.cascades, map.layout);
+    }
     bias(ui, &mut map.bias);
     map
+}
+
+/// Returns the layout of so many maps of a directional light: their other settings stay, and are shown with the rest of the map.
+fn layout(maps: u32, before: Layout) -> Layout {
+    let known = match before {
+        Layout::Cascades(cascades) => Some(cascades),
+        _ => None,
+    };
+    match known {
+        _ if maps > 1 => Layout::Cascades(Cascades {
+            count: maps,
+            ..known.unwrap_or_default()
+        }),
+        Some(_) => Layout::Auto,
+        None => before,
+    }
 }
 
 fn bias(ui: &mut egui::Ui, bias: &mut Bias) {
