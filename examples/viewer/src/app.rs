@@ -8,7 +8,7 @@ use crate::{
     focus::Focus,
     gizmo::{self, LightHandles},
     lights::Kind,
-    loading::{Loader, Then, anywhere},
+    loading::{Loader, Then, are_same_scene},
     measure::view_figures::{Question, ShownFigures, ViewFigures},
     panel::{self, maps::MapPicture, picker::Picker},
     path::MotionPath,
@@ -198,7 +198,7 @@ impl App {
         let scene = failure.map_or(wanted.as_str(), |failure| failure.scene);
         let then = match (failure, saved) {
             (Some(failure), _) => Then::Compare(failure),
-            (None, Some(saved)) if saved.scene == anywhere(&wanted) => {
+            (None, Some(saved)) if are_same_scene(&saved.scene, &wanted) => {
                 Then::AsLeft(saved.scene_as_left())
             }
             _ => Then::Show,

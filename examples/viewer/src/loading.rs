@@ -155,7 +155,7 @@ impl Then {
 /// Returns what names the same scene when the program is started in another folder: built-in scenes are named as they are, files with all
 /// their folders.
 #[cfg(not(target_arch = "wasm32"))]
-pub(crate) fn anywhere(argument: &str) -> String {
+fn anywhere(argument: &str) -> String {
     let is_built_in = umbrage::scenes::find(argument).is_some();
     match std::path::absolute(argument) {
         Ok(path) if !is_built_in => path.display().to_string(),
@@ -163,9 +163,17 @@ pub(crate) fn anywhere(argument: &str) -> String {
     }
 }
 
+/// Whether two arguments name the same scene: the same name, or the same file by whatever path.
+pub(crate) fn are_same_scene(a: &str, b: &str) -> bool {
+    let [a, b] = [a, b].map(anywhere);
+    // Files by their paths without links and `..`; browsers have none.
+    let file = |path: &str| std::fs::canonicalize(path).ok();
+    a == b || file(&a).is_some_and(|of_a| file(&b) == Some(of_a))
+}
+
 /// Browsers have no folders.
 #[cfg(target_arch = "wasm32")]
-pub(crate) fn anywhere(argument: &str) -> String {
+fn anywhere(argument: &str) -> String {
     argument.to_owned()
 }
 
