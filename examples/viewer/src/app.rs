@@ -503,7 +503,6 @@ impl App {
     /// Forgets a side's mask, since its technique changed.
     pub(crate) fn forget_mask(&mut self, side: usize) {
         self.figures.forget_mask(side, &mut self.renderer);
-        self.renderer.forget_drawn(side);
         self.touch();
     }
 

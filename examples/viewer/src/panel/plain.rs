@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn words_of_all_techniques_have_choices_and_all_of_them_are_taken() {
+    fn words_of_all_techniques_have_choices_and_none_is_left_out_but_with_numbers() {
         let mut found = 0;
         let presets = techniques::all().iter().map(|entry| (entry.preset)());
         let cascades = "technique = 'pcf'\n[map.layout.cascades]\ncount = 3\n";
@@ -192,17 +192,15 @@ mod tests {
                     name
                 );
                 assert!(known.len() > 1, "{}: {path:?}: {known:?}", name);
-                for choice in known {
-                    let mut changed = Value::Table(table.clone());
-                    let mut place = &mut changed;
-                    for name in path {
-                        place = place.get_mut(name).expect("there");
-                    }
-                    *place = choice.clone().into();
-                    let text = toml::to_string(&changed).expect("written");
-                    let preset = TechniquePreset::from_toml(&text);
-                    assert!(preset.is_ok(), "{}: {path:?} = {choice}: {preset:?}", name);
-                }
+                let listed = choices(&table, path);
+                let left_out: Vec<&String> =
+                    listed.iter().filter(|word| !known.contains(word)).collect();
+                // These come with numbers of their own.
+                let with_numbers: &[&str] = match path.last() {
+                    Some(&"split") => &["practical", "given"],
+                    _ => &[],
+                };
+                assert_eq!(left_out, with_numbers, "{name}: {path:?}");
                 found += 1;
             });
         }

@@ -211,7 +211,7 @@ impl Renderer {
     }
 
     /// Forgets what a side's maps and lists took, since they are others now.
-    pub(crate) fn forget_drawn(&mut self, side: usize) {
+    fn forget_drawn(&mut self, side: usize) {
         if let Some(clock) = &mut self.clock {
             clock.forget_drawn(side);
         }
