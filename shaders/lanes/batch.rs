@@ -141,8 +141,8 @@ pub struct Batch {
     pub(crate) y: Lanes<f32>,
     pub(crate) depth: Lanes<f32>,
     pub(crate) deepest: Lanes<f32>,
-    right: Lanes<f32>,
-    down: Lanes<f32>,
+    pub(crate) right: Lanes<f32>,
+    pub(crate) down: Lanes<f32>,
     pub(crate) layer: Lanes<i32>,
     pub(crate) covered: Lanes<bool>,
 }

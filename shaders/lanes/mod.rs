@@ -2,4 +2,5 @@
 //! [`look_up_span`](batch::look_up_span) and say with [`Taps`](batch::Taps) what they make of one receiver's place on the map.
 
 pub mod batch;
+pub(crate) mod single;
 pub mod square;

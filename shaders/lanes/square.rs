@@ -11,6 +11,7 @@ use crate::{
     lanes::batch::{BATCH, Batch, Lanes},
     shadow_map::{coord::ShadowCoord, texel_compare::DepthMap},
 };
+use umbrage_core::math::lesser;
 
 /// How many taps of each receiver's square are lit.
 pub(crate) struct LitTaps {
@@ -53,28 +54,110 @@ pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
         }
         counts[i] = count;
     }
-    let mut lit = [0.0; BATCH];
+    let lit = sums::<SIDE, LANES>(&counts);
+    LitTaps { lit, is_known }
+}
+
+/// Counts as [`level_squares`] does, of receivers whose depths follow their planes.
+///
+/// What is compared takes more arithmetic here, so the loop over loads does nothing but copy what it loads.
+#[inline(always)]
+pub(crate) fn sloped_squares<const SIDE: usize, const LANES: usize>(
+    map: &DepthMap<'_>,
+    batch: &Batch,
+) -> LitTaps {
+    let places = places::<SIDE>(map, batch);
+    let mut is_known = places.is_inside;
+    let stride = map.size as usize;
+    let length = (SIDE - 1) * stride + LANES;
+    let mut rows = [[[0.0_f32; LANES]; SIDE]; BATCH];
+    for i in 0..BATCH {
+        let first = places.first[i] as usize;
+        let Some(window) = map.texels.get(first..first + length) else {
+            is_known[i] = false;
+            continue;
+        };
+        for row in 0..SIDE {
+            if let Some(stored) = window[row * stride..].first_chunk::<LANES>() {
+                rows[i][row] = *stored;
+            }
+        }
+    }
+    let mut counts = [[0_u32; LANES]; BATCH];
+    for i in 0..BATCH {
+        let depths = TapDepths::<LANES>::of::<SIDE>(batch, i);
+        let mut count = [0_u32; LANES];
+        for row in 0..SIDE {
+            for lane in 0..LANES {
+                let on_plane = depths.in_first_row[lane] + depths.down[row];
+                let depth = lesser(on_plane, depths.deepest);
+                count[lane] += u32::from(depth <= rows[i][row][lane]);
+            }
+        }
+        counts[i] = count;
+    }
+    let lit = sums::<SIDE, LANES>(&counts);
+    LitTaps { lit, is_known }
+}
+
+/// Returns the sums over the first `SIDE` lanes.
+#[inline(always)]
+fn sums<const SIDE: usize, const LANES: usize>(counts: &[[u32; LANES]; BATCH]) -> Lanes<f32> {
+    let mut out = [0.0; BATCH];
     for i in 0..BATCH {
         let mut sum = 0_u32;
         for lane in 0..SIDE {
             sum += counts[i][lane];
         }
-        lit[i] = sum as i32 as f32;
+        out[i] = sum as i32 as f32;
     }
-    LitTaps { lit, is_known }
+    out
+}
+
+/// The depths to compare with a square's texels, as [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane) has them: in
+/// lane `k` of row `r` the lesser of `in_first_row[k] + down[r]` and `deepest`.
+struct TapDepths<const LANES: usize> {
+    /// The receiver's depth, and what it gains along a row.
+    in_first_row: [f32; LANES],
+    /// What it gains down to each row; rows are no more than lanes.
+    down: [f32; LANES],
+    deepest: f32,
+}
+
+impl<const LANES: usize> TapDepths<LANES> {
+    /// Returns the depths along the plane of receiver `i`, for the square of `SIDE` texels a side around its texel.
+    #[inline(always)]
+    fn of<const SIDE: usize>(batch: &Batch, i: usize) -> Self {
+        let radius = (SIDE / 2) as f32;
+        let [x, y] = [batch.x[i], batch.y[i]];
+        let [first_x, first_y] = [floor(x) - radius, floor(y) - radius];
+        let mut in_first_row = [0.0; LANES];
+        let mut down = [0.0; LANES];
+        for lane in 0..LANES {
+            // Sums of whole numbers and a half are exact.
+            let center = lane as i32 as f32 + 0.5;
+            in_first_row[lane] = batch.depth[i] + batch.right[i] * (first_x + center - x);
+            down[lane] = batch.down[i] * (first_y + center - y);
+        }
+        Self {
+            in_first_row,
+            down,
+            deepest: batch.deepest[i],
+        }
+    }
 }
 
 /// Where the squares of a batch lie.
-struct Places {
+pub(super) struct Places {
     /// The number of the least texel among all of the map; 0 where the square isn't looked up.
-    first: Lanes<u32>,
+    pub(super) first: Lanes<u32>,
     /// Whether the receiver is covered, and its square lies within the map.
-    is_inside: Lanes<bool>,
+    pub(super) is_inside: Lanes<bool>,
 }
 
 /// Returns where the squares of `SIDE` texels around the texels of a batch lie.
 #[inline(always)]
-fn places<const SIDE: usize>(map: &DepthMap<'_>, batch: &Batch) -> Places {
+pub(super) fn places<const SIDE: usize>(map: &DepthMap<'_>, batch: &Batch) -> Places {
     let size = map.size as u32;
     let radius = (SIDE / 2) as f32;
     // The greatest place of a least texel.
@@ -99,48 +182,7 @@ fn places<const SIDE: usize>(map: &DepthMap<'_>, batch: &Batch) -> Places {
     Places { first, is_inside }
 }
 
-/// Returns how many taps of the square of `SIDE` texels a side whose least texel is (x, y) are lit; `None` unless it lies wholly
-/// within the map and its rows may be read `LANES` wide. Lanes beyond `SIDE` are not counted.
-#[inline(always)]
-pub fn square<const SIDE: usize, const LANES: usize>(
-    map: &DepthMap<'_>,
-    l: &ShadowCoord,
-    x: i32,
-    y: i32,
-) -> Option<f32> {
-    let texels = map.layer(l.layer)?;
-    let size = map.size;
-    let side = SIDE as i32;
-    if x < 0 || y < 0 || x + side > size || y + side > size {
-        return None;
-    }
-    let stride = size as usize;
-    let first = y as usize * stride + x as usize;
-    let window = texels.get(first..first + (SIDE - 1) * stride + LANES)?;
-    let mut lit = [0_u32; LANES];
-    if l.gradient == glam::Vec2::ZERO {
-        for row in 0..SIDE {
-            let stored: &[f32; LANES] = window[row * stride..][..LANES].first_chunk()?;
-            for (lit, stored) in lit.iter_mut().zip(stored) {
-                *lit += u32::from(l.depth <= *stored);
-            }
-        }
-    } else {
-        for row in 0..SIDE {
-            let stored: &[f32; LANES] = window[row * stride..][..LANES].first_chunk()?;
-            // `depth_on_plane` of the row's texels: its term for y is the same for all of them.
-            let down = l.gradient.y * ((y + row as i32) as f32 + 0.5 - l.texel.y);
-            for (lane, lit) in lit.iter_mut().enumerate() {
-                let right = l.gradient.x * ((x + lane as i32) as f32 + 0.5 - l.texel.x);
-                let depth = (l.depth + right + down).min(l.deepest);
-                *lit += u32::from(depth <= stored[lane]);
-            }
-        }
-    }
-    Some(lit[..SIDE].iter().sum::<u32>() as f32)
-}
-
-/// Counts the lit taps of the square with `side` texels a side whose least texel is (x, y): [`square`] of any side, anywhere.
+/// Counts the lit taps of the square with `side` texels a side whose least texel is (x, y): of any side, anywhere, one by one.
 #[inline]
 pub fn one_by_one(map: &DepthMap<'_>, l: &ShadowCoord, x: i32, y: i32, side: i32) -> f32 {
     let mut lit = 0.0;
@@ -165,8 +207,8 @@ mod tests {
         (0..SIZE * SIZE * LAYERS).map(value).collect()
     }
 
-    /// Receivers on the map, at its edges and beside it; every fifth isn't covered.
-    fn batch(turn: usize) -> Batch {
+    /// Receivers on the map, at its edges and beside it, on level planes or on steep ones; every fifth isn't covered.
+    fn batch<const SLOPED: bool>(turn: usize) -> Batch {
         let mut batch = Batch::new();
         for i in 0..BATCH {
             let k = (turn * BATCH + i) as f32;
@@ -174,6 +216,11 @@ mod tests {
             batch.y[i] = (k * 1.37) % 45.0 - 4.0;
             batch.depth[i] = (k * 0.11) % 1.0;
             batch.deepest[i] = 1.0;
+            if SLOPED {
+                batch.deepest[i] = 0.9;
+                batch.right[i] = (k * 0.017) % 0.4 - 0.2;
+                batch.down[i] = if i % 3 == 0 { 0.0 } else { 0.15 };
+            }
             batch.layer[i] = i as i32 % LAYERS;
             batch.covered[i] = i % 5 != 0;
         }
@@ -181,7 +228,9 @@ mod tests {
     }
 
     /// Returns how many squares were known, and how many of these have another count than the plain loop finds in `judged`.
-    fn known_and_other<const SIDE: usize, const LANES: usize>(judged: &[f32]) -> (usize, usize) {
+    fn known_and_other<const SIDE: usize, const LANES: usize, const SLOPED: bool>(
+        judged: &[f32],
+    ) -> (usize, usize) {
         let texels = texels();
         let map = |texels| DepthMap {
             texels,
@@ -194,9 +243,13 @@ mod tests {
         let mut known = 0;
         let mut other = 0;
         for turn in 0..40 {
-            let batch = batch(turn);
-            assert!(batch.is_level());
-            let taps = level_squares::<SIDE, LANES>(&map(&texels), &batch);
+            let batch = batch::<SLOPED>(turn);
+            assert_eq!(batch.is_level(), !SLOPED);
+            let taps = if SLOPED {
+                sloped_squares::<SIDE, LANES>(&map(&texels), &batch)
+            } else {
+                level_squares::<SIDE, LANES>(&map(&texels), &batch)
+            };
             for i in 0..BATCH {
                 let l = batch.lookup(i);
                 let x = l.texel.x.floor() as i32 - radius;
@@ -217,20 +270,29 @@ mod tests {
         (known, other)
     }
 
-    #[test]
-    fn level_squares_count_as_the_plain_loop() {
+    fn check<const SLOPED: bool>() {
         let texels = texels();
         for (known, other) in [
-            known_and_other::<3, 4>(&texels),
-            known_and_other::<5, 8>(&texels),
-            known_and_other::<7, 8>(&texels),
-            known_and_other::<9, 16>(&texels),
+            known_and_other::<3, 4, SLOPED>(&texels),
+            known_and_other::<5, 8, SLOPED>(&texels),
+            known_and_other::<7, 8, SLOPED>(&texels),
+            known_and_other::<9, 16, SLOPED>(&texels),
         ] {
             assert!(known > 800 && other == 0, "{known} {other}");
         }
         // The control: a map that is deeper by a little has other counts.
         let spoilt: Vec<f32> = texels.iter().map(|depth| depth + 0.1).collect();
-        let (known, other) = known_and_other::<3, 4>(&spoilt);
+        let (known, other) = known_and_other::<3, 4, SLOPED>(&spoilt);
         assert!(other > known / 4, "{known} {other}");
+    }
+
+    #[test]
+    fn squares_of_level_receivers_count_as_the_plain_loop() {
+        check::<false>();
+    }
+
+    #[test]
+    fn squares_of_sloped_receivers_count_as_the_plain_loop() {
+        check::<true>();
     }
 }

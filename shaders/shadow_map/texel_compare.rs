@@ -34,8 +34,26 @@ pub fn depth_at(l: &ShadowCoord, x: i32, y: i32) -> f32 {
 /// the far plane must stay there, since texels that nothing was drawn to hold 1.)
 #[inline(always)]
 pub fn depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32 {
-    let right = gradient.x * (x as f32 + 0.5 - from.x);
-    let down = gradient.y * (y as f32 + 0.5 - from.y);
+    depth_at_texel(
+        depth,
+        gradient,
+        deepest,
+        from,
+        Vec2::new(x as f32, y as f32),
+    )
+}
+
+/// Returns [`depth_on_plane`] at a texel whose whole numbers are held as floats, which costs loops over many receivers no conversion.
+#[inline(always)]
+pub(crate) fn depth_at_texel(
+    depth: f32,
+    gradient: Vec2,
+    deepest: f32,
+    from: Vec2,
+    texel: Vec2,
+) -> f32 {
+    let right = gradient.x * (texel.x + 0.5 - from.x);
+    let down = gradient.y * (texel.y + 0.5 - from.y);
     (depth + right + down).min(deepest)
 }
 

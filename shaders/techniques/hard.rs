@@ -5,12 +5,12 @@
 //! too much of it, by penumbrae without width, and as every map does: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    lanes::batch::{Taps, look_up_span},
-    listing::{ListedTechnique, sweeps},
-    shadow_map::{
-        Bias, MapFormat, ShadowMap, coord::ShadowCoord, layers::MapOnlyUniforms,
-        texel_compare::DepthMap,
+    lanes::{
+        batch::{Batch, BatchTaps, look_up_span},
+        single::single_taps,
     },
+    listing::{ListedTechnique, sweeps},
+    shadow_map::{Bias, MapFormat, ShadowMap, layers::MapOnlyUniforms, texel_compare::DepthMap},
 };
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -150,10 +150,39 @@ struct OneTap<'a> {
     map: DepthMap<'a>,
 }
 
-impl Taps for OneTap<'_> {
+impl BatchTaps for OneTap<'_> {
     #[inline(always)]
-    fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
-        self.map
-            .tap(l, l.texel.x.floor() as i32, l.texel.y.floor() as i32)
+    fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
+        if self.map.packed {
+            self.one_by_one(batch, out);
+            return;
+        }
+        let taps = single_taps(&self.map, batch);
+        let mut is_complete = true;
+        for (i, out) in out.iter_mut().enumerate() {
+            let is_known = taps.is_known[i];
+            let is_dark = is_known & !taps.is_lit[i];
+            *out = if is_dark { 0.0 } else { 1.0 };
+            is_complete &= is_known | !batch.covered[i];
+        }
+        // Beside the map all is lit, unless its edge repeats.
+        if self.map.clamped && !is_complete {
+            self.one_by_one(batch, out);
+        }
+    }
+}
+
+impl OneTap<'_> {
+    #[inline(never)]
+    fn one_by_one(&self, batch: &Batch, out: &mut [f32]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            let l = batch.lookup(i);
+            let [x, y] = [l.texel.x.floor() as i32, l.texel.y.floor() as i32];
+            *out = if l.covered {
+                self.map.tap(&l, x, y)
+            } else {
+                1.0
+            };
+        }
     }
 }

@@ -265,7 +265,7 @@ impl ReceiveKernel for PcfKernel {
 /// lavapipe, in the disc of `pcf_disc` 1.2 and 5.6 ns (`recorded.csv` of `umbrage-plan`).
 const NEIGHBOURS_A_TAP: u32 = 3;
 
-/// `SIDE` and `LANES` as in [`square::square`]; 0 for any side.
+/// `SIDE` and `LANES` as in [`square::level_squares`]; 0 for any side.
 struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
     map: DepthMap<'a>,
     radius: i32,
@@ -275,11 +275,15 @@ struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
 impl<const SIDE: usize, const LANES: usize> BatchTaps for SquareOfTaps<'_, SIDE, LANES> {
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
-        if SIDE == 0 || self.map.packed || !batch.is_level() {
+        if SIDE == 0 || self.map.packed {
             self.one_by_one(batch, out);
             return;
         }
-        let taps = square::level_squares::<SIDE, LANES>(&self.map, batch);
+        let taps = if batch.is_level() {
+            square::level_squares::<SIDE, LANES>(&self.map, batch)
+        } else {
+            square::sloped_squares::<SIDE, LANES>(&self.map, batch)
+        };
         let mut is_complete = true;
         for (i, out) in out.iter_mut().enumerate() {
             let is_known = taps.is_known[i];
@@ -321,12 +325,6 @@ impl<const SIDE: usize, const LANES: usize> SquareOfTaps<'_, SIDE, LANES> {
     fn visibility(&self, l: &ShadowCoord) -> f32 {
         let x = l.texel.x.floor() as i32 - self.radius;
         let y = l.texel.y.floor() as i32 - self.radius;
-        let in_lanes = if SIDE > 0 {
-            square::square::<SIDE, LANES>(&self.map, l, x, y)
-        } else {
-            None
-        };
-        in_lanes.unwrap_or_else(|| square::one_by_one(&self.map, l, x, y, 2 * self.radius + 1))
-            / self.count
+        square::one_by_one(&self.map, l, x, y, 2 * self.radius + 1) / self.count
     }
 }
