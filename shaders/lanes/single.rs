@@ -1,4 +1,4 @@
-//! One comparison for each receiver of a batch, with the receiver's own texel.
+//! Single comparisons for each receiver of a batch.
 
 #![expect(
     clippy::needless_range_loop,
@@ -8,45 +8,96 @@
 use crate::{
     filtering::pattern_taps::floor,
     lanes::{
-        batch::{BATCH, Batch, Lanes},
-        square::places,
+        batch::{BATCH, Batch, BatchTaps, Lanes},
+        square::{Places, places_at},
     },
     shadow_map::texel_compare::{DepthMap, depth_at_texel},
 };
 use glam::Vec2;
 
-/// What receivers' own texels say.
+/// One comparison for each receiver of a batch.
 pub(crate) struct SingleTaps {
-    /// Whether the receiver isn't behind its texel; meaningless where that isn't known.
-    pub(crate) is_lit: Lanes<bool>,
-    /// Whether the texel lies on the map, so that the answer is known.
+    /// 1 where the receiver isn't behind its texel, or has none, else 0.
+    pub(crate) lit: Lanes<f32>,
+    /// Whether the texel lies on the map, and the receiver is covered.
     pub(crate) is_known: Lanes<bool>,
 }
 
-/// Compares the receivers of a batch with their own texels, of a map that is not packed.
+/// Compares the receivers of a batch with the texels (x, y), whole numbers, of a map that is not packed.
 ///
 /// In three loops, as [`level_squares`](super::square::level_squares): places, then nothing but loads, so that many are under way at
 /// once, then comparisons.
 #[inline(always)]
-pub(crate) fn single_taps(map: &DepthMap<'_>, batch: &Batch) -> SingleTaps {
-    let places = places::<1>(map, batch);
-    let mut is_known = places.is_inside;
+pub(crate) fn single_taps(
+    map: &DepthMap<'_>,
+    batch: &Batch,
+    x: &Lanes<f32>,
+    y: &Lanes<f32>,
+) -> SingleTaps {
+    let Places { first, is_inside } = places_at::<1>(map, batch, x, y);
+    let mut is_known = is_inside;
     let mut stored = [0.0; BATCH];
     for i in 0..BATCH {
-        match map.plain_depth(places.first[i] as usize) {
+        match map.plain_depth(first[i] as usize) {
             Some(depth) => stored[i] = depth,
             None => is_known[i] = false,
         }
     }
-    let mut is_lit = [false; BATCH];
+    let mut lit = [1.0; BATCH];
     for i in 0..BATCH {
         let from = Vec2::new(batch.x[i], batch.y[i]);
-        let texel = Vec2::new(floor(from.x), floor(from.y));
         let gradient = Vec2::new(batch.right[i], batch.down[i]);
+        let texel = Vec2::new(x[i], y[i]);
         let depth = depth_at_texel(batch.depth[i], gradient, batch.deepest[i], from, texel);
-        is_lit[i] = depth <= stored[i];
+        let is_lit = (depth <= stored[i]) | !is_known[i];
+        lit[i] = if is_lit { 1.0 } else { 0.0 };
     }
-    SingleTaps { is_lit, is_known }
+    SingleTaps { lit, is_known }
+}
+
+/// The comparison with the receiver's own texel.
+pub(crate) struct OwnTexel<'a> {
+    pub(crate) map: DepthMap<'a>,
+}
+
+impl BatchTaps for OwnTexel<'_> {
+    #[inline(always)]
+    fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
+        if self.map.packed {
+            self.one_by_one(batch, out);
+            return;
+        }
+        let [mut x, mut y] = [[0.0; BATCH]; 2];
+        for i in 0..BATCH {
+            x[i] = floor(batch.x[i]);
+            y[i] = floor(batch.y[i]);
+        }
+        let taps = single_taps(&self.map, batch, &x, &y);
+        let mut is_complete = true;
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = taps.lit[i];
+            is_complete &= taps.is_known[i] | !batch.covered[i];
+        }
+        // Beside the map all is lit, unless its edge repeats.
+        if self.map.clamped && !is_complete {
+            self.one_by_one(batch, out);
+        }
+    }
+}
+
+impl OwnTexel<'_> {
+    #[inline(never)]
+    fn one_by_one(&self, batch: &Batch, out: &mut [f32]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            let l = batch.lookup(i);
+            let [x, y] = [l.texel.x.floor() as i32, l.texel.y.floor() as i32];
+            *out = if l.covered {
+                self.map.tap(&l, x, y)
+            } else {
+                1.0
+            };
+        }
+    }
 }
 
 #[cfg(test)]
@@ -89,23 +140,26 @@ mod tests {
         batch
     }
 
-    /// Returns how many texels were known, and how many of these answer otherwise than the plain comparison in `judged`.
+    /// Returns how many taps two texels right of the receiver's own were known, and how many of these answer otherwise than the plain
+    /// comparison in `judged`.
     fn known_and_other(judged: &[f32]) -> (usize, usize) {
         let texels = texels();
         let mut known = 0;
         let mut other = 0;
         for turn in 0..40 {
             let batch = batch(turn);
-            let taps = single_taps(&map(&texels), &batch);
+            let x = batch.x.map(|x| x.floor() + 2.0);
+            let y = batch.y.map(f32::floor);
+            let taps = single_taps(&map(&texels), &batch, &x, &y);
             for i in 0..BATCH {
                 let l = batch.lookup(i);
-                let x = l.texel.x.floor() as i32;
-                let y = l.texel.y.floor() as i32;
+                let [x, y] = [x[i] as i32, y[i] as i32];
                 assert_eq!(taps.is_known[i], l.covered && map(&texels).has(x, y));
                 if taps.is_known[i] {
                     known += 1;
-                    let is_lit = map(judged).tap(&l, x, y) == 1.0;
-                    other += usize::from(taps.is_lit[i] != is_lit);
+                    other += usize::from(taps.lit[i] != map(judged).tap(&l, x, y));
+                } else {
+                    assert_eq!(taps.lit[i], 1.0);
                 }
             }
         }
@@ -121,5 +175,28 @@ mod tests {
         let spoilt: Vec<f32> = texels.iter().map(|depth| depth + 0.1).collect();
         let (_, other) = known_and_other(&spoilt);
         assert!(other > known / 20, "{other} of {known}");
+    }
+
+    /// Beside the map receivers are lit, or its edge repeats.
+    #[test]
+    fn own_texels_are_as_the_plain_comparison() {
+        let texels = texels();
+        for clamped in [false, true] {
+            let map = DepthMap {
+                clamped,
+                ..map(&texels)
+            };
+            for turn in 0..40 {
+                let batch = batch(turn);
+                let mut out = [9.0; BATCH];
+                OwnTexel { map }.visibilities(&batch, 0, &mut out);
+                for (i, out) in out.into_iter().enumerate() {
+                    let l = batch.lookup(i);
+                    let [x, y] = [l.texel.x.floor() as i32, l.texel.y.floor() as i32];
+                    let expected = if l.covered { map.tap(&l, x, y) } else { 1.0 };
+                    assert_eq!(out, expected, "{clamped} {x} {y}");
+                }
+            }
+        }
     }
 }

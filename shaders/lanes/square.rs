@@ -157,16 +157,31 @@ pub(super) struct Places {
 
 /// Returns where the squares of `SIDE` texels around the texels of a batch lie.
 #[inline(always)]
-pub(super) fn places<const SIDE: usize>(map: &DepthMap<'_>, batch: &Batch) -> Places {
-    let size = map.size as u32;
+fn places<const SIDE: usize>(map: &DepthMap<'_>, batch: &Batch) -> Places {
     let radius = (SIDE / 2) as f32;
+    let [mut x, mut y] = [[0.0; BATCH]; 2];
+    for i in 0..BATCH {
+        x[i] = floor(batch.x[i]) - radius;
+        y[i] = floor(batch.y[i]) - radius;
+    }
+    places_at::<SIDE>(map, batch, &x, &y)
+}
+
+/// Returns where the squares of `SIDE` texels lie whose least texels are (x, y), whole numbers, for the receivers of a batch.
+#[inline(always)]
+pub(super) fn places_at<const SIDE: usize>(
+    map: &DepthMap<'_>,
+    batch: &Batch,
+    x: &Lanes<f32>,
+    y: &Lanes<f32>,
+) -> Places {
+    let size = map.size as u32;
     // The greatest place of a least texel.
     let last = map.size as f32 - SIDE as f32;
     let mut first = [0; BATCH];
     let mut is_inside = [false; BATCH];
     for i in 0..BATCH {
-        let x = floor(batch.x[i]) - radius;
-        let y = floor(batch.y[i]) - radius;
+        let [x, y] = [x[i], y[i]];
         // `&` and not `&&`, so that this loop is vectorised.
         let is_on_map = (x >= 0.0) & (y >= 0.0) & (x <= last) & (y <= last);
         let is_looked_up = is_on_map & batch.covered[i];

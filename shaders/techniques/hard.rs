@@ -5,12 +5,9 @@
 //! too much of it, by penumbrae without width, and as every map does: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    lanes::{
-        batch::{Batch, BatchTaps, look_up_span},
-        single::single_taps,
-    },
+    lanes::{batch::look_up_span, single::OwnTexel},
     listing::{ListedTechnique, sweeps},
-    shadow_map::{Bias, MapFormat, ShadowMap, layers::MapOnlyUniforms, texel_compare::DepthMap},
+    shadow_map::{Bias, MapFormat, ShadowMap, layers::MapOnlyUniforms},
 };
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -130,7 +127,7 @@ impl Kernel for HardKernel {
 
 impl ReceiveKernel for HardKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let taps = OneTap {
+        let taps = OwnTexel {
             map: self.0.lookup.map(&inputs.images[0]),
         };
         look_up_span(inputs.simd, &self.0.lookup, span, out, &taps);
@@ -143,46 +140,5 @@ impl ReceiveKernel for HardKernel {
 
     fn layer(&self, position: Vec3) -> Option<u32> {
         self.0.lookup.layer_of(position)
-    }
-}
-
-struct OneTap<'a> {
-    map: DepthMap<'a>,
-}
-
-impl BatchTaps for OneTap<'_> {
-    #[inline(always)]
-    fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
-        if self.map.packed {
-            self.one_by_one(batch, out);
-            return;
-        }
-        let taps = single_taps(&self.map, batch);
-        let mut is_complete = true;
-        for (i, out) in out.iter_mut().enumerate() {
-            let is_known = taps.is_known[i];
-            let is_dark = is_known & !taps.is_lit[i];
-            *out = if is_dark { 0.0 } else { 1.0 };
-            is_complete &= is_known | !batch.covered[i];
-        }
-        // Beside the map all is lit, unless its edge repeats.
-        if self.map.clamped && !is_complete {
-            self.one_by_one(batch, out);
-        }
-    }
-}
-
-impl OneTap<'_> {
-    #[inline(never)]
-    fn one_by_one(&self, batch: &Batch, out: &mut [f32]) {
-        for (i, out) in out.iter_mut().enumerate() {
-            let l = batch.lookup(i);
-            let [x, y] = [l.texel.x.floor() as i32, l.texel.y.floor() as i32];
-            *out = if l.covered {
-                self.map.tap(&l, x, y)
-            } else {
-                1.0
-            };
-        }
     }
 }

@@ -350,14 +350,18 @@ impl ReceiveKernel for MsmKernel {
 }
 
 /// The moments that are mixed in: of depths of which three eighths lie at the map's two ends, and the rest in its middle.
-const BIAS_MOMENTS: Vec4 = Vec4::new(0.0, 0.375, 0.0, 0.375);
+const BIAS_MOMENTS: [f32; 4] = [0.0, 0.375, 0.0, 0.375];
 
 impl MsmUniforms {
     /// Returns moments, moved a little towards [`BIAS_MOMENTS`].
     #[inline(always)]
     fn biased(&self, moments: [f32; 4]) -> Vec4 {
-        let moments = Vec4::from_array(moments);
-        moments + (BIAS_MOMENTS - moments) * self.moment_bias
+        // One by one, and not four at once, so that a loop over receivers becomes one of vector instructions.
+        let mut out = [0.0; 4];
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = moments[i] + (BIAS_MOMENTS[i] - moments[i]) * self.moment_bias;
+        }
+        Vec4::from_array(out)
     }
 }
 

@@ -9,6 +9,7 @@
 use crate::{
     lanes::{
         batch::{Batch, BatchTaps, look_up_span},
+        single::OwnTexel,
         square,
     },
     listing::{Candidate, ListedTechnique, RandomParameter, sweeps},
@@ -213,6 +214,7 @@ impl ReceiveKernel for PcfKernel {
         let simd = inputs.simd;
         // A known radius lets the compiler unroll rows; the others share one loop.
         match radius {
+            0 => look_up_span(simd, &lookup, span, out, &OwnTexel { map }),
             1 => look_up_span(
                 simd,
                 &lookup,

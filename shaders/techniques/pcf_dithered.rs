@@ -7,11 +7,15 @@
 //! and those of every map: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    lanes::batch::{Taps, look_up_span},
+    filtering::pattern_taps::floor,
+    lanes::{
+        batch::{BATCH, Batch, BatchTaps, Lanes, look_up_span},
+        single::single_taps,
+    },
     listing::{ListedTechnique, sweeps},
-    shadow_map::{ShadowMap, coord::ShadowCoord, layers::MapOnlyUniforms, texel_compare::DepthMap},
+    shadow_map::{ShadowMap, layers::MapOnlyUniforms, texel_compare::DepthMap},
 };
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
@@ -117,22 +121,90 @@ struct DitheredTaps<'a> {
     first: UVec2,
 }
 
-impl Taps for DitheredTaps<'_> {
+impl BatchTaps for DitheredTaps<'_> {
     #[inline(always)]
-    fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32 {
-        let pixel_x = self.first.x + offset as u32;
+    fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
+        if self.map.packed {
+            self.one_by_one(batch, first, out);
+            return;
+        }
+        let columns = self.columns(batch, first);
+        let rows = self.rows(batch, first);
+        let mut lit = [0.0; BATCH];
+        let mut is_complete = true;
+        for y in &rows {
+            for x in &columns {
+                let taps = single_taps(&self.map, batch, x, y);
+                for i in 0..BATCH {
+                    lit[i] += taps.lit[i];
+                    is_complete &= taps.is_known[i] | !batch.covered[i];
+                }
+            }
+        }
+        // Beside the map all is lit, unless its edge repeats.
+        if self.map.clamped && !is_complete {
+            self.one_by_one(batch, first, out);
+            return;
+        }
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = if batch.covered[i] { lit[i] / 4.0 } else { 1.0 };
+        }
+    }
+}
+
+impl DitheredTaps<'_> {
+    /// Returns the columns, left and right, of the taps of the receivers of a batch, whose first lies `first` pixels right of the span's.
+    #[inline(always)]
+    fn columns(&self, batch: &Batch, first: usize) -> [Lanes<f32>; 2] {
+        let mut out = [[0.0; BATCH]; 2];
+        for i in 0..BATCH {
+            let shift = self.shift(first + i).x;
+            out[0][i] = floor(batch.x[i] + (shift - 1.5));
+            out[1][i] = floor(batch.x[i] + (shift + 0.5));
+        }
+        out
+    }
+
+    /// Returns their rows, upper and lower.
+    #[inline(always)]
+    fn rows(&self, batch: &Batch, first: usize) -> [Lanes<f32>; 2] {
+        let mut out = [[0.0; BATCH]; 2];
+        for i in 0..BATCH {
+            let shift = self.shift(first + i).y;
+            out[0][i] = floor(batch.y[i] + (shift - 1.5));
+            out[1][i] = floor(batch.y[i] + (shift + 0.5));
+        }
+        out
+    }
+
+    /// Returns by how many texels a pixel moves its taps: in a block of 2x2 each by its own one of (0 or 1, 0 or 1). `offset` is its
+    /// place in the span.
+    #[inline(always)]
+    fn shift(&self, offset: usize) -> Vec2 {
+        let pixel_x = self.first.x.wrapping_add(offset as u32);
         let pixel_y = self.first.y;
-        // Each pixel of a block of 2x2 moves its taps by its own one of (0 or 1, 0 or 1) texels.
-        let shift_x = (pixel_x & 1) as f32;
-        let shift_y = ((pixel_x ^ pixel_y) & 1) as f32;
-        let left = (l.texel.x + (shift_x - 1.5)).floor() as i32;
-        let right = (l.texel.x + (shift_x + 0.5)).floor() as i32;
-        let top = (l.texel.y + (shift_y - 1.5)).floor() as i32;
-        let bottom = (l.texel.y + (shift_y + 0.5)).floor() as i32;
-        let lit = self.map.tap(l, left, top)
-            + self.map.tap(l, right, top)
-            + self.map.tap(l, left, bottom)
-            + self.map.tap(l, right, bottom);
-        lit / 4.0
+        let right = (pixel_x & 1) as i32;
+        let down = ((pixel_x ^ pixel_y) & 1) as i32;
+        Vec2::new(right as f32, down as f32)
+    }
+
+    #[inline(never)]
+    fn one_by_one(&self, batch: &Batch, first: usize, out: &mut [f32]) {
+        let columns = self.columns(batch, first);
+        let rows = self.rows(batch, first);
+        for (i, out) in out.iter_mut().enumerate() {
+            let l = batch.lookup(i);
+            if !l.covered {
+                *out = 1.0;
+                continue;
+            }
+            let mut lit = 0.0;
+            for y in &rows {
+                for x in &columns {
+                    lit += self.map.tap(&l, x[i] as i32, y[i] as i32);
+                }
+            }
+            *out = lit / 4.0;
+        }
     }
 }

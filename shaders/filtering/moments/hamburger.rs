@@ -14,6 +14,17 @@ pub(crate) const HAMBURGER: Module = Module {
 /// Least variance of depth, and of its square where depth says nothing of it: by both is divided.
 const LEAST_VARIANCE: f32 = 1e-9;
 
+/// Returns the number, or the nearest from -1 to 1. Of one number and not of four at once, so that loops over receivers become vector
+/// instructions.
+#[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "WGSL's min and max, in this order, also for NaN"
+)]
+fn bounded(x: f32) -> f32 {
+    x.max(-1.0).min(1.0)
+}
+
 /// Returns what four moments say of depths z: x is their mean, y their variance, z the slope of the line that is closest to z², and w
 /// the variance of z² around that line.
 ///
@@ -23,12 +34,12 @@ const LEAST_VARIANCE: f32 = 1e-9;
 #[inline(always)]
 pub(crate) fn central_moments(moments: Vec4) -> Vec4 {
     // Means of numbers from -1 to 1 are such numbers; so nothing overflows, whatever is asked.
-    let b = moments.max(Vec4::NEG_ONE).min(Vec4::ONE);
-    let variance = (b.y - b.x * b.x).max(LEAST_VARIANCE);
-    let covariance = b.z - b.x * b.y;
+    let [mean, mean2, mean3, mean4] = moments.to_array().map(bounded);
+    let variance = (mean2 - mean * mean).max(LEAST_VARIANCE);
+    let covariance = mean3 - mean * mean2;
     let slope = covariance / variance;
-    let residual = (b.w - b.y * b.y - slope * covariance).max(LEAST_VARIANCE);
-    Vec4::new(b.x, variance, slope, residual)
+    let residual = (mean4 - mean2 * mean2 - slope * covariance).max(LEAST_VARIANCE);
+    Vec4::new(mean, variance, slope, residual)
 }
 
 /// Returns a number that can be divided by.
@@ -86,7 +97,7 @@ pub(crate) fn lit_by_three(central: Vec4, own: f32, share: f32, others: Vec2) ->
 )]
 pub(crate) fn hamburger(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
-    let own = depth.max(-1.0).min(1.0) - central.x;
+    let own = bounded(depth) - central.x;
     let share = share_at(central, own);
     let lit = lit_by_three(central, own, share, other_depths(central, own));
     lit.max(0.0).min(1.0)

@@ -2,25 +2,31 @@
 //! don't filter 32-bit floats.
 
 use crate::{
-    filtering::moments::{
-        bounds::{BOUNDS, without_bleeding},
-        exp2::EXP2,
-        map::BleedingReduction,
-        mipmaps::{
-            MIPMAPS, MipmapUniforms, added_variance, level_reach, level_side, level_start,
-            mipmap_level, texels_spanned,
+    filtering::{
+        moments::{
+            bounds::{BOUNDS, without_bleeding},
+            exp2::EXP2,
+            map::BleedingReduction,
+            mipmaps::{
+                MIPMAPS, MipmapUniforms, added_variance, level_reach, level_side, level_start,
+                mipmap_level, texels_spanned,
+            },
+            of_depth::{MOMENTS_OF_DEPTH, centred},
+            stored::Encoding,
         },
-        of_depth::{MOMENTS_OF_DEPTH, centred},
-        stored::Encoding,
+        pattern_taps::{floor, whole_to_u32},
     },
-    lanes::batch::{Taps, look_up_span},
+    lanes::batch::{BATCH, Batch, BatchTaps, Lanes, Taps, look_up_span},
     shadow_map::{
         coord::{ShadowCoord, clip_w, to_light},
         layers::{ShadowMapUniforms, layer_at},
     },
 };
 use glam::{Vec2, Vec3};
-use umbrage_core::{Inputs, Module, Span, math::dot3};
+use umbrage_core::{
+    Inputs, Module, Span,
+    math::{dot3, greater, lesser},
+};
 
 /// The WGSL half of the lookup. It reads the kernel's first image.
 const LOOK_UP: Module = Module {
@@ -165,15 +171,137 @@ struct MomentLookups<'a, const CHANNELS: usize, B> {
     bleeding: BleedingReduction,
 }
 
-impl<const CHANNELS: usize, B: LightBound<CHANNELS>> Taps for MomentLookups<'_, CHANNELS, B> {
+impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups<'_, CHANNELS, B> {
+    /// In three loops: places, then nothing but loads, so that many are under way at once, then the bounds.
     #[inline(always)]
-    fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
-        self.known(l)
-            .unwrap_or_else(|| self.lit(l, self.blended(l), 0.0))
+    fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
+        let places = Places::new(self.finest, self.size, batch);
+        let mut texels = [[[0.0; BATCH]; CHANNELS]; 4];
+        for (numbers, texels) in places.texels.iter().zip(&mut texels) {
+            for (i, &number) in numbers.iter().enumerate() {
+                let Some(texel) = self.finest.texels.get(number as usize) else {
+                    continue;
+                };
+                for channel in 0..CHANNELS {
+                    texels[channel][i] = texel[channel];
+                }
+            }
+        }
+        // Two loops, so that the one of most maps holds no branch.
+        let lit = if self.encoding == Encoding::Floats {
+            self.lit_at::<true>(batch, &places, &texels)
+        } else {
+            self.lit_at::<false>(batch, &places, &texels)
+        };
+        for (i, out) in out.iter_mut().enumerate() {
+            let l = batch.lookup(i);
+            *out = if l.covered {
+                self.known(&l).unwrap_or(lit[i])
+            } else {
+                1.0
+            };
+        }
     }
 }
 
+/// The four texels between which each receiver of a batch lies.
+struct Places {
+    /// Their numbers among all texels: top left, top right, bottom left, bottom right. 0 where a receiver is not covered.
+    texels: [Lanes<u32>; 4],
+    /// The share of the right ones.
+    right: Lanes<f32>,
+    /// The share of the lower ones.
+    down: Lanes<f32>,
+}
+
+impl Places {
+    /// Returns the places in an image with layers of this side.
+    #[inline(always)]
+    fn new<const CHANNELS: usize>(image: Texels<'_, CHANNELS>, side: i32, batch: &Batch) -> Self {
+        let [width, height] = [image.width as u32, image.height as u32];
+        let last = (side - 1) as f32;
+        let mut out = Self {
+            texels: [[0; BATCH]; 4],
+            right: [0.0; BATCH],
+            down: [0.0; BATCH],
+        };
+        for i in 0..BATCH {
+            let is_covered = batch.covered[i];
+            let place_x = batch.x[i] - 0.5;
+            let place_y = batch.y[i] - 0.5;
+            let corner_x = floor(place_x);
+            let corner_y = floor(place_y);
+            out.right[i] = place_x - corner_x;
+            out.down[i] = place_y - corner_y;
+            let left = on_map(corner_x, last);
+            let right = on_map(corner_x + 1.0, last);
+            let first_row = (batch.layer[i] as u32).wrapping_mul(height);
+            let upper = first_row
+                .wrapping_add(on_map(corner_y, last))
+                .wrapping_mul(width);
+            let lower = first_row
+                .wrapping_add(on_map(corner_y + 1.0, last))
+                .wrapping_mul(width);
+            let numbers = [
+                upper.wrapping_add(left),
+                upper.wrapping_add(right),
+                lower.wrapping_add(left),
+                lower.wrapping_add(right),
+            ];
+            for (texels, number) in out.texels.iter_mut().zip(numbers) {
+                texels[i] = if is_covered { number } else { 0 };
+            }
+        }
+        out
+    }
+}
+
+/// Returns the whole number, or the nearest from 0 to `last`.
+#[inline(always)]
+fn on_map(whole: f32, last: f32) -> u32 {
+    whole_to_u32(greater(lesser(whole, last), 0.0))
+}
+
+/// Returns moments between those of four texels: top left, top right, bottom left, bottom right.
+#[inline(always)]
+fn blend<const CHANNELS: usize>(texels: &[[f32; CHANNELS]; 4], share: Vec2) -> [f32; CHANNELS] {
+    let [top_left, top_right, bottom_left, bottom_right] = texels;
+    let mut moments = [0.0; CHANNELS];
+    for (i, moment) in moments.iter_mut().enumerate() {
+        let top = top_left[i] + (top_right[i] - top_left[i]) * share.x;
+        let bottom = bottom_left[i] + (bottom_right[i] - bottom_left[i]) * share.x;
+        *moment = top + (bottom - top) * share.y;
+    }
+    moments
+}
+
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS, B> {
+    /// Returns the shares of light that the moments allow between the texels of each receiver of a batch; `FLOATS` if these hold moments as they
+    /// are.
+    #[inline(always)]
+    fn lit_at<const FLOATS: bool>(
+        &self,
+        batch: &Batch,
+        places: &Places,
+        texels: &[[Lanes<f32>; CHANNELS]; 4],
+    ) -> Lanes<f32> {
+        let mut out = [0.0; BATCH];
+        for i in 0..BATCH {
+            let mut corners = [[0.0; CHANNELS]; 4];
+            for (corner, texels) in corners.iter_mut().zip(texels) {
+                for channel in 0..CHANNELS {
+                    corner[channel] = texels[channel][i];
+                }
+                if !FLOATS {
+                    self.encoding.load(corner);
+                }
+            }
+            let moments = blend(&corners, Vec2::new(places.right[i], places.down[i]));
+            out[i] = self.lit(&batch.lookup(i), moments, 0.0);
+        }
+        out
+    }
+
     /// Returns what needs no moments.
     #[inline(always)]
     fn known(&self, l: &ShadowCoord) -> Option<f32> {
@@ -226,17 +354,13 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
             self.encoding.load(&mut moments);
             moments
         };
-        let top_left = texel(left, upper);
-        let top_right = texel(right, upper);
-        let bottom_left = texel(left, lower);
-        let bottom_right = texel(right, lower);
-        let mut moments = [0.0; CHANNELS];
-        for (i, moment) in moments.iter_mut().enumerate() {
-            let top = top_left[i] + (top_right[i] - top_left[i]) * share.x;
-            let bottom = bottom_left[i] + (bottom_right[i] - bottom_left[i]) * share.x;
-            *moment = top + (bottom - top) * share.y;
-        }
-        moments
+        let texels = [
+            texel(left, upper),
+            texel(right, upper),
+            texel(left, lower),
+            texel(right, lower),
+        ];
+        blend(&texels, share)
     }
 }
 
