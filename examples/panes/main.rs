@@ -16,18 +16,30 @@ use umbrage::{
     metrics::{Errors, Pixel},
     techniques::{Pcf, ShadowMap},
 };
-use umbrage_examples::panes::{FULLY_TRANSPARENT, Glass, Panes, transmitted, window};
+use umbrage_examples::panes::{FULLY_TRANSPARENT, Glass, Panes, shards, transmitted, window};
 
 const SIZE: UVec2 = UVec2::new(1280, 720);
-/// Pictures show every second pixel of the part with the shadows.
+/// Pictures show some pixels of the part with the shadows.
 const SHOWN: UVec2 = UVec2::new(300, 170);
-const CORNER: UVec2 = UVec2::new(400, 230);
-const STEP: u32 = 2;
 /// Times are the least of so many runs.
 const RUNS: usize = 5;
 
-/// What is known of the scene.
+/// A scene, and which part of it pictures show.
+struct Stage {
+    /// What names of pictures begin with.
+    stem: &'static str,
+    scene: Scene,
+    /// The first pixel that is shown.
+    corner: UVec2,
+    /// One in so many pixels of a row is shown, and one in so many rows.
+    step: u32,
+}
+
+/// What is known of a scene.
 struct Judged {
+    stem: &'static str,
+    corner: UVec2,
+    step: u32,
     scene: Scene,
     geometry: Geometry,
     /// Red, green and blue light at each pixel.
@@ -43,17 +55,33 @@ fn main() -> anyhow::Result<()> {
         .nth(1)
         .map_or_else(|| PathBuf::from("docs/others"), PathBuf::from);
     fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
-    let judged = Judged::new()?;
-    judged.save(&folder.join("panes.truth.png"), &judged.truth)?;
-    println!("| panes | map | RMSE | CPU: map + lookup, ms | wgpu | MiB |");
-    println!("|---|--:|--:|--:|--:|--:|");
-    for size in [512, 1024, 2048] {
-        let map = ShadowMap {
-            size,
-            ..ShadowMap::default()
-        };
-        for (label, technique) in ways(map) {
-            judged.play(&folder, label, &map, &technique)?;
+    let stages = [
+        Stage {
+            stem: "panes",
+            scene: window::scene(SIZE)?,
+            corner: UVec2::new(400, 230),
+            step: 2,
+        },
+        Stage {
+            stem: "shards",
+            scene: shards::scene(SIZE)?,
+            corner: UVec2::new(170, 90),
+            step: 3,
+        },
+    ];
+    println!("| scene | panes | map | RMSE | CPU: map + lookup, ms | wgpu | MiB |");
+    println!("|---|---|--:|--:|--:|--:|--:|");
+    for stage in stages {
+        let judged = Judged::new(stage)?;
+        judged.save(&folder, "truth", &judged.truth)?;
+        for size in [512, 1024, 2048] {
+            let map = ShadowMap {
+                size,
+                ..ShadowMap::default()
+            };
+            for (label, technique) in ways(map) {
+                judged.play(&folder, label, &map, &technique)?;
+            }
         }
     }
     Ok(())
@@ -97,8 +125,13 @@ fn ways<'a>(map: ShadowMap) -> Vec<(&'static str, OfColour<'a>)> {
 }
 
 impl Judged {
-    fn new() -> anyhow::Result<Self> {
-        let scene = window::scene(SIZE)?;
+    fn new(stage: Stage) -> anyhow::Result<Self> {
+        let Stage {
+            stem,
+            scene,
+            corner,
+            step,
+        } = stage;
         let geometry = Geometry::bake(&scene)?;
         let camera = &scene.cameras[0];
         let receivers = Cpu::new().receivers(camera, &geometry)?;
@@ -116,6 +149,9 @@ impl Judged {
             });
         }
         Ok(Self {
+            stem,
+            corner,
+            step,
             scene,
             geometry,
             truth,
@@ -146,7 +182,8 @@ impl Judged {
         let wgpu = self.time(&mut *wgpu, technique)?;
         let bytes = self.recipe(&*technique(0))?.image_bytes();
         println!(
-            "| {label} | {} | {:.3} | {:.1} + {:.1} | {:.1} + {:.1} | {:.0} |",
+            "| {} | {label} | {} | {:.3} | {:.1} + {:.1} | {:.1} + {:.1} | {:.0} |",
+            self.scene.name,
             map.size,
             square.sqrt(),
             cpu[0],
@@ -157,7 +194,7 @@ impl Judged {
         );
         if map.size == 1024 {
             let name = label.replace(", ", "-").replace(' ', "-");
-            self.save(&folder.join(format!("panes.{name}.png")), &colours)?;
+            self.save(folder, &name, &colours)?;
         }
         Ok(())
     }
@@ -201,11 +238,12 @@ impl Judged {
     }
 
     /// Writes a picture of the light that arrives. What faces away from the light, or shows nothing, is grey.
-    fn save(&self, path: &Path, colours: &[Vec3]) -> anyhow::Result<()> {
+    fn save(&self, folder: &Path, name: &str, colours: &[Vec3]) -> anyhow::Result<()> {
+        let path = folder.join(format!("{}.{name}.png", self.stem));
         let mut bytes = Vec::new();
         for y in 0..SHOWN.y {
             for x in 0..SHOWN.x {
-                let at = CORNER + STEP * UVec2::new(x, y);
+                let at = self.corner + self.step * UVec2::new(x, y);
                 let pixel = (at.y * SIZE.x + at.x) as usize;
                 let colour = match self.pixels[pixel] {
                     Pixel::Counted => colours[pixel],

@@ -28,6 +28,7 @@ use umbrage::{
     uniforms,
 };
 
+pub mod shards;
 pub mod window;
 
 /// How many materials let light through, at most.

@@ -75,7 +75,12 @@ pub fn scene(size: UVec2) -> Result<Scene, Invalid> {
 }
 
 /// Adds a rectangle.
-fn put(scene: &mut Scene, corner: Vec3, sides: [Vec3; 2], material: usize) -> Result<(), Invalid> {
+pub(super) fn put(
+    scene: &mut Scene,
+    corner: Vec3,
+    sides: [Vec3; 2],
+    material: usize,
+) -> Result<(), Invalid> {
     let [along, across] = sides;
     let corners = vec![
         corner,

@@ -9,7 +9,7 @@ use umbrage::{
 use umbrage_cpu::Cpu;
 use umbrage_examples::{
     contact::ContactShadows,
-    panes::{Glass, Panes, transmitted, window},
+    panes::{Glass, Panes, shards, transmitted, window},
 };
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_tests::gpu::gpu;
@@ -100,10 +100,16 @@ fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
     assert_eq!(differing, 0, "pixels that differ");
 }
 
-/// Three coloured panes in the sun, and two more behind them.
+/// Three coloured panes in the sun, and two more behind them; then many that hang above each other.
 #[test]
 fn coloured_shadows_come_near_rays_through_the_panes_and_agree_on_both_backends() {
-    let judged = Judged::of(window::scene(UVec2::new(320, 180)).expect("valid"));
+    let size = UVec2::new(320, 180);
+    for scene in [window::scene(size), shards::scene(size)] {
+        check_coloured_shadows(&Judged::of(scene.expect("valid")));
+    }
+}
+
+fn check_coloured_shadows(judged: &Judged) {
     let scene = &judged.scene;
     let through = |glass| transmitted(scene, judged.receivers(), glass).expect("valid");
     // Rays through panes that let nothing through are those of the truth that all other techniques are compared with.
