@@ -37,10 +37,7 @@ struct Stage {
 
 /// What is known of a scene.
 struct Judged {
-    stem: &'static str,
-    corner: UVec2,
-    step: u32,
-    scene: Scene,
+    stage: Stage,
     geometry: Geometry,
     /// Red, green and blue light at each pixel.
     truth: Vec<Vec3>,
@@ -126,16 +123,11 @@ fn ways<'a>(map: ShadowMap) -> Vec<(&'static str, OfColour<'a>)> {
 
 impl Judged {
     fn new(stage: Stage) -> anyhow::Result<Self> {
-        let Stage {
-            stem,
-            scene,
-            corner,
-            step,
-        } = stage;
-        let geometry = Geometry::bake(&scene)?;
+        let scene = &stage.scene;
+        let geometry = Geometry::bake(scene)?;
         let camera = &scene.cameras[0];
         let receivers = Cpu::new().receivers(camera, &geometry)?;
-        let truth = transmitted(&scene, &receivers, &window::GLASS)?;
+        let truth = transmitted(scene, &receivers, &window::GLASS)?;
         let towards_light = scene.lights[0].direction_from(Vec3::ZERO);
         let mut pixels = Vec::with_capacity(truth.len());
         for i in 0..truth.len() {
@@ -149,10 +141,7 @@ impl Judged {
             });
         }
         Ok(Self {
-            stem,
-            corner,
-            step,
-            scene,
+            stage,
             geometry,
             truth,
             pixels,
@@ -183,7 +172,7 @@ impl Judged {
         let bytes = self.recipe(&*technique(0))?.image_bytes();
         println!(
             "| {} | {label} | {} | {:.3} | {:.1} + {:.1} | {:.1} + {:.1} | {:.0} |",
-            self.scene.name,
+            self.stage.scene.name,
             map.size,
             square.sqrt(),
             cpu[0],
@@ -200,7 +189,7 @@ impl Judged {
     }
 
     fn recipe(&self, technique: &dyn ShadowTechnique) -> anyhow::Result<umbrage::Recipe> {
-        let scene = &self.scene;
+        let scene = &self.stage.scene;
         let view = View::new(&scene.cameras[0], &scene.lights[0], &self.geometry);
         Ok(technique.recipe(&view)?)
     }
@@ -210,7 +199,7 @@ impl Judged {
         backend: &mut dyn Backend,
         technique: &dyn ShadowTechnique,
     ) -> anyhow::Result<Vec<f32>> {
-        let scene = &self.scene;
+        let scene = &self.stage.scene;
         let view = View::new(&scene.cameras[0], &scene.lights[0], &self.geometry);
         let recipe = technique.recipe(&view)?;
         Ok(backend.render(&view, &recipe)?.mask)
@@ -222,7 +211,7 @@ impl Judged {
         backend: &mut dyn Backend,
         technique: &OfColour<'_>,
     ) -> anyhow::Result<[f64; 2]> {
-        let scene = &self.scene;
+        let scene = &self.stage.scene;
         let view = View::new(&scene.cameras[0], &scene.lights[0], &self.geometry);
         let recipe = self.recipe(&*technique(0))?;
         let mut least = [f64::INFINITY; 2];
@@ -239,11 +228,11 @@ impl Judged {
 
     /// Writes a picture of the light that arrives. What faces away from the light, or shows nothing, is grey.
     fn save(&self, folder: &Path, name: &str, colours: &[Vec3]) -> anyhow::Result<()> {
-        let path = folder.join(format!("{}.{name}.png", self.stem));
+        let path = folder.join(format!("{}.{name}.png", self.stage.stem));
         let mut bytes = Vec::new();
         for y in 0..SHOWN.y {
             for x in 0..SHOWN.x {
-                let at = self.corner + self.step * UVec2::new(x, y);
+                let at = self.stage.corner + self.stage.step * UVec2::new(x, y);
                 let pixel = (at.y * SIZE.x + at.x) as usize;
                 let colour = match self.pixels[pixel] {
                     Pixel::Counted => colours[pixel],

@@ -1,6 +1,7 @@
 //! Shards of glass in three colours that hang over a floor in the sun, at all angles and many above each other.
 
-use super::window::{GLASS, put};
+use super::window::{GLASS, OPAQUE, put};
+use std::f32::consts::TAU;
 use umbrage::{
     Camera, Invalid, Light, Material, Scene,
     glam::{UVec2, Vec3},
@@ -32,14 +33,14 @@ pub fn scene(size: UVec2) -> Result<Scene, Invalid> {
         ..Scene::default()
     };
     let floor = [Vec3::Z * 14.0, Vec3::X * 14.0];
-    put(&mut scene, Vec3::new(-7.0, 0.0, -6.0), floor, 0)?;
+    put(&mut scene, Vec3::new(-7.0, 0.0, -6.0), floor, OPAQUE)?;
     for i in 0..SHARDS {
-        // Golden sections of 1 in five dimensions: the same places on every machine, in no rows (Roberts 2018, "The unreasonable
-        // effectiveness of quasirandom sequences").
-        let [x, y, z, turn, tilt] =
-            [0.851, 0.725, 0.617, 0.525, 0.447].map(|step: f32| (0.5 + step * i as f32).fract());
+        // Evenly spread, and in no rows (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", in five dimensions).
+        let [x, y, z, turn, tilt] = [0.8813, 0.7766, 0.6844, 0.6032, 0.5316]
+            .map(|step: f32| (0.5 + step * i as f32).fract());
         let corner = Vec3::new(5.0 * x - 2.5, 0.6 + 1.8 * y, 4.0 * z - 2.2);
-        let along = Vec3::new((6.28 * turn).cos(), tilt - 0.5, (6.28 * turn).sin());
+        let (sine, cosine) = (TAU * turn).sin_cos();
+        let along = Vec3::new(cosine, tilt - 0.5, sine);
         let across = along.cross(Vec3::new(tilt - 0.5, 1.0, 0.5 - turn));
         let sides = [along * 0.7, across.normalize_or_zero() * 0.5];
         let glass = GLASS[i as usize % GLASS.len()];

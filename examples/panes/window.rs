@@ -22,7 +22,7 @@ pub const GLASS: [Glass; MATERIALS] = [
     },
 ];
 /// The material of what is opaque.
-const OPAQUE: usize = 0;
+pub(super) const OPAQUE: usize = 0;
 
 /// Returns the scene. The window stands across z = 0, and the sun shines through it towards +z.
 ///

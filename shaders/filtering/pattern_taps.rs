@@ -12,7 +12,10 @@
 
 use crate::{
     filtering::sample_pattern::{PatternShape, PatternTable, TapSet, affine, noise_index, wrapped},
-    lanes::batch::{BATCH, Lanes},
+    lanes::{
+        batch::{BATCH, Lanes},
+        whole::{floor, whole_to_u32},
+    },
     shadow_map::{coord::ShadowCoord, texel_compare::DepthMap},
 };
 use glam::{UVec2, Vec2, Vec4};
@@ -29,8 +32,6 @@ pub(crate) const PATTERN_TAPS: Module = Module {
 const OUTSIDE_DEPTH: f32 = 2.0;
 /// The texel index of taps outside the map. All its bits are set, so a bitwise or with it gives it again.
 const NO_TEXEL: u32 = u32::MAX;
-/// Adding 2^23 moves a whole number into the mantissa's low bits.
-const TWO_POW_23: f32 = 8_388_608.0;
 /// Batches with at most this many receivers go through loops of half the width.
 pub(crate) const HALF_BATCH: usize = BATCH / 2;
 
@@ -369,24 +370,4 @@ impl Default for TapTexels {
 fn clamp_to(x: f32, last: f32) -> f32 {
     let x = if x > 0.0 { x } else { 0.0 };
     if x < last { x } else { last }
-}
-
-/// Returns the whole number at or below `x`: exact for |x| < 2^22; maps are far smaller.
-///
-/// Adding 1.5 * 2^23 leaves no bits for a fraction, so the sum is rounded to the nearest whole number.
-/// `f32::floor` is a call on processors without such an instruction, and calls do not vectorise.
-#[inline(always)]
-pub(crate) fn floor(x: f32) -> f32 {
-    let nearest = (x + 1.5 * TWO_POW_23) - 1.5 * TWO_POW_23;
-    if nearest > x { nearest - 1.0 } else { nearest }
-}
-
-/// Converts a whole number from 0 to [`TWO_POW_23`] to an integer.
-///
-/// Not by `as`, which saturates and does not vectorise.
-#[inline(always)]
-pub(crate) fn whole_to_u32(x: f32) -> u32 {
-    (x + TWO_POW_23)
-        .to_bits()
-        .wrapping_sub(TWO_POW_23.to_bits())
 }

@@ -1,5 +1,5 @@
-//! Lookups of many receivers: projecting is arithmetic and runs in vector lanes over batches, tapping is memory and
-//! follows one receiver at a time. The arithmetic is that of [`coord`](crate::shadow_map::coord), whose functions are inlined into
+//! Lookups of many receivers: they are projected in vector lanes, a batch at a time, and a technique takes the taps of the whole batch, or of one
+//! receiver after the other. The arithmetic is that of [`coord`](crate::shadow_map::coord), whose functions are inlined into
 //! loops over arrays.
 
 use crate::shadow_map::{
@@ -172,6 +172,15 @@ impl Batch {
             deepest: self.deepest[i],
             layer: self.layer[i],
             covered: self.covered[i],
+        }
+    }
+
+    /// Fills `out` with the answers for the first receivers, and 1 where one isn't covered.
+    #[inline(always)]
+    pub(crate) fn one_by_one(&self, out: &mut [f32], answer: impl Fn(&ShadowCoord, usize) -> f32) {
+        for (i, out) in out.iter_mut().enumerate() {
+            let l = self.lookup(i);
+            *out = if l.covered { answer(&l, i) } else { 1.0 };
         }
     }
 

@@ -6,10 +6,10 @@
 )]
 
 use crate::{
-    filtering::pattern_taps::floor,
     lanes::{
         batch::{BATCH, Batch, BatchTaps, Lanes},
         square::{Places, places_at},
+        whole::floor,
     },
     shadow_map::texel_compare::{DepthMap, depth_at_texel},
 };
@@ -25,8 +25,8 @@ pub(crate) struct SingleTaps {
 
 /// Compares the receivers of a batch with the texels (x, y), whole numbers, of a map that is not packed.
 ///
-/// In three loops, as [`level_squares`](super::square::level_squares): places, then nothing but loads, so that many are under way at
-/// once, then comparisons.
+/// It goes over them three times, as [`level_squares`](super::square::level_squares) does: for places, then for loads alone, so that many
+/// are under way at once, then for comparisons.
 #[inline(always)]
 pub(crate) fn single_taps(
     map: &DepthMap<'_>,
@@ -88,76 +88,41 @@ impl BatchTaps for OwnTexel<'_> {
 impl OwnTexel<'_> {
     #[inline(never)]
     fn one_by_one(&self, batch: &Batch, out: &mut [f32]) {
-        for (i, out) in out.iter_mut().enumerate() {
-            let l = batch.lookup(i);
+        batch.one_by_one(out, |l, _| {
             let [x, y] = [l.texel.x.floor() as i32, l.texel.y.floor() as i32];
-            *out = if l.covered {
-                self.map.tap(&l, x, y)
-            } else {
-                1.0
-            };
-        }
+            self.map.tap(l, x, y)
+        });
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const SIZE: i32 = 37;
-    const LAYERS: i32 = 2;
-
-    /// Depths 0..1, in no order.
-    fn texels() -> Vec<f32> {
-        let value = |i: i32| (i.wrapping_mul(7919) % 1009) as f32 / 1009.0;
-        (0..SIZE * SIZE * LAYERS).map(value).collect()
-    }
-
-    fn map(texels: &[f32]) -> DepthMap<'_> {
-        DepthMap {
-            texels,
-            size: SIZE,
-            packed: false,
-            clamped: false,
-            sample_gain: 1.0,
-        }
-    }
-
-    /// Receivers on the map, at its edges and beside it, on level planes and on steep ones; every fifth isn't covered.
-    fn batch(turn: usize) -> Batch {
-        let mut batch = Batch::new();
-        for i in 0..BATCH {
-            let k = (turn * BATCH + i) as f32;
-            batch.x[i] = (k * 0.73) % 45.0 - 4.0;
-            batch.y[i] = (k * 1.37) % 45.0 - 4.0;
-            batch.depth[i] = (k * 0.11) % 1.0;
-            batch.deepest[i] = 0.9;
-            batch.right[i] = (k * 0.017) % 0.8 - 0.4;
-            batch.down[i] = if i % 3 == 0 { 0.0 } else { 0.3 };
-            batch.layer[i] = i as i32 % LAYERS;
-            batch.covered[i] = i % 5 != 0;
-        }
-        batch
-    }
+    use crate::{
+        lanes::fixtures::{batch, map, texels},
+        shadow_map::packing::pack_depth,
+    };
 
     /// Returns how many taps two texels right of the receiver's own were known, and how many of these answer otherwise than the plain
     /// comparison in `judged`.
     fn known_and_other(judged: &[f32]) -> (usize, usize) {
         let texels = texels();
+        let found = map(&texels, false);
+        let expected = map(judged, false);
         let mut known = 0;
         let mut other = 0;
         for turn in 0..40 {
-            let batch = batch(turn);
+            let batch = batch(turn, turn % 2 == 0);
             let x = batch.x.map(|x| x.floor() + 2.0);
             let y = batch.y.map(f32::floor);
-            let taps = single_taps(&map(&texels), &batch, &x, &y);
+            let taps = single_taps(&found, &batch, &x, &y);
             for i in 0..BATCH {
                 let l = batch.lookup(i);
                 let [x, y] = [x[i] as i32, y[i] as i32];
-                assert_eq!(taps.is_known[i], l.covered && map(&texels).has(x, y));
+                assert_eq!(taps.is_known[i], l.covered && found.has(x, y));
                 if taps.is_known[i] {
                     known += 1;
-                    other += usize::from(taps.lit[i] != map(judged).tap(&l, x, y));
+                    other += usize::from(taps.lit[i] != expected.tap(&l, x, y));
                 } else {
                     assert_eq!(taps.lit[i], 1.0);
                 }
@@ -177,24 +142,29 @@ mod tests {
         assert!(other > known / 20, "{other} of {known}");
     }
 
-    /// Beside the map receivers are lit, or its edge repeats.
+    /// Beside the map receivers are lit, or its edge repeats; packed maps and batches that are not full are answered, too.
     #[test]
     fn own_texels_are_as_the_plain_comparison() {
         let texels = texels();
-        for clamped in [false, true] {
+        let packed: Vec<f32> = texels
+            .iter()
+            .flat_map(|&depth| pack_depth(depth).to_array())
+            .collect();
+        for (clamped, is_packed) in [(false, false), (true, false), (false, true), (true, true)] {
             let map = DepthMap {
-                clamped,
-                ..map(&texels)
+                packed: is_packed,
+                ..map(if is_packed { &packed } else { &texels }, clamped)
             };
             for turn in 0..40 {
-                let batch = batch(turn);
+                let batch = batch(turn, turn % 2 == 0);
                 let mut out = [9.0; BATCH];
-                OwnTexel { map }.visibilities(&batch, 0, &mut out);
-                for (i, out) in out.into_iter().enumerate() {
+                let count = if turn % 3 == 0 { 13 } else { BATCH };
+                OwnTexel { map }.visibilities(&batch, 0, &mut out[..count]);
+                for (i, out) in out[..count].iter().enumerate() {
                     let l = batch.lookup(i);
                     let [x, y] = [l.texel.x.floor() as i32, l.texel.y.floor() as i32];
                     let expected = if l.covered { map.tap(&l, x, y) } else { 1.0 };
-                    assert_eq!(out, expected, "{clamped} {x} {y}");
+                    assert_eq!(*out, expected, "{clamped} {is_packed} {x} {y}");
                 }
             }
         }

@@ -7,8 +7,10 @@
 )]
 
 use crate::{
-    filtering::pattern_taps::{floor, whole_to_u32},
-    lanes::batch::{BATCH, Batch, Lanes},
+    lanes::{
+        batch::{BATCH, Batch, Lanes},
+        whole::{floor, whole_to_u32},
+    },
     shadow_map::{coord::ShadowCoord, texel_compare::DepthMap},
 };
 use umbrage_core::math::lesser;
@@ -17,11 +19,13 @@ use umbrage_core::math::lesser;
 pub(crate) struct LitTaps {
     /// The count; meaningless where it isn't known.
     pub(crate) lit: Lanes<f32>,
-    /// Whether the square lies wholly within the map, so that the count is known.
+    /// Whether the count is known: the receiver is covered, its square lies wholly within the map, and the square's rows can be read a
+    /// vector wide.
     pub(crate) is_known: Lanes<bool>,
 }
 
-/// Counts the lit taps of the squares of `SIDE` texels a side around the texels of a batch, whose depths are the same at all taps.
+/// Counts the lit taps of the squares of `SIDE` texels a side around the texels of a batch, whose depths are the same at all taps. Rows are
+/// read `LANES` wide, at least `SIDE`; lanes beyond `SIDE` are not counted.
 ///
 /// Maps are larger than the nearest caches, so lookups wait for them. The processor goes on to the next receivers meanwhile, as far as it
 /// looks ahead; so places are found before, sums are made after, and the loop between them holds little but the loads.
@@ -212,58 +216,23 @@ pub fn one_by_one(map: &DepthMap<'_>, l: &ShadowCoord, x: i32, y: i32, side: i32
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const SIZE: i32 = 37;
-    const LAYERS: i32 = 2;
-
-    /// Depths 0..1, in no order.
-    fn texels() -> Vec<f32> {
-        let value = |i: i32| (i.wrapping_mul(7919) % 1009) as f32 / 1009.0;
-        (0..SIZE * SIZE * LAYERS).map(value).collect()
-    }
-
-    /// Receivers on the map, at its edges and beside it, on level planes or on steep ones; every fifth isn't covered.
-    fn batch<const SLOPED: bool>(turn: usize) -> Batch {
-        let mut batch = Batch::new();
-        for i in 0..BATCH {
-            let k = (turn * BATCH + i) as f32;
-            batch.x[i] = (k * 0.73) % 45.0 - 4.0;
-            batch.y[i] = (k * 1.37) % 45.0 - 4.0;
-            batch.depth[i] = (k * 0.11) % 1.0;
-            batch.deepest[i] = 1.0;
-            if SLOPED {
-                batch.deepest[i] = 0.9;
-                batch.right[i] = (k * 0.017) % 0.4 - 0.2;
-                batch.down[i] = if i % 3 == 0 { 0.0 } else { 0.15 };
-            }
-            batch.layer[i] = i as i32 % LAYERS;
-            batch.covered[i] = i % 5 != 0;
-        }
-        batch
-    }
+    use crate::lanes::fixtures::{SIZE, batch, map, texels};
 
     /// Returns how many squares were known, and how many of these have another count than the plain loop finds in `judged`.
     fn known_and_other<const SIDE: usize, const LANES: usize, const SLOPED: bool>(
         judged: &[f32],
     ) -> (usize, usize) {
         let texels = texels();
-        let map = |texels| DepthMap {
-            texels,
-            size: SIZE,
-            packed: false,
-            clamped: false,
-            sample_gain: 1.0,
-        };
         let radius = SIDE as i32 / 2;
         let mut known = 0;
         let mut other = 0;
         for turn in 0..40 {
-            let batch = batch::<SLOPED>(turn);
+            let batch = batch(turn, SLOPED);
             assert_eq!(batch.is_level(), !SLOPED);
             let taps = if SLOPED {
-                sloped_squares::<SIDE, LANES>(&map(&texels), &batch)
+                sloped_squares::<SIDE, LANES>(&map(&texels, false), &batch)
             } else {
-                level_squares::<SIDE, LANES>(&map(&texels), &batch)
+                level_squares::<SIDE, LANES>(&map(&texels, false), &batch)
             };
             for i in 0..BATCH {
                 let l = batch.lookup(i);
@@ -278,7 +247,7 @@ mod tests {
                 }
                 assert!(l.covered);
                 known += 1;
-                let expected = one_by_one(&map(judged), &l, x, y, SIDE as i32);
+                let expected = one_by_one(&map(judged, false), &l, x, y, SIDE as i32);
                 other += usize::from(taps.lit[i] != expected);
             }
         }

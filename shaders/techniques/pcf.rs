@@ -305,10 +305,7 @@ impl<const SIDE: usize, const LANES: usize> BatchTaps for SquareOfTaps<'_, SIDE,
 impl<const SIDE: usize, const LANES: usize> SquareOfTaps<'_, SIDE, LANES> {
     #[inline(always)]
     fn one_by_one(&self, batch: &Batch, out: &mut [f32]) {
-        for (i, out) in out.iter_mut().enumerate() {
-            let l = batch.lookup(i);
-            *out = if l.covered { self.visibility(&l) } else { 1.0 };
-        }
+        batch.one_by_one(out, |l, _| self.visibility(l));
     }
 
     /// Answers for receivers whose squares reach beyond the map.

@@ -7,10 +7,10 @@
 //! and those of every map: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    filtering::pattern_taps::floor,
     lanes::{
         batch::{BATCH, Batch, BatchTaps, Lanes, look_up_span},
         single::single_taps,
+        whole::floor,
     },
     listing::{ListedTechnique, sweeps},
     shadow_map::{ShadowMap, layers::MapOnlyUniforms, texel_compare::DepthMap},
@@ -128,53 +128,46 @@ impl BatchTaps for DitheredTaps<'_> {
             self.one_by_one(batch, first, out);
             return;
         }
-        let columns = self.columns(batch, first);
-        let rows = self.rows(batch, first);
+        let [columns, rows] = self.columns_and_rows(batch, first);
         let mut lit = [0.0; BATCH];
-        let mut is_complete = true;
+        let mut is_known = [true; BATCH];
         for y in &rows {
             for x in &columns {
                 let taps = single_taps(&self.map, batch, x, y);
                 for i in 0..BATCH {
                     lit[i] += taps.lit[i];
-                    is_complete &= taps.is_known[i] | !batch.covered[i];
+                    is_known[i] &= taps.is_known[i];
                 }
             }
+        }
+        let mut is_complete = true;
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = lit[i] / 4.0;
+            is_complete &= is_known[i] | !batch.covered[i];
         }
         // Beside the map all is lit, unless its edge repeats.
         if self.map.clamped && !is_complete {
             self.one_by_one(batch, first, out);
-            return;
-        }
-        for (i, out) in out.iter_mut().enumerate() {
-            *out = if batch.covered[i] { lit[i] / 4.0 } else { 1.0 };
         }
     }
 }
 
 impl DitheredTaps<'_> {
-    /// Returns the columns, left and right, of the taps of the receivers of a batch, whose first lies `first` pixels right of the span's.
+    /// Returns the two columns and the two rows of the taps of a batch of receivers, of which the first lies `first` pixels right of the span's
+    /// first.
     #[inline(always)]
-    fn columns(&self, batch: &Batch, first: usize) -> [Lanes<f32>; 2] {
-        let mut out = [[0.0; BATCH]; 2];
+    fn columns_and_rows(&self, batch: &Batch, first: usize) -> [[Lanes<f32>; 2]; 2] {
+        let mut shift_x = [0.0; BATCH];
+        let mut shift_y = [0.0; BATCH];
         for i in 0..BATCH {
-            let shift = self.shift(first + i).x;
-            out[0][i] = floor(batch.x[i] + (shift - 1.5));
-            out[1][i] = floor(batch.x[i] + (shift + 0.5));
+            let shift = self.shift(first + i);
+            shift_x[i] = shift.x;
+            shift_y[i] = shift.y;
         }
-        out
-    }
-
-    /// Returns their rows, upper and lower.
-    #[inline(always)]
-    fn rows(&self, batch: &Batch, first: usize) -> [Lanes<f32>; 2] {
-        let mut out = [[0.0; BATCH]; 2];
-        for i in 0..BATCH {
-            let shift = self.shift(first + i).y;
-            out[0][i] = floor(batch.y[i] + (shift - 1.5));
-            out[1][i] = floor(batch.y[i] + (shift + 0.5));
-        }
-        out
+        [
+            texels_around(&batch.x, &shift_x),
+            texels_around(&batch.y, &shift_y),
+        ]
     }
 
     /// Returns by how many texels a pixel moves its taps: in a block of 2x2 each by its own one of (0 or 1, 0 or 1). `offset` is its
@@ -190,21 +183,77 @@ impl DitheredTaps<'_> {
 
     #[inline(never)]
     fn one_by_one(&self, batch: &Batch, first: usize, out: &mut [f32]) {
-        let columns = self.columns(batch, first);
-        let rows = self.rows(batch, first);
-        for (i, out) in out.iter_mut().enumerate() {
-            let l = batch.lookup(i);
-            if !l.covered {
-                *out = 1.0;
-                continue;
-            }
+        let [columns, rows] = self.columns_and_rows(batch, first);
+        batch.one_by_one(out, |l, i| {
             let mut lit = 0.0;
             for y in &rows {
                 for x in &columns {
-                    lit += self.map.tap(&l, x[i] as i32, y[i] as i32);
+                    lit += self.map.tap(l, x[i] as i32, y[i] as i32);
                 }
             }
-            *out = lit / 4.0;
+            lit / 4.0
+        });
+    }
+}
+
+/// Returns the two texels along one axis at which receivers take their taps.
+#[inline(always)]
+fn texels_around(place: &Lanes<f32>, shift: &Lanes<f32>) -> [Lanes<f32>; 2] {
+    let mut out = [[0.0; BATCH]; 2];
+    for i in 0..BATCH {
+        out[0][i] = floor(place[i] + (shift[i] - 1.5));
+        out[1][i] = floor(place[i] + (shift[i] + 0.5));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::fixtures::{batch, map, texels};
+
+    /// Returns the mean of the four taps, as Bunnell and Pellacini have it.
+    fn expected(map: &DepthMap<'_>, batch: &Batch, i: usize, pixel: UVec2) -> f32 {
+        let l = batch.lookup(i);
+        if !l.covered {
+            return 1.0;
         }
+        let shift_x = (pixel.x & 1) as f32;
+        let shift_y = ((pixel.x ^ pixel.y) & 1) as f32;
+        let mut lit = 0.0;
+        for down in [-1.5, 0.5] {
+            for right in [-1.5, 0.5] {
+                let x = (l.texel.x + (shift_x + right)).floor() as i32;
+                let y = (l.texel.y + (shift_y + down)).floor() as i32;
+                lit += map.tap(&l, x, y);
+            }
+        }
+        lit / 4.0
+    }
+
+    /// At both kinds of edges, from odd pixels and even ones on, in batches that are full and in one that isn't.
+    #[test]
+    fn batches_are_as_single_receivers() {
+        let texels = texels();
+        let mut greys = 0;
+        for turn in 0..40 {
+            let map = map(&texels, turn % 2 == 0);
+            let batch = batch(turn, turn % 3 == 0);
+            let span_first = UVec2::new(turn as u32 / 4, turn as u32 / 8);
+            let first = if turn % 5 == 0 { BATCH } else { 0 };
+            let count = if turn % 7 == 0 { 13 } else { BATCH };
+            let taps = DitheredTaps {
+                map,
+                first: span_first,
+            };
+            let mut out = [9.0; BATCH];
+            taps.visibilities(&batch, first, &mut out[..count]);
+            for (i, &out) in out[..count].iter().enumerate() {
+                let pixel = span_first + UVec2::new((first + i) as u32, 0);
+                assert_eq!(out, expected(&map, &batch, i, pixel), "{turn} {i}");
+                greys += usize::from(out > 0.0 && out < 1.0);
+            }
+        }
+        assert!(greys > 400, "{greys}");
     }
 }

@@ -157,11 +157,16 @@ fn check_coloured_shadows(judged: &Judged) {
             let found = error(&mask);
             assert!(
                 found < 0.5 * opaque.min(spoilt),
-                "colour {colour}, holes {dithered}: {found}; {opaque} of opaque panes, {spoilt} of others' colours"
+                "{}, colour {colour}, holes {dithered}: {found}; {opaque} of opaque panes, {spoilt} of others' colours",
+                scene.name
             );
             let on_gpu = judged.mask(&mut *gpu, &technique);
             let differing = mask.iter().zip(&on_gpu).filter(|(a, b)| a != b).count();
-            assert_eq!(differing, 0, "pixels that differ, colour {colour}");
+            assert_eq!(
+                differing, 0,
+                "pixels that differ, {}, colour {colour}",
+                scene.name
+            );
         }
     }
 }

@@ -14,14 +14,14 @@ pub(crate) const HAMBURGER: Module = Module {
 /// Least variance of depth, and of its square where depth says nothing of it: by both is divided.
 const LEAST_VARIANCE: f32 = 1e-9;
 
-/// Returns the number, or the nearest from -1 to 1. Of one number and not of four at once, so that loops over receivers become vector
+/// Returns the number, or the nearest from -1 to 1. It takes one number and not four, so that loops over receivers become vector
 /// instructions.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
     reason = "WGSL's min and max, in this order, also for NaN"
 )]
-fn bounded(x: f32) -> f32 {
+pub(crate) fn bounded(x: f32) -> f32 {
     x.max(-1.0).min(1.0)
 }
 

@@ -3,7 +3,7 @@
 //! Peters and Klein 2015, "Moment shadow mapping" (I3D).
 
 use crate::filtering::moments::hamburger::{
-    central_moments, lit_by_three, not_zero, other_depths, share_at,
+    bounded, central_moments, lit_by_three, not_zero, other_depths, share_at,
 };
 use glam::Vec4;
 use umbrage_core::Module;
@@ -75,7 +75,7 @@ pub(crate) fn lit_by_four(central: Vec4, own: f32) -> f32 {
 )]
 pub(crate) fn hausdorff(moments: Vec4, depth: f32) -> f32 {
     let central = central_moments(moments);
-    let own = depth.max(-1.0).min(1.0) - central.x;
+    let own = bounded(depth) - central.x;
     let others = other_depths(central, own);
     let share = share_at(central, own);
     let by_three = lit_by_three(central, own, share, others);

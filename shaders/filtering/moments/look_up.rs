@@ -2,21 +2,21 @@
 //! don't filter 32-bit floats.
 
 use crate::{
-    filtering::{
-        moments::{
-            bounds::{BOUNDS, without_bleeding},
-            exp2::EXP2,
-            map::BleedingReduction,
-            mipmaps::{
-                MIPMAPS, MipmapUniforms, added_variance, level_reach, level_side, level_start,
-                mipmap_level, texels_spanned,
-            },
-            of_depth::{MOMENTS_OF_DEPTH, centred},
-            stored::Encoding,
+    filtering::moments::{
+        bounds::{BOUNDS, without_bleeding},
+        exp2::EXP2,
+        map::BleedingReduction,
+        mipmaps::{
+            MIPMAPS, MipmapUniforms, added_variance, level_reach, level_side, level_start,
+            mipmap_level, texels_spanned,
         },
-        pattern_taps::{floor, whole_to_u32},
+        of_depth::{MOMENTS_OF_DEPTH, centred},
+        stored::Encoding,
     },
-    lanes::batch::{BATCH, Batch, BatchTaps, Lanes, Taps, look_up_span},
+    lanes::{
+        batch::{BATCH, Batch, BatchTaps, Lanes, Taps, look_up_span},
+        whole::{floor, whole_to_u32},
+    },
     shadow_map::{
         coord::{ShadowCoord, clip_w, to_light},
         layers::{ShadowMapUniforms, layer_at},
@@ -172,7 +172,7 @@ struct MomentLookups<'a, const CHANNELS: usize, B> {
 }
 
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups<'_, CHANNELS, B> {
-    /// In three loops: places, then nothing but loads, so that many are under way at once, then the bounds.
+    /// It goes over the receivers three times: for places, then for loads alone, so that many are under way at once, then for the bounds.
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
         let places = Places::new(self.finest, self.size, batch);
@@ -408,5 +408,106 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MipmappedLookups<'_, CHANNE
         let start = level_start(size, level) as i32;
         self.finest
             .between_texels(self.coarser, at, side, start, l.layer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::fixtures::{LAYERS, SIZE, batch};
+
+    /// An answer that tells all moments and the depth apart.
+    struct Told;
+
+    impl<const CHANNELS: usize> LightBound<CHANNELS> for Told {
+        fn lit(&self, moments: [f32; CHANNELS], depth: f32) -> f32 {
+            let mut told = 0.1 * depth.abs();
+            for (i, moment) in moments.into_iter().enumerate() {
+                told += moment / (i + 2) as f32;
+            }
+            told
+        }
+    }
+
+    /// Numbers 0..1, in no order: all encodings read them.
+    fn texels<const CHANNELS: usize>() -> Vec<[f32; CHANNELS]> {
+        let value = |i: i32| (i.wrapping_mul(7919) % 1009) as f32 / 1009.0;
+        let texel = |i: i32| std::array::from_fn(|k| value(i * CHANNELS as i32 + k as i32));
+        (0..SIZE * SIZE * LAYERS).map(texel).collect()
+    }
+
+    fn lookups<const CHANNELS: usize>(
+        texels: &[[f32; CHANNELS]],
+        encoding: Encoding,
+        clamped: bool,
+    ) -> MomentLookups<'_, CHANNELS, Told> {
+        MomentLookups {
+            finest: Texels {
+                texels,
+                width: SIZE as usize,
+                height: SIZE as usize,
+            },
+            encoding,
+            size: SIZE,
+            clamped,
+            bound: &Told,
+            bleeding: BleedingReduction {
+                amount: 0.0,
+                scale: 0.4,
+            },
+        }
+    }
+
+    /// Returns how many answers of batches differ from those of single receivers in `judged`, and how many were compared.
+    fn differing<const CHANNELS: usize>(
+        judged: &[[f32; CHANNELS]],
+        encoding: Encoding,
+        clamped: bool,
+    ) -> [usize; 2] {
+        let texels = texels::<CHANNELS>();
+        let found = lookups(&texels, encoding, clamped);
+        let expected = lookups(judged, encoding, clamped);
+        let mut out = [0; 2];
+        for turn in 0..40 {
+            let batch = batch(turn, turn % 2 == 0);
+            let count = if turn % 7 == 0 { 13 } else { BATCH };
+            let mut lit = [9.0; BATCH];
+            found.visibilities(&batch, 0, &mut lit[..count]);
+            for (i, &lit) in lit[..count].iter().enumerate() {
+                let l = batch.lookup(i);
+                let single = if !l.covered {
+                    1.0
+                } else if let Some(known) = expected.known(&l) {
+                    known
+                } else {
+                    expected.lit(&l, expected.blended(&l), 0.0)
+                };
+                out[0] += usize::from(lit != single);
+                out[1] += 1;
+            }
+        }
+        out
+    }
+
+    fn check<const CHANNELS: usize>(encodings: &[Encoding]) {
+        for clamped in [false, true] {
+            for &encoding in encodings {
+                let [other, all] = differing(&texels::<CHANNELS>(), encoding, clamped);
+                assert!(other == 0 && all > 2000, "{encoding:?}: {other} of {all}");
+                // The control: one channel is greater by a little.
+                let mut spoilt = texels::<CHANNELS>();
+                spoilt
+                    .iter_mut()
+                    .for_each(|texel| texel[CHANNELS - 1] += 0.01);
+                let [other, _] = differing(&spoilt, encoding, clamped);
+                assert!(other > all / 4, "{encoding:?}: {other} of {all}");
+            }
+        }
+    }
+
+    #[test]
+    fn batches_are_as_single_receivers() {
+        check::<2>(&[Encoding::Floats, Encoding::Variance16]);
+        check::<4>(&[Encoding::Floats, Encoding::Powers16]);
     }
 }

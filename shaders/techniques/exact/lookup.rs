@@ -1,4 +1,5 @@
-//! The CPU half of the kernel: rays are placed on the grid in vector lanes, lists are walked one receiver at a time.
+//! The CPU half of the kernel: rays are placed on the grid, and their cells found, in vector lanes; neighbours in one cell walk its list
+//! together.
 
 use super::{
     AskedCell, ExactUniforms,
@@ -7,7 +8,10 @@ use super::{
     light_frame::LightFrame,
     lists::Lists,
 };
-use crate::lanes::batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch};
+use crate::lanes::{
+    batch::{BATCH, Lanes, PaddedReceivers, ReceiverBatch},
+    whole::{floor, whole_to_u32},
+};
 use std::ops::Range;
 use umbrage_core::{
     NO_TRIANGLE, Simd, SimdTask, Span,
@@ -66,15 +70,14 @@ pub(super) fn cells_of_span(
             rays: &rays,
             own: &[],
         };
-        let mut places = CellPlaces::new();
+        let places = walk.find_cells();
         let rest = &mut out[first..];
         for (i, out) in rest.iter_mut().take(BATCH).enumerate() {
-            if rays.tile[i] < 0 {
+            let number = places.cell[i];
+            if number == NO_CELL {
                 *out = None;
                 continue;
             }
-            walk.find_cell(i, &mut places);
-            let number = places.cell[i];
             let cell = lists.cells[number as usize];
             let end = lists.cells[number as usize + 1][0];
             *out = Some(AskedCell {
@@ -223,13 +226,10 @@ impl SimdTask for Answer<'_> {
             own: self.own,
         };
         let count = self.out.len();
-        let mut places = CellPlaces::new();
-        for (i, out) in self.out.iter_mut().enumerate() {
-            *out = if rays.tile[i] == FACES_AWAY { 0.0 } else { 1.0 };
-            if rays.tile[i] >= 0 {
-                walk.find_cell(i, &mut places);
-            }
+        for (out, tile) in self.out.iter_mut().zip(&rays.tile) {
+            *out = if *tile == FACES_AWAY { 0.0 } else { 1.0 };
         }
+        let places = walk.find_cells();
         let mut runs = [Run::default(); BATCH];
         let run_count = find_runs(&places, count, &mut runs);
         let runs = &mut runs[..run_count];
@@ -354,18 +354,29 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Finds the cell of a receiver that has a tile.
+    /// Finds the cells of a batch of receivers.
     #[inline(always)]
-    fn find_cell(&self, i: usize, out: &mut CellPlaces) {
+    fn find_cells(&self) -> CellPlaces {
         let rays = self.rays;
-        let [first_cell, side_log2] = pair_at(&self.lists.tiles, rays.tile[i] as usize);
-        let side = (1_u32 << side_log2) as f32;
-        let across = rays.within[0][i] * side;
-        let down = rays.within[1][i] * side;
-        let [x, y] = [across as i32, down as i32];
-        out.cell[i] = first_cell + ((y as u32) << side_log2) + x as u32;
-        out.across[i] = across - x as f32;
-        out.down[i] = down - y as f32;
+        let mut first_cells = [0; BATCH];
+        let mut sides_log2 = [0; BATCH];
+        for i in 0..BATCH {
+            // Any tile, where a receiver has none.
+            let tile = rays.tile[i].max(0) as usize;
+            [first_cells[i], sides_log2[i]] = pair_at(&self.lists.tiles, tile);
+        }
+        let mut out = CellPlaces::new();
+        for i in 0..BATCH {
+            let side = two_to_the(sides_log2[i]);
+            let across = rays.within[0][i] * side;
+            let down = rays.within[1][i] * side;
+            let [x, y] = [floor(across), floor(down)];
+            let cell = (whole_to_u32(y) << sides_log2[i]) + whole_to_u32(x) + first_cells[i];
+            out.cell[i] = if rays.tile[i] < 0 { NO_CELL } else { cell };
+            out.across[i] = across - x;
+            out.down[i] = down - y;
+        }
+        out
     }
 
     /// Reads where a run's list is, and hides the light from those behind its cover.
@@ -506,6 +517,13 @@ fn corner(row: &[u32; 4]) -> Vec3A {
         f32::from_bits(row[2]),
         f32::from_bits(row[3]),
     ))
+}
+
+/// Returns 2 to the power of a small whole number, by a float's exponent.
+#[inline(always)]
+fn two_to_the(power: u32) -> f32 {
+    const EXPONENT_OF_ONE: u32 = 127;
+    f32::from_bits((power + EXPONENT_OF_ONE) << 23)
 }
 
 /// Returns entry `i` of a table with two a row.
