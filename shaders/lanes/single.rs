@@ -1,10 +1,5 @@
 //! Single comparisons for each receiver of a batch.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "one index into many arrays: that is what compilers turn into vector lanes"
-)]
-
 use crate::{
     lanes::{
         batch::{BATCH, Batch, BatchTaps, Lanes},
