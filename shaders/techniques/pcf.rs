@@ -263,8 +263,8 @@ impl ReceiveKernel for PcfKernel {
     }
 }
 
-/// Taps that lie side by side in a row take as long as one tap elsewhere: from 3x3 to 7x7, a tap takes .35 ns more on the CPU and 2.1 ns on
-/// lavapipe, in the disc of `pcf_disc` 1.2 and 5.6 ns (`recorded.csv` of `umbrage-plan`).
+/// Taps that lie side by side in a row take as long as one tap elsewhere, at most: from 3x3 to 7x7, a tap takes .10 ns more on the CPU and 1.2 ns on
+/// lavapipe, in the disc of `pcf_disc` .75 and 2.6 ns (`recorded.csv` of `umbrage-plan`).
 const NEIGHBOURS_A_TAP: u32 = 3;
 
 /// `SIDE` and `LANES` as in [`square::level_squares`]; 0 for any side.

@@ -50,19 +50,19 @@ pub struct CostModel {
 }
 
 impl CostModel {
-    /// The CPU backend on 2 threads of an AMD EPYC (family 25, model 1; AVX2), fitted to the times of `recorded.csv`: half of the
-    /// parts of recipes are predicted within a factor of 1.3, nine of ten within 2.05. A texel that asks for holes costs 70 times
+    /// The CPU backend on 2 threads of an Intel Xeon (family 6, model 167; AVX2), fitted to the times of `recorded.csv`: half of the
+    /// parts of recipes are predicted within a factor of 1.2, nine of ten within 1.95. A texel that asks for holes costs 50 times
     /// what one without holes does: it is asked by itself instead of in a vector.
     pub const CPU: Self = Self {
         nanoseconds: [
-            25_900.0, 21.0, 0.370, 0.400, 0.346, 8.64, 1.64, 7.93, 4.58, 300.0, 1.89, 0.523, 25.4,
+            16_300.0, 21.4, 0.319, 0.543, 0.379, 5.10, 1.17, 7.32, 3.73, 254.0, 1.33, 0.426, 16.7,
         ],
     };
 
-    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.2, nine of ten within 2.
+    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.14, nine of ten within 1.61.
     pub const SOFTWARE_GPU: Self = Self {
         nanoseconds: [
-            136_000.0, 110.0, 1.65, 0.211, 10.6, 6.05, 8.03, 17.0, 84.1, 458.0, 2.75, 1.0, 69.2,
+            164_000.0, 86.0, 1.33, 0.321, 7.62, 11.2, 3.03, 8.76, 27.5, 351.0, 1.93, 1.17, 27.3,
         ],
     };
 
@@ -77,7 +77,7 @@ impl CostModel {
 
     /// Returns the factor within which [`CostModel::of`] predicts nine of ten of the times that the built-in prices were fitted to.
     pub fn factor_of_nine_in_ten(kind: &str) -> f64 {
-        if kind == "cpu" { 2.05 } else { 1.97 }
+        if kind == "cpu" { 1.95 } else { 1.61 }
     }
 
     /// Returns the cost of the work, milliseconds.
