@@ -1,6 +1,11 @@
 //! Cuts 320x240 pixels out of a picture, for pages: `cargo run --example crop -- FROM.png LEFT,TOP TO.png`.
 
 use anyhow::{Context as _, ensure};
+use image::{
+    DynamicImage,
+    codecs::png::{CompressionType, FilterType, PngEncoder},
+};
+use std::{fs::File, io::BufWriter};
 
 const SIZE: [u32; 2] = [320, 240];
 
@@ -23,6 +28,15 @@ fn main() -> anyhow::Result<()> {
         picture.width(),
         picture.height()
     );
-    let part = picture.crop_imm(left, top, SIZE[0], SIZE[1]);
-    part.to_rgb8().save(to).with_context(|| to.clone())
+    let part = picture.crop_imm(left, top, SIZE[0], SIZE[1]).to_rgb8();
+    let is_gray = part.pixels().all(|pixel| pixel.0 == [pixel[0]; 3]);
+    let file = BufWriter::new(File::create(to).with_context(|| to.clone())?);
+    // Pages and their history keep these pictures, so they are made as small as can be.
+    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::NoFilter);
+    let written = if is_gray {
+        DynamicImage::from(part).to_luma8().write_with_encoder(encoder)
+    } else {
+        part.write_with_encoder(encoder)
+    };
+    written.with_context(|| to.clone())
 }

@@ -36,12 +36,9 @@ pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
 ) -> LitTaps {
     let places = places::<SIDE>(map, batch);
     let mut is_known = places.is_inside;
-    let stride = map.size as usize;
-    let length = (SIDE - 1) * stride + LANES;
     let mut counts = [[0_u32; LANES]; BATCH];
     for i in 0..BATCH {
-        let first = places.first[i] as usize;
-        let Some(window) = map.texels.get(first..first + length) else {
+        let Some(square) = SquareTexels::<SIDE, LANES>::from(map, places.first[i]) else {
             is_known[i] = false;
             continue;
         };
@@ -49,7 +46,7 @@ pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
         // All lanes are kept, also those that aren't counted: else the compiler would take texels one by one.
         let mut count = [0_u32; LANES];
         for row in 0..SIDE {
-            let Some(stored) = window[row * stride..].first_chunk::<LANES>() else {
+            let Some(stored) = square.row(row) else {
                 continue;
             };
             for lane in 0..LANES {
@@ -72,17 +69,14 @@ pub(crate) fn sloped_squares<const SIDE: usize, const LANES: usize>(
 ) -> LitTaps {
     let places = places::<SIDE>(map, batch);
     let mut is_known = places.is_inside;
-    let stride = map.size as usize;
-    let length = (SIDE - 1) * stride + LANES;
     let mut rows = [[[0.0_f32; LANES]; SIDE]; BATCH];
     for i in 0..BATCH {
-        let first = places.first[i] as usize;
-        let Some(window) = map.texels.get(first..first + length) else {
+        let Some(square) = SquareTexels::<SIDE, LANES>::from(map, places.first[i]) else {
             is_known[i] = false;
             continue;
         };
         for row in 0..SIDE {
-            if let Some(stored) = window[row * stride..].first_chunk::<LANES>() {
+            if let Some(stored) = square.row(row) {
                 rows[i][row] = *stored;
             }
         }
@@ -102,6 +96,31 @@ pub(crate) fn sloped_squares<const SIDE: usize, const LANES: usize>(
     }
     let lit = sums::<SIDE, LANES>(&counts);
     LitTaps { lit, is_known }
+}
+
+/// The texels of a map from the least of a square of `SIDE` texels a side to the end of its last row, where rows are read `LANES` wide.
+struct SquareTexels<'a, const SIDE: usize, const LANES: usize> {
+    texels: &'a [f32],
+    /// Texels from one row to the next.
+    stride: usize,
+}
+
+impl<'a, const SIDE: usize, const LANES: usize> SquareTexels<'a, SIDE, LANES> {
+    /// Returns the square whose least texel has the number `first` among all of the map; none if the map ends before it does.
+    #[inline(always)]
+    fn from(map: &DepthMap<'a>, first: u32) -> Option<Self> {
+        let first = first as usize;
+        let stride = map.size as usize;
+        let length = (SIDE - 1) * stride + LANES;
+        let texels = map.texels.get(first..first + length)?;
+        Some(Self { texels, stride })
+    }
+
+    /// Returns one of the `SIDE` rows, and what lies right of it.
+    #[inline(always)]
+    fn row(&self, row: usize) -> Option<&'a [f32; LANES]> {
+        self.texels[row * self.stride..].first_chunk()
+    }
 }
 
 /// Returns the sums over the first `SIDE` lanes.

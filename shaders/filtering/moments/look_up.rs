@@ -179,7 +179,10 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups
         let mut texels = [[[0.0; BATCH]; CHANNELS]; 4];
         for (numbers, texels) in places.texels.iter().zip(&mut texels) {
             for (i, &number) in numbers.iter().enumerate() {
-                let Some(texel) = self.finest.texels.get(number as usize) else {
+                let texel = self.finest.texels.get(number as usize);
+                debug_assert!(texel.is_some(), "texel {number} lies beyond the map");
+                // No panic, so that loads need not keep their order.
+                let Some(texel) = texel else {
                     continue;
                 };
                 for channel in 0..CHANNELS {
@@ -193,14 +196,7 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups
         } else {
             self.lit_at::<false>(batch, &places, &texels)
         };
-        for (i, out) in out.iter_mut().enumerate() {
-            let l = batch.lookup(i);
-            *out = if l.covered {
-                self.known(&l).unwrap_or(lit[i])
-            } else {
-                1.0
-            };
-        }
+        batch.one_by_one(out, |l, i| self.known(l).unwrap_or(lit[i]));
     }
 }
 
