@@ -7,6 +7,11 @@ use umbrage_core::glam::{Vec2, Vec3};
 /// A flat rectangle at height 0 that faces up, open at its rim: `half` in x and z, `cells` quads along each. Its texture
 /// spans it once, u along x and v along z.
 pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) -> f32) -> Mesh {
+    grid_with(half, cells, &height)
+}
+
+/// [`grid`], compiled once instead of for each function of the height.
+fn grid_with(half: [f32; 2], cells: [u32; 2], height: &dyn Fn(f32, f32) -> f32) -> Mesh {
     let [nx, nz] = cells;
     let at = |i: u32, n: u32, half: f32| half * (2.0 * i as f32 / n as f32 - 1.0);
     let mut positions = Vec::with_capacity((nx as usize + 1) * (nz as usize + 1));
