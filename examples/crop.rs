@@ -34,7 +34,9 @@ fn main() -> anyhow::Result<()> {
     // Pages and their history keep these pictures, so they are made as small as can be.
     let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::NoFilter);
     let written = if is_gray {
-        DynamicImage::from(part).to_luma8().write_with_encoder(encoder)
+        DynamicImage::from(part)
+            .to_luma8()
+            .write_with_encoder(encoder)
     } else {
         part.write_with_encoder(encoder)
     };
