@@ -36,14 +36,7 @@ for file in "$report"/presets/*.preset.toml; do
   presets+=(--preset "$file")
 done
 cargo run --release --example measure_others -- compare street forest valley hovering-feet thin-plate \
-  --technique contact,hard --map-sizes 1024 --deterministic --backend cpu "${presets[@]}" --out "$report/contact"
-# What frames take; one map's are among the rows of `contact` itself.
-timed=()
-for setting in 0-0.005 60-0.005 240-0.005; do
-  timed+=(--preset "$report/presets/contact-$setting.preset.toml")
-done
-cargo run --release --example measure_others -- compare street forest valley \
-  --technique contact,hard --map-sizes 1024 "${timed[@]}" --out "$report/contact-timed"
+  --technique contact,hard --map-sizes 1024 "${presets[@]}" --out "$report/contact"
 
 # Cuts the place with the balconies out of a picture.
 crop() {

@@ -20,7 +20,7 @@ impl Simd {
             Self::Native => pulp::Arch::new(),
             Self::Baseline => pulp::Arch::Scalar,
         };
-        // One dispatch for both: each inlines the task once for every set of instructions, which is most of what some packages take to build.
+        // One dispatch for both, as each inlines the task once for every set of instructions, and long tasks take seconds to compile.
         instructions.dispatch(Inlined(task))
     }
 }
