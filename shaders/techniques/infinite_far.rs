@@ -1,8 +1,8 @@
 //! The camera's view without a far plane, for what lies infinitely far away.
 //!
 //! Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": with far at infinity, clip z is w less a
-//! constant, and so the points at infinity have z = w, just inside. Without perspective there is no such projection;
-//! there a [`FarClampPlane`] takes its place.
+//! constant. Here all of that is a little smaller, so that no rounding takes a depth to 1 and beyond. Without perspective there is
+//! no such projection; there a [`FarClampPlane`] takes its place.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
 use umbrage_core::{
@@ -12,6 +12,9 @@ use umbrage_core::{
 
 /// Slack of planes that must not cut what is seen, as a fraction of their distance.
 const SLACK: f64 = 1e-3;
+
+/// The depth of a point infinitely far away: short of 1 by 16 times what devices may round it by.
+const DEPTH_AT_INFINITY: f32 = 1.0 - 1.0 / 1_048_576.0;
 
 /// The camera's space, moved so that nothing is too far.
 #[derive(Clone, Copy, Debug)]
@@ -94,8 +97,8 @@ impl InfiniteFarView {
     }
 }
 
-/// Returns the space with an infinite far plane: clip z becomes w less its value on the near plane, which is at least `nearest`
-/// metres away.
+/// Returns the space with an infinite far plane: clip z becomes w less its value on the near plane, times
+/// [`DEPTH_AT_INFINITY`]. The near plane is at least `nearest` metres away.
 fn infinite_perspective(space: LightSpace, nearest: f64) -> LightSpace {
     let m = space.clip_from_view;
     let own_near = w_at_near(&m);
@@ -106,10 +109,10 @@ fn infinite_perspective(space: LightSpace, nearest: f64) -> LightSpace {
         own_near
     };
     let mut clip_from_view = m;
-    clip_from_view.x_axis.z = m.x_axis.w;
-    clip_from_view.y_axis.z = m.y_axis.w;
-    clip_from_view.z_axis.z = m.z_axis.w;
-    clip_from_view.w_axis.z = m.w_axis.w - near as f32;
+    clip_from_view.x_axis.z = DEPTH_AT_INFINITY * m.x_axis.w;
+    clip_from_view.y_axis.z = DEPTH_AT_INFINITY * m.y_axis.w;
+    clip_from_view.z_axis.z = DEPTH_AT_INFINITY * m.z_axis.w;
+    clip_from_view.w_axis.z = DEPTH_AT_INFINITY * (m.w_axis.w - near as f32);
     LightSpace {
         clip_from_view,
         ..space

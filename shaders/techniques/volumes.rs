@@ -3,7 +3,7 @@
 //! Crow 1977, "Shadow algorithms for computer graphics"; counted by depth-fail, which takes no notice of where the eye
 //! is: Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes for hardware-accelerated rendering";
 //! McGuire et al. 2003, "Fast, practical and robust shadows". Along a pixel's ray, the volumes' back faces less their
-//! front faces that are not before the seen surface are the volumes that it lies in. Volumes reach infinity, and the
+//! front faces that are not before the seen surface are the volumes that it lies in. Volumes reach beyond all there is, and the
 //! view has no far plane to cut them.
 //!
 //! * Closed casters extrude the edges between faces turned to the light and faces turned away; all others, and those
@@ -104,13 +104,7 @@ impl ShadowTechnique for ShadowVolumes {
         let mesh = &casters.mesh;
         let silhouette = casters.silhouette(lifted.light);
         let window = ClipWindow::new(&infinite_far.space, view.camera.size);
-        // Without perspective, points at infinity have no place on the picture, and not all devices clip them well.
-        let reach = if infinite_far.clamp_plane.is_some() {
-            let bounds = geometry.bounds();
-            Some(beyond_all(&bounds, mesh, &silhouette, lifted.light))
-        } else {
-            None
-        };
+        let reach = beyond_all(&geometry.bounds(), mesh, &silhouette, lifted.light);
         let mut faces = extrude(mesh, &silhouette, lifted.light, Some(&window), reach);
         if let Some(clamp_plane) = &infinite_far.clamp_plane {
             faces = flatten(&faces, clamp_plane);

@@ -4,6 +4,7 @@ mod agreement;
 mod anchor;
 mod cascades;
 mod causes;
+mod clipping;
 mod closed_form;
 mod closed_form_masks;
 mod coarse_grids;

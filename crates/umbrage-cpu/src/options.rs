@@ -1,6 +1,6 @@
 //! What a user may choose about the CPU player.
 
-use crate::raster::{PlaneShift, Rounding};
+use crate::raster::{Clipping, PlaneShift, Rounding};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use umbrage_core::{BackendError, Invalid, Simd, Snapping};
 
@@ -22,6 +22,8 @@ pub struct CpuOptions {
     pub snapping: Snapping,
     /// How far depths of triangles are moved: nowhere, but to find out which answers hang on rounding.
     pub plane_shift: PlaneShift,
+    /// Where the rasteriser clips triangles: at the view volume, or as hardware may do, to test techniques.
+    pub clipping: Clipping,
 }
 
 /// More threads than this are taken for a mistake.
@@ -58,11 +60,18 @@ impl CpuOptions {
         }
     }
 
+    /// The same with another way of clipping.
+    #[must_use]
+    pub fn clipping(self, clipping: Clipping) -> Self {
+        Self { clipping, ..self }
+    }
+
     /// How the rasteriser is to round.
     pub(crate) fn rounding(&self) -> Rounding {
         Rounding {
             snapping: self.snapping,
             plane_shift: self.plane_shift,
+            clipping: self.clipping,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The part of shadow volumes' walls that lies in the picture.
 //!
-//! Walls reach infinity, so that devices clip most of them at the picture's borders. Some then round the clipped ends of
+//! Walls reach beyond all there is, so that devices clip most of them at the picture's borders. Some then round the clipped ends of
 //! neighbours apart, or leave out walls too thin for their grid of sub-pixels, and a pixel between the two is counted wrong. So
 //! walls begin and end at the border already, at points that neighbours share.
 
@@ -80,12 +80,11 @@ impl ClipWindow {
         }
     }
 
-    /// Returns the part within the picture of the edge from a point to another, maybe infinitely far away (w = 0, else 1); `None`
-    /// if no part of it is. Clips as Cyrus and Beck 1978, "Generalized two- and three-dimensional clipping".
-    pub(crate) fn visible_part(&self, from: DVec3, to: DVec4) -> Option<VisiblePart<DVec3>> {
+    /// Returns the part within the picture of the edge between two points; `None` if no part of it is. Clips as Cyrus and Beck 1978,
+    /// "Generalized two- and three-dimensional clipping".
+    pub(crate) fn visible_part(&self, from: DVec3, to: DVec3) -> Option<VisiblePart<DVec3>> {
         let from = from.extend(1.0);
-        let towards = to - from * to.w;
-        let end = if to.w == 0.0 { f64::INFINITY } else { 1.0 };
+        let towards = to.extend(1.0) - from;
         // At `from + s * towards`, the distance to a plane is `distance + s * growth`; it is 0 at the crossing.
         let mut enters: Option<Crossing<f64>> = None;
         let mut leaves: Option<Crossing<f64>> = None;
@@ -105,8 +104,8 @@ impl ClipWindow {
                 leaves = crossing;
             }
         }
-        let leaves = leaves.filter(|c| c.at < end);
-        let last = leaves.map_or(end, |c| c.at);
+        let leaves = leaves.filter(|c| c.at < 1.0);
+        let last = leaves.map_or(1.0, |c| c.at);
         let begins_before_end = enters.is_none_or(|c| c.at < last);
         if !begins_before_end {
             return None;
@@ -159,8 +158,8 @@ mod tests {
         Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 1.0, [0.1, 100.0], size).expect("valid")
     }
 
-    fn part(from: DVec3, towards: DVec4) -> Option<VisiblePart<DVec3>> {
-        ClipWindow::new(&camera().space(), camera().size).visible_part(from, towards)
+    fn part(from: DVec3, to: DVec3) -> Option<VisiblePart<DVec3>> {
+        ClipWindow::new(&camera().space(), camera().size).visible_part(from, to)
     }
 
     /// How far a point is seen from the picture's four borders, pixels.
@@ -180,12 +179,12 @@ mod tests {
             (DVec3::NEG_Y, 2),
             (DVec3::new(0.3, 1.0, -0.2), 3),
         ] {
-            let inside = part(from, towards.extend(0.0)).expect("it begins inside");
+            let inside = part(from, from + 1000.0 * towards).expect("it begins inside");
             let leaves = inside.leaves.expect("it leaves");
             assert_eq!((inside.enters, leaves.plane), (None, plane));
             // The other way round, from beyond the border.
             let beyond = leaves.at + (leaves.at - from);
-            let back = part(beyond, (from - beyond).extend(0.0)).expect("it enters");
+            let back = part(beyond, from).expect("it enters");
             let enters = back.enters.expect("it begins outside");
             assert_eq!(enters.plane, plane);
             for at in [leaves.at, enters.at] {
@@ -201,37 +200,23 @@ mod tests {
     }
 
     #[test]
-    fn rays_outside_have_no_part_and_some_never_leave() {
-        assert_eq!(
-            part(DVec3::new(40.0, 0.0, 0.0), DVec3::Y.extend(0.0)),
-            None,
-            "right of the picture"
-        );
-        assert_eq!(
-            part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(0.0, 40.0, 0.0, 1.0)),
-            None,
-            "past its corner"
-        );
-        assert_eq!(
-            part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(20.0, 0.0, 0.0, 1.0)),
-            None,
-            "not so far as to the picture"
-        );
-        assert_eq!(
-            part(DVec3::ZERO, DVec4::new(0.1, 0.0, 0.0, 1.0)),
-            Some(VisiblePart::WHOLE),
-            "within the picture"
-        );
-        assert_eq!(
-            part(DVec3::new(0.0, 0.0, 6.0), DVec3::Z.extend(0.0)),
-            None,
-            "behind the eye"
-        );
-        assert_eq!(
-            part(DVec3::ZERO, DVec3::NEG_Z.extend(0.0)),
-            Some(VisiblePart::WHOLE),
-            "away from the eye"
-        );
+    fn edges_outside_have_no_part_and_some_never_leave() {
+        let right = DVec3::new(40.0, 0.0, 0.0);
+        for (to, why) in [
+            (right + 1000.0 * DVec3::Y, "right of the picture"),
+            (DVec3::new(0.0, 40.0, 0.0), "past its corner"),
+            (DVec3::new(20.0, 0.0, 0.0), "not so far as to the picture"),
+        ] {
+            assert_eq!(part(right, to), None, "{why}");
+        }
+        let behind = DVec3::new(0.0, 0.0, 6.0);
+        assert_eq!(part(behind, behind + DVec3::Z), None, "behind the eye");
+        for (to, why) in [
+            (DVec3::new(0.1, 0.0, 0.0), "within the picture"),
+            (1000.0 * DVec3::NEG_Z, "away from the eye"),
+        ] {
+            assert_eq!(part(DVec3::ZERO, to), Some(VisiblePart::WHOLE), "{why}");
+        }
     }
 
     #[test]

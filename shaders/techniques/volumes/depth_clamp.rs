@@ -1,17 +1,21 @@
-//! Depth clamping for faces that reach infinity: what lies beyond a plane across the view is flattened onto it, along the view.
+//! Depth clamping for faces that reach beyond all there is: what lies beyond a plane across the view is flattened onto it, along the view.
 //! Seen without perspective it stays where it is, and closed surfaces stay closed.
 
 use crate::techniques::infinite_far::FarClampPlane;
-use glam::DVec4;
+use glam::DVec3;
 use std::collections::HashMap;
 use umbrage_core::Faces;
 
 /// Returns the faces with all that lies beyond the clamp plane flattened onto it.
 pub(crate) fn flatten(faces: &Faces, clamp_plane: &FarClampPlane) -> Faces {
-    let vertices: Vec<DVec4> = faces.vertices.iter().map(|v| v.as_dvec4()).collect();
+    let vertices: Vec<DVec3> = faces
+        .vertices
+        .iter()
+        .map(|v| v.as_dvec4().truncate())
+        .collect();
     let before: Vec<f64> = vertices
         .iter()
-        .map(|v| clamp_plane.distance * v.w - clamp_plane.depth.dot(*v))
+        .map(|v| clamp_plane.distance - clamp_plane.depth.dot(v.extend(1.0)))
         .collect();
     let mut cutter = Cutter {
         clamp_plane,
@@ -25,15 +29,19 @@ pub(crate) fn flatten(faces: &Faces, clamp_plane: &FarClampPlane) -> Faces {
         cutter.add(triangle, &mut triangles);
     }
     Faces {
-        vertices: cutter.vertices.iter().map(|v| v.as_vec4()).collect(),
+        vertices: cutter
+            .vertices
+            .iter()
+            .map(|v| v.as_vec3().extend(1.0))
+            .collect(),
         triangles,
     }
 }
 
 struct Cutter<'a> {
     clamp_plane: &'a FarClampPlane,
-    vertices: Vec<DVec4>,
-    /// Distances of the given vertices before the clamp plane, times w; negative beyond it.
+    vertices: Vec<DVec3>,
+    /// Distances of the given vertices before the clamp plane, metres; negative beyond it.
     before: Vec<f64>,
     /// Vertices flattened, by what they were.
     flat: HashMap<u32, u32>,
@@ -77,7 +85,7 @@ impl Cutter<'_> {
             return known;
         }
         let along = self.clamp_plane.forward * self.before[v as usize];
-        let flat = self.push(self.vertices[v as usize] + along.extend(0.0));
+        let flat = self.push(self.vertices[v as usize] + along);
         self.flat.insert(v, flat);
         flat
     }
@@ -88,15 +96,12 @@ impl Cutter<'_> {
         }
         let [p, q] = edge.map(|v| self.vertices[v as usize]);
         let [distance_p, distance_q] = edge.map(|v| self.before[v as usize].abs());
-        // Homogeneous, so the weights need not add to 1.
-        let at = p * distance_q + q * distance_p;
-        // A mix of ends both at infinity is at infinity, too.
-        let cut = self.push(if at.w > 0.0 { at / at.w } else { at });
+        let cut = self.push((p * distance_q + q * distance_p) / (distance_p + distance_q));
         self.cuts.insert(edge, cut);
         cut
     }
 
-    fn push(&mut self, v: DVec4) -> u32 {
+    fn push(&mut self, v: DVec3) -> u32 {
         self.vertices.push(v);
         self.vertices.len() as u32 - 1
     }
@@ -105,7 +110,7 @@ impl Cutter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DVec3, Vec4};
+    use glam::{DVec4, Vec4};
 
     const BACKDROP: FarClampPlane = FarClampPlane {
         forward: DVec3::NEG_Z,
@@ -127,13 +132,13 @@ mod tests {
         assert_eq!(flatten(&faces, &BACKDROP), faces);
     }
 
-    /// A wall from two points 4 m away to infinity, slanted away: cut 6 m farther, at x = 12, and flat from there on.
+    /// A wall from two points 4 m away to one 14 m away, slanted: cut at 10 m, at x = 12, and flat from there on.
     #[test]
-    fn walls_to_infinity_are_cut_and_laid_flat() {
+    fn walls_beyond_are_cut_and_laid_flat() {
         let vertices = vec![
             Vec4::new(0.0, 0.0, -4.0, 1.0),
             Vec4::new(0.0, 1.0, -4.0, 1.0),
-            Vec4::new(2.0, 0.0, -1.0, 0.0),
+            Vec4::new(20.0, 0.0, -14.0, 1.0),
         ];
         let out = flatten(
             &Faces {
@@ -144,16 +149,15 @@ mod tests {
         );
         let at = |i: u32| out.vertices[i as usize];
         assert_eq!(out.triangles.len(), 3);
-        let beyond = out
-            .triangles
-            .iter()
-            .flatten()
-            .filter(|&&v| -at(v).z > 10.0 * at(v).w);
+        let beyond = out.triangles.iter().flatten().filter(|&&v| -at(v).z > 10.0);
         assert_eq!(beyond.count(), 0, "{out:?}");
-        assert!(out.vertices.contains(&Vec4::new(12.0, 1.0, -10.0, 1.0)));
-        assert!(
-            out.vertices.contains(&Vec4::new(2.0, 0.0, 0.0, 0.0)),
-            "the direction without its part along the view"
-        );
+        for expected in [
+            Vec4::new(12.0, 0.0, -10.0, 1.0),
+            Vec4::new(12.0, 0.4, -10.0, 1.0),
+            Vec4::new(20.0, 0.0, -10.0, 1.0),
+        ] {
+            let is_there = |v: &Vec4| v.distance(expected) < 1e-5;
+            assert!(out.vertices.iter().any(is_there), "{expected}: {out:?}");
+        }
     }
 }

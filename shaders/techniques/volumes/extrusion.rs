@@ -1,9 +1,12 @@
 //! Shadow volumes of a silhouette, as faces to draw.
 //!
 //! Crow 1977, "Shadow algorithms for computer graphics"; McGuire, Hughes, Egan, Kilgard and Everitt 2003, "Fast,
-//! practical and robust shadows": walls from edges to infinity, and caps at both ends. Infinity is one point for a
-//! directional light, so that its walls are triangles and there is nothing to cap there. Volumes may also end at a distance
-//! beyond all there is.
+//! practical and robust shadows": walls from edges to beyond all there is, and caps at both ends.
+//!
+//! Those papers end the volumes at infinity, by vertices with w = 0. An edge between two of these that crosses the eye's plane
+//! has clip z = w = 0 there. Hardware clips at the near plane first, and so makes a vertex of that point; rounding takes its w
+//! to either side of 0. An NVIDIA H200 then loses the depth of the face, and a quarter of a picture falls into a false shadow
+//! (the CPU backend's `Clipping::ZeroWBehind` does the same). So all vertices here are finite.
 
 use crate::techniques::volumes::{
     clip_window::{ClipWindow, Crossing, VisiblePart, VisibleParts},
@@ -12,29 +15,24 @@ use crate::techniques::volumes::{
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use umbrage_core::{Aabb, Faces};
 
-/// Returns the volumes' faces, counter-clockwise seen from outside. Each wall comes as often as its edge counts, as far as it lies
-/// within the window. With a reach, the volumes end so many metres beyond their casters.
+/// Returns the volumes' faces, counter-clockwise seen from outside, which end `reach` metres beyond their casters. Each wall comes as
+/// often as its edge counts, as far as it lies within the window.
 pub(crate) fn extrude(
     mesh: &Welded,
     silhouette: &Silhouette,
     light: DVec4,
     window: Option<&ClipWindow>,
-    reach: Option<f64>,
+    reach: f64,
 ) -> Faces {
     let far = FarVertices {
         first: mesh.positions.len() as u32,
-        is_one_point: light.w == 0.0 && reach.is_none(),
     };
     let mut faces = Faces {
         vertices: mesh.positions.iter().map(|p| p.extend(1.0)).collect(),
         triangles: Vec::new(),
     };
-    if far.is_one_point {
-        faces.vertices.push((-light).as_vec4());
-    } else {
-        let far_vertices = mesh.positions.iter().map(|p| moved_away(*p, light, reach));
-        faces.vertices.extend(far_vertices);
-    }
+    let far_vertices = mesh.positions.iter().map(|p| moved_away(*p, light, reach));
+    faces.vertices.extend(far_vertices);
     for cap in &silhouette.caps {
         far.add_caps(cap.corners, &mut faces.triangles);
     }
@@ -52,17 +50,12 @@ pub(crate) fn extrude(
     faces
 }
 
-/// Returns a vertex moved away from the light by `reach` metres, or to infinity (w = 0).
-fn moved_away(p: Vec3, light: DVec4, reach: Option<f64>) -> Vec4 {
+/// Returns a vertex moved away from the light by `reach` metres.
+fn moved_away(p: Vec3, light: DVec4, reach: f64) -> Vec4 {
     let p = p.as_dvec3();
     let direction = p * light.w - light.truncate();
-    match reach {
-        None => direction.as_vec3().extend(0.0),
-        Some(reach) => {
-            let moved = p + direction.normalize_or_zero() * reach;
-            moved.as_vec3().extend(1.0)
-        }
-    }
+    let moved = p + direction.normalize_or_zero() * reach;
+    moved.as_vec3().extend(1.0)
 }
 
 /// Far caps come no nearer than this fraction of the volumes' reach: a smaller one would take precision from the vertices.
@@ -89,18 +82,32 @@ pub(crate) fn beyond_all(
     }
     let lamp = light.truncate();
     let farthest = corners.map(|p| p.distance(lamp)).fold(0.0, f64::max);
-    // All corners of a cap lie within some angle of its normal as seen from the lamp; in its middle, the far cap is nearer than
-    // the reach by that angle's cosine.
-    let mut least_cosine = 1.0_f64;
+    let mut nearest = 1.0_f64;
     for cap in &silhouette.caps {
-        let [a, b, c] = cap
-            .corners
-            .map(|v| mesh.positions[v as usize].as_dvec3() - lamp);
-        let height = (b - a).cross(c - a).normalize_or_zero().dot(a).abs();
-        let cosine = height / a.length().max(b.length()).max(c.length());
-        least_cosine = least_cosine.min(cosine);
+        let to_corners = cap.corners.map(|v| {
+            let to_corner = mesh.positions[v as usize].as_dvec3() - lamp;
+            to_corner.normalize_or_zero()
+        });
+        nearest = nearest.min(distance_to_triangle(to_corners));
     }
-    2.0 * farthest / least_cosine.max(MIN_NEAREST)
+    2.0 * farthest / nearest.max(MIN_NEAREST)
+}
+
+/// Returns the distance from the origin to a triangle whose corners lie on the unit sphere.
+fn distance_to_triangle([a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let edges = [(a, b), (b, c), (c, a)];
+    // The origin lies over the triangle if the normal points into the cone of its corners.
+    let sides = edges.map(|(p, q)| normal.dot(p.cross(q)));
+    let over_triangle = sides.iter().all(|&s| s > 0.0) || sides.iter().all(|&s| s < 0.0);
+    if over_triangle {
+        return normal.normalize().dot(a).abs();
+    }
+    // The ends of a chord are equally far away, and so its middle is the nearest.
+    edges
+        .map(|(p, q)| 0.5 * (p + q).length())
+        .into_iter()
+        .fold(1.0, f64::min)
 }
 
 /// Returns the caps that the scene does not have with the same order of corners. Their depths must be drawn beside the scene's.
@@ -122,27 +129,19 @@ pub(crate) fn caps_not_in_scene(mesh: &Welded, silhouette: &Silhouette) -> Faces
 struct FarVertices {
     /// The index of the first.
     first: u32,
-    /// Whether there is only one, at infinity.
-    is_one_point: bool,
 }
 
 impl FarVertices {
     /// Returns the far vertex that belongs to a caster's vertex.
     fn of(&self, near: u32) -> u32 {
-        if self.is_one_point {
-            self.first
-        } else {
-            self.first + near
-        }
+        self.first + near
     }
 
-    /// Adds the cap at the caster, and the one at the far end unless that is a point.
+    /// Adds the caps at the caster and at the far end.
     fn add_caps(&self, corners: [u32; 3], triangles: &mut Vec<[u32; 3]>) {
         let [a, b, c] = corners;
         triangles.push([a, b, c]);
-        if !self.is_one_point {
-            triangles.push([self.of(a), self.of(c), self.of(b)]);
-        }
+        triangles.push([self.of(a), self.of(c), self.of(b)]);
     }
 
     /// Returns the part within the window of the edge from a vertex to its far end. Adds the vertices where it is cut.
@@ -154,7 +153,7 @@ impl FarVertices {
         vertices: &mut Vec<Vec4>,
     ) -> VisiblePart<u32> {
         let from = vertices[v as usize].as_dvec4().truncate();
-        let to = vertices[self.of(v) as usize].as_dvec4();
+        let to = vertices[self.of(v) as usize].as_dvec4().truncate();
         let add_vertex = |at: DVec3| {
             vertices.push(at.as_vec3().extend(1.0));
             vertices.len() as u32 - 1

@@ -6,6 +6,9 @@ use crate::techniques::volumes::{
 use glam::DVec3;
 use umbrage_core::{Aabb, Camera, glam::UVec2};
 
+/// How far volumes reach, metres.
+const REACH: f64 = 100.0;
+
 const SUN: DVec4 = DVec4::new(0.0, 1.0, 0.0, 0.0);
 
 fn silhouette(mesh: &Welded, light: DVec4) -> Silhouette {
@@ -56,7 +59,7 @@ fn one_loop(s: &Silhouette) -> Option<Vec<u32>> {
 
 /// Every edge of the volumes is met as often in one direction as in the other.
 fn is_closed(mesh: &Welded, s: &Silhouette, light: DVec4) -> bool {
-    net_edges(extrude(mesh, s, light, None, None).triangles.into_iter()).is_empty()
+    net_edges(extrude(mesh, s, light, None, REACH).triangles.into_iter()).is_empty()
 }
 
 #[test]
@@ -196,7 +199,7 @@ fn lights_in_a_triangles_plane_cast_nothing_from_it() {
 fn walls_lean_outwards() {
     let mesh = Welded::weld(&[Vec3::ZERO, Vec3::X, Vec3::Z], &[[0, 2, 1]]);
     let light = DVec4::new(0.2, 2.0, 0.3, 1.0);
-    let faces = extrude(&mesh, &silhouette(&mesh, light), light, None, None);
+    let faces = extrude(&mesh, &silhouette(&mesh, light), light, None, REACH);
     assert_eq!(faces.triangles.len(), 2 + 3 * 2);
     // A point of the volume, well below the triangle, is behind every face.
     let inside = DVec4::new(0.3, -1.0, 0.25, 1.0);
@@ -219,7 +222,13 @@ fn volumes_are_closed_as_far_as_they_are_seen() {
     ] {
         let camera = Camera::perspective(eye, at, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid");
         let window = ClipWindow::new(&camera.space(), size);
-        let faces = extrude(&mesh, &silhouette(&mesh, light), light, Some(&window), None);
+        let faces = extrude(
+            &mesh,
+            &silhouette(&mesh, light),
+            light,
+            Some(&window),
+            REACH,
+        );
         let open = net_edges(faces.triangles.iter().copied());
         assert!(!open.is_empty(), "walls end at the window");
         for edge in open {
@@ -251,7 +260,7 @@ fn volumes_that_end_do_so_beyond_everything() {
     ] {
         let found = silhouette(&mesh, light);
         let reach = beyond_all(&bounds, &mesh, &found, light);
-        let faces = extrude(&mesh, &found, light, None, Some(reach));
+        let faces = extrude(&mesh, &found, light, None, reach);
         assert!(
             net_edges(faces.triangles.iter().copied()).is_empty()
                 && faces.vertices.iter().all(|v| v.w == 1.0)

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 use umbrage_core::Cull;
 
 /// The planes x <= w, -w <= x, y <= w, -w <= y, 0 <= z, z <= w; bit `i` of an outcode stands for plane `i`.
-const PLANES: [[f32; 4]; 6] = [
+pub(crate) const PLANES: [[f32; 4]; 6] = [
     [-1.0, 0.0, 0.0, 1.0],
     [1.0, 0.0, 0.0, 1.0],
     [0.0, -1.0, 0.0, 1.0],
@@ -35,21 +35,39 @@ pub(crate) fn outcode(p: Vec4) -> u32 {
 
 /// A corner of a polygon.
 #[derive(Clone, Copy)]
-struct Corner {
+pub(crate) struct Corner {
     /// Clip space.
-    position: Vec4,
+    pub(crate) position: Vec4,
     /// Whether clipping made it.
     is_new: bool,
 }
 
+impl Corner {
+    /// Returns a vertex of the triangle.
+    pub(crate) fn given(position: Vec4) -> Self {
+        Self {
+            position,
+            is_new: false,
+        }
+    }
+
+    /// Returns a corner that clipping made.
+    pub(crate) fn new(position: Vec4) -> Self {
+        Self {
+            position,
+            is_new: true,
+        }
+    }
+}
+
 /// A convex polygon of few corners.
-struct Polygon {
+pub(crate) struct Polygon {
     corners: [Corner; MAX_CORNERS],
     len: usize,
 }
 
 impl Polygon {
-    const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         corners: [Corner {
             position: Vec4::ZERO,
             is_new: false,
@@ -57,12 +75,40 @@ impl Polygon {
         len: 0,
     };
 
+    /// Returns a triangle (clip space).
+    pub(crate) fn new(triangle: [Vec4; 3]) -> Self {
+        let mut polygon = Self::EMPTY;
+        for position in triangle {
+            polygon.push(Corner::given(position));
+        }
+        polygon
+    }
+
+    /// Returns the number of corners.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Makes the corner of this number the first one.
+    pub(crate) fn rotate_left(&mut self, corner: usize) {
+        self.corners[..self.len].rotate_left(corner);
+    }
+
     fn as_slice(&self) -> &[Corner] {
         &self.corners[..self.len]
     }
 
+    /// Calls `visit` with the corners of each triangle of a fan around the first corner.
+    pub(crate) fn for_each_triangle(&self, mut visit: impl FnMut([&Corner; 3])) {
+        if let [first, rest @ ..] = self.as_slice() {
+            for pair in rest.windows(2) {
+                visit([first, &pair[0], &pair[1]]);
+            }
+        }
+    }
+
     /// Appends a corner. Rounding may make a sliver cross a plane more than twice: corners beyond `MAX_CORNERS` are left out.
-    fn push(&mut self, corner: Corner) {
+    pub(crate) fn push(&mut self, corner: Corner) {
         if let Some(slot) = self.corners.get_mut(self.len) {
             *slot = corner;
             self.len += 1;
@@ -70,7 +116,7 @@ impl Polygon {
     }
 
     /// The part inside a plane; empty if a distance isn't finite.
-    fn clipped(&self, plane: &[f32; 4]) -> Self {
+    pub(crate) fn clipped(&self, plane: &[f32; 4]) -> Self {
         let mut out = Self::EMPTY;
         let corners = self.as_slice();
         for (i, &a) in corners.iter().enumerate() {
@@ -84,10 +130,8 @@ impl Polygon {
                 out.push(a);
             }
             if (distance_a >= 0.0) != (distance_b >= 0.0) {
-                out.push(Corner {
-                    position: crossing(a.position, distance_a, b.position, distance_b),
-                    is_new: true,
-                });
+                let position = crossing(a.position, distance_a, b.position, distance_b);
+                out.push(Corner::new(position));
             }
         }
         out
@@ -115,34 +159,20 @@ fn crossing(a: Vec4, distance_a: f32, b: Vec4, distance_b: f32) -> Vec4 {
 }
 
 /// Clips a triangle (clip space) to the planes in `mask`, the union of its corners' outcodes, and calls `emit` with the window
-/// corners of each triangle of what is left: a fan around its first corner.
+/// corners of each triangle of what is left.
 pub(crate) fn clip(
     triangle: [Vec4; 3],
     mask: u32,
     viewport: &Viewport,
     mut emit: impl FnMut([Vec3; 3]),
 ) {
-    let mut polygon = Polygon::EMPTY;
-    for position in triangle {
-        polygon.push(Corner {
-            position,
-            is_new: false,
-        });
-    }
+    let mut polygon = Polygon::new(triangle);
     for (i, plane) in PLANES.iter().enumerate() {
         if mask & (1 << i) != 0 {
             polygon = polygon.clipped(plane);
         }
     }
-    if let [first, rest @ ..] = polygon.as_slice() {
-        for pair in rest.windows(2) {
-            emit([
-                project(first, viewport),
-                project(&pair[0], viewport),
-                project(&pair[1], viewport),
-            ]);
-        }
-    }
+    polygon.for_each_triangle(|corners| emit(corners.map(|corner| project(corner, viewport))));
 }
 
 /// Returns whether culling leaves out a piece of a clipped triangle before its corners (window space) are moved to the grid.
@@ -164,7 +194,8 @@ pub(crate) fn is_culled(piece: [Vec3; 3], cull: Cull) -> bool {
     }
 }
 
-fn project(corner: &Corner, viewport: &Viewport) -> Vec3 {
+/// Returns the window position of a corner.
+pub(crate) fn project(corner: &Corner, viewport: &Viewport) -> Vec3 {
     if corner.is_new {
         viewport.project_clipped(corner.position)
     } else {

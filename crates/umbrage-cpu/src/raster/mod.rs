@@ -2,6 +2,7 @@
 
 mod bin;
 mod clip;
+mod clipping;
 mod fill;
 mod holes;
 mod mode;
@@ -19,9 +20,9 @@ mod tile;
 mod viewport;
 mod whole;
 
-pub use crate::raster::plane_error::PlaneShift;
 pub(crate) use crate::raster::position::Position;
 pub(crate) use crate::raster::tile::Target;
+pub use crate::raster::{clipping::Clipping, plane_error::PlaneShift};
 pub(crate) use crate::raster::{holes::Holes, mode::Mode};
 
 use crate::raster::{
@@ -100,6 +101,8 @@ pub(crate) struct Rounding {
     pub(crate) snapping: Snapping,
     /// What depths are moved by.
     pub(crate) plane_shift: PlaneShift,
+    /// Where triangles are clipped.
+    pub(crate) clipping: Clipping,
 }
 
 /// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next is set up.
@@ -308,6 +311,17 @@ impl Worker {
         self.bins.clear(draw.size);
         for (i, indices) in draw.triangles.iter().enumerate() {
             let id = draw.first_id + i as u32;
+            if rounding.clipping != Clipping::Exact {
+                rounding.clipping.clip(*indices, draw, &viewport, |piece| {
+                    if let Some(whole) = Whole::through(piece, rounding)
+                        && let Some(piece) = whole.place(piece)
+                    {
+                        group.push(piece, id, &rules, &mut self.bins);
+                        group.flush_pieces(&whole, &rules, &mut self.bins);
+                    }
+                });
+                continue;
+            }
             let [a, b, c] = match first {
                 Some(first) => [indices[0] - first, indices[1] - first, indices[2] - first],
                 None => [3 * i as u32, 3 * i as u32 + 1, 3 * i as u32 + 2],

@@ -44,12 +44,24 @@ impl Whole {
         if snapping.planes == DepthPlanes::Unsnapped {
             return None;
         }
-        let [a, b, c] = triangle.map(|clip| snapped(viewport.project(clip), snapping).as_dvec3());
-        let normal = (b - a).cross(c - a);
+        let mut whole = Self::through(triangle.map(|clip| viewport.project(clip)), rounding)?;
         // What lies behind the eye is seen upside down and turned round.
-        let turn = triangle
-            .iter()
-            .fold(normal.z, |turn, v| if v.w < 0.0 { -turn } else { turn });
+        for vertex in triangle {
+            if vertex.w < 0.0 {
+                whole.turn = -whole.turn;
+            }
+        }
+        Some(whole)
+    }
+
+    /// Returns a triangle in front of the eye, given by its corners (window space). `None` if one of them isn't finite.
+    pub(crate) fn through(corners: [Vec3; 3], rounding: Rounding) -> Option<Self> {
+        let snapping = rounding.snapping;
+        let [a, b, c] = corners.map(|corner| match snapping.planes {
+            DepthPlanes::Unsnapped => corner.as_dvec3(),
+            DepthPlanes::Snapped => snapped(corner, snapping).as_dvec3(),
+        });
+        let normal = (b - a).cross(c - a);
         let (dx, dy) = if normal.z == 0.0 {
             (0.0, 0.0)
         } else {
@@ -60,7 +72,7 @@ impl Whole {
             vertex: a,
             dx,
             dy,
-            turn,
+            turn: normal.z,
             draws_without_area: rounding.plane_shift != PlaneShift::NONE,
             error: plane_error([a, b, c]),
             greatest_depth: a.z.abs().max(b.z.abs()).max(c.z.abs()),

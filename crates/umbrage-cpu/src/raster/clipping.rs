@@ -1,0 +1,137 @@
+//! Ways in which hardware clips triangles otherwise than at the planes of the view volume, as models to test techniques with.
+//!
+//! Software drivers clip at all six planes. Hardware clips at the near plane first, and sideways only at a guard band far
+//! outside of the picture. Corners that the near plane makes keep the clip w that they have: 0, if both ends of their edge lie
+//! infinitely far away.
+
+use crate::raster::{
+    Draw, Position,
+    clip::{Corner, PLANES, Polygon, project},
+    viewport::Viewport,
+};
+use glam::{UVec2, Vec3, Vec4};
+
+/// How the rasteriser clips triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Clipping {
+    /// At the six planes of the view volume, as Mesa's software drivers do.
+    #[default]
+    Exact,
+    /// At the near and the far plane, and sideways at a guard band of 8192 pixels around the picture. All ways below do the same.
+    GuardBand,
+    /// Rounds half of the vertices on the far plane to beyond it.
+    FarRounding,
+    /// Draws no triangles that have a corner near clip w = 0 after clipping at the near plane.
+    ZeroWDropped,
+    /// Takes triangles with such a corner, if rounding moved its w above 0, for farther away than all there is. An NVIDIA H200 does
+    /// so: `docs/cards.md`.
+    ZeroWBehind,
+    /// Fuses products with sums in the vertex transform.
+    FusedVertices,
+}
+
+/// How far the guard band reaches beyond the picture, pixels. Hardware has twice to four times as much; here window coordinates on the
+/// finest grid have to fit the rasteriser's integers.
+const GUARD_BAND: f32 = 8192.0;
+
+/// A corner's clip w counts as nearly 0 below this share of its clip x or y: it lies outside of any guard band.
+const NEARLY_ZERO_W: f32 = 1e-5;
+
+impl Clipping {
+    /// All ways but the exact one.
+    pub const INEXACT: [Self; 5] = [
+        Self::GuardBand,
+        Self::FarRounding,
+        Self::ZeroWDropped,
+        Self::ZeroWBehind,
+        Self::FusedVertices,
+    ];
+
+    /// Clips a triangle, and calls `emit` with the window corners of each triangle of what is left.
+    #[cold]
+    pub(crate) fn clip<P: Position>(
+        self,
+        indices: [u32; 3],
+        draw: &Draw<'_, P>,
+        viewport: &Viewport,
+        mut emit: impl FnMut([Vec3; 3]),
+    ) {
+        let corners = indices.map(|v| self.to_clip(draw.positions[v as usize], draw));
+        let guard_band = guard_band(draw.size);
+        clip_at_near(corners).for_each_triangle(|piece| {
+            let piece = piece.map(|corner| corner.position);
+            if self == Self::ZeroWDropped && piece.iter().any(has_nearly_zero_w) {
+                return;
+            }
+            let is_lost = |corner: &Vec4| has_nearly_zero_w(corner) && corner.w > 0.0;
+            let is_behind_all = self == Self::ZeroWBehind && piece.iter().any(is_lost);
+            let mut polygon = Polygon::new(piece).clipped(&FAR);
+            for plane in &guard_band {
+                polygon = polygon.clipped(plane);
+            }
+            polygon.for_each_triangle(|corners| {
+                let mut window = corners.map(|corner| project(corner, viewport));
+                if is_behind_all {
+                    window = window.map(|corner| corner.with_z(1.0));
+                }
+                emit(window);
+            });
+        });
+    }
+
+    /// Returns the clip-space position of a vertex.
+    fn to_clip<P: Position>(self, p: P, draw: &Draw<'_, P>) -> Vec4 {
+        if self == Self::FusedVertices {
+            return p.to_clip_fused(draw.clip_from_world);
+        }
+        let mut clip = p.to_clip(draw.clip_from_world);
+        // Any bit that neighbours don't share picks the half that is rounded.
+        let is_odd = (clip.x.to_bits() ^ clip.y.to_bits()) & 1 == 1;
+        if self == Self::FarRounding && is_odd && clip.z == clip.w {
+            clip.z = clip.z.next_up();
+        }
+        clip
+    }
+}
+
+/// The far plane.
+const FAR: [f32; 4] = PLANES[5];
+
+/// Returns the part of a triangle (clip space) behind the near plane, a fan around the first corner that clipping made.
+///
+/// A crossing is found from the end before the plane, so that neighbours agree, in one fused operation. These roundings take those
+/// corners of `bar-at-lamp` and `two-blockers` to clip w > 0 whose faces went wrong on an H200, and no others.
+fn clip_at_near(triangle: [Vec4; 3]) -> Polygon {
+    let mut polygon = Polygon::EMPTY;
+    let mut first_new = None;
+    for (i, &a) in triangle.iter().enumerate() {
+        let b = triangle[(i + 1) % 3];
+        if a.z >= 0.0 {
+            polygon.push(Corner::given(a));
+        }
+        if (a.z >= 0.0) != (b.z >= 0.0) {
+            let (before, behind) = if a.z < b.z { (a, b) } else { (b, a) };
+            let part = before.z / (before.z - behind.z);
+            let crossing = Vec4::splat(part).mul_add(behind - before, before);
+            first_new = first_new.or(Some(polygon.len()));
+            polygon.push(Corner::new(crossing));
+        }
+    }
+    polygon.rotate_left(first_new.unwrap_or(0));
+    polygon
+}
+
+/// Returns the planes right, left, above and below of the guard band around a picture of this size.
+fn guard_band(size: UVec2) -> [[f32; 4]; 4] {
+    let reach = 1.0 + 2.0 * GUARD_BAND / size.as_vec2();
+    [
+        [-1.0, 0.0, 0.0, reach.x],
+        [1.0, 0.0, 0.0, reach.x],
+        [0.0, -1.0, 0.0, reach.y],
+        [0.0, 1.0, 0.0, reach.y],
+    ]
+}
+
+fn has_nearly_zero_w(clip: &Vec4) -> bool {
+    clip.w.abs() <= NEARLY_ZERO_W * clip.x.abs().max(clip.y.abs())
+}
