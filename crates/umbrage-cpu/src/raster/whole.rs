@@ -57,11 +57,12 @@ impl Whole {
     /// Returns a triangle in front of the eye, given by its corners (window space). `None` if one of them isn't finite.
     pub(crate) fn through(corners: [Vec3; 3], rounding: Rounding) -> Option<Self> {
         let snapping = rounding.snapping;
-        let [a, b, c] = corners.map(|corner| match snapping.planes {
-            DepthPlanes::Unsnapped => corner.as_dvec3(),
-            DepthPlanes::Snapped => snapped(corner, snapping).as_dvec3(),
-        });
-        let normal = (b - a).cross(c - a);
+        let on_grid = corners.map(|corner| snapped(corner, snapping).as_dvec3());
+        let [a, b, c] = match snapping.planes {
+            DepthPlanes::Unsnapped => corners.map(Vec3::as_dvec3),
+            DepthPlanes::Snapped => on_grid,
+        };
+        let normal = normal([a, b, c]);
         let (dx, dy) = if normal.z == 0.0 {
             (0.0, 0.0)
         } else {
@@ -72,7 +73,7 @@ impl Whole {
             vertex: a,
             dx,
             dy,
-            turn: normal.z,
+            turn: self::normal(on_grid).z,
             draws_without_area: rounding.plane_shift != PlaneShift::NONE,
             error: plane_error([a, b, c]),
             greatest_depth: a.z.abs().max(b.z.abs()).max(c.z.abs()),
@@ -125,6 +126,10 @@ impl Whole {
     fn at(&self, x: f64, y: f64) -> f32 {
         (self.vertex.z + self.dx * (x - self.vertex.x) + self.dy * (y - self.vertex.y)) as f32
     }
+}
+
+fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
 }
 
 fn snapped(v: Vec3, snapping: Snapping) -> Vec3 {
