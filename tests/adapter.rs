@@ -1,5 +1,6 @@
 //! The graphics device that the tests run on.
 
+use crate::driver_model::DriverModel;
 use std::sync::LazyLock;
 
 /// What to do where there is none.
@@ -59,7 +60,12 @@ pub fn open_with(desc: &wgpu::DeviceDescriptor<'_>) -> Result<TestDevice, String
         .ok_or("no graphics adapter found")?;
     let info = adapter.get_info();
     let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
-    let opened = pollster::block_on(adapter.request_device(desc));
+    let desc = wgpu::DeviceDescriptor {
+        required_features: desc.required_features
+            | DriverModel::install().map_or(wgpu::Features::empty(), DriverModel::features),
+        ..desc.clone()
+    };
+    let opened = pollster::block_on(adapter.request_device(&desc));
     let (device, queue) =
         opened.map_err(|e| format!("the graphics adapter {name} gives no device: {e}"))?;
     Ok(TestDevice {

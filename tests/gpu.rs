@@ -1,6 +1,6 @@
 //! The wgpu backend that the tests share.
 
-use crate::adapter::HELP;
+use crate::{adapter::HELP, driver_model::DriverModel};
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use umbrage_core::BackendError;
 use umbrage_wgpu::{AdapterChoice, Gpu, Software};
@@ -25,6 +25,7 @@ pub fn named() -> Option<AdapterChoice> {
 
 /// Software drivers come first, as for [`device`](crate::adapter::device): of them bit-equality can be asked.
 fn open() -> Result<Gpu, BackendError> {
+    DriverModel::install();
     if let Some(named) = named() {
         return Gpu::new(&named);
     }

@@ -3,6 +3,7 @@
 pub mod absurd_values;
 pub mod adapter;
 pub mod assembled;
+pub mod driver_model;
 pub mod foreign;
 pub mod golden;
 pub mod gpu;

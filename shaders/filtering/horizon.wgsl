@@ -6,7 +6,7 @@ struct Horizon {
 }
 
 fn height_over_plane(light: vec4f, p: vec3f, n: vec3f) -> f32 {
-    return dot3(n, vec3f(light.x - light.w * p.x, light.y - light.w * p.y, light.z - light.w * p.z));
+    return dot3(n, light.xyz - product3(vec3f(light.w), p));
 }
 
 fn ball_heights(radius: f32, n: vec2f, t: vec2f) -> vec2f {

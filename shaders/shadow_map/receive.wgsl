@@ -3,6 +3,8 @@
 
 // The answer of one layer.
 fn visibility_in(layer: i32, r: Receiver) -> f32 {
+    // w is 0 or 1: its sign is never set.
+    opaque_zero = bitcast<u32>(kernel.lookup.light.w) >> 31u;
     let l = shadow_coord_in(layer, kernel.lookup, r.position, r.normal);
     if !l.seen {
         return full_light(r);

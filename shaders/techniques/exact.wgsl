@@ -24,6 +24,10 @@ struct FramePoint {
     depth: f32,
 }
 
+fn quotient2(a: vec2f, b: f32) -> vec2f {
+    return vec2f(quotient(a.x, b), quotient(a.y, b));
+}
+
 fn frame_point(o: vec3f) -> FramePoint {
     let v = o - kernel.origin.xyz;
     if kernel.tiles.z == 0u {
@@ -32,12 +36,12 @@ fn frame_point(o: vec3f) -> FramePoint {
     }
     let size = abs(v);
     if size.z >= size.x && size.z >= size.y {
-        return FramePoint(select(4u, 5u, v.z < 0.0), v.xy / size.z, size.z);
+        return FramePoint(select(4u, 5u, v.z < 0.0), quotient2(v.xy, size.z), size.z);
     }
     if size.x >= size.y {
-        return FramePoint(select(0u, 1u, v.x < 0.0), v.yz / size.x, size.x);
+        return FramePoint(select(0u, 1u, v.x < 0.0), quotient2(v.yz, size.x), size.x);
     }
-    return FramePoint(select(2u, 3u, v.y < 0.0), v.zx / size.y, size.y);
+    return FramePoint(select(2u, 3u, v.y < 0.0), quotient2(v.zx, size.y), size.y);
 }
 
 fn corner_of(row: u32) -> vec3f {
@@ -58,7 +62,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     let number = (point.face * kernel.tiles.y + tile.y) * kernel.tiles.x + tile.x;
     let tiles = table_0[number / 2u];
     let first_and_side = select(tiles.xy, tiles.zw, number % 2u == 1u);
-    let in_tile = (at - floor(at)) * f32(1u << first_and_side.y);
+    let in_tile = product2(at - floor(at), vec2f(f32(1u << first_and_side.y)));
     let cell_at = vec2u(in_tile);
     let cell_number = first_and_side.x + (cell_at.y << first_and_side.y) + cell_at.x;
     let cell = table_1[cell_number];
@@ -80,6 +84,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     // Two loops, the inner one of which passes over casters by their words alone. Where many invocations run as one, all of them take the
     // triangle test if one does: so they go to it together, each with the next caster that may be in its way (Aila and Laine 2009,
     // "Understanding the Efficiency of Ray Traversal on GPUs").
+    let rows = shear_rows(d);
     var i = cell.x;
     loop {
         var caster = NO_CASTER;
@@ -97,7 +102,7 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
         if caster == NO_CASTER {
             break;
         }
-        if meets_caster(o, d, caster) {
+        if meets_caster(o, d, rows, caster) {
             return true;
         }
     }
@@ -105,6 +110,8 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
 }
 
 fn receive(r: Receiver) -> f32 {
+    // There are less than 2^31 kinds of lights.
+    opaque_zero = kernel.light.shape.x >> 31u;
     let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.grid.w);
     let d = segment(kernel.light, o, vec2f(0.0), kernel.far);
     let is_lit = dot3(r.normal, d) > 0.0 && !is_shadowed(o, d, r.triangle);

@@ -58,6 +58,8 @@ fn search(f: Footprint, plane: LightPlane, lattice: Lattice, skip: u32) -> bool 
 }
 
 fn receive(r: Receiver) -> f32 {
+    // There are less than 2^31 kinds of lights.
+    opaque_zero = kernel.light.shape.x >> 31u;
     let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.extent);
     let plane = light_plane(o);
     let lattice = lattice_of(r.pixel);
@@ -71,5 +73,5 @@ fn receive(r: Receiver) -> f32 {
     for (var i = 0u; i < kernel.rows; i++) {
         count += countOneBits(open[i]);
     }
-    return f32(count) / f32(lattice.points);
+    return quotient(f32(count), f32(lattice.points));
 }

@@ -13,6 +13,7 @@ const STACK = 64;
 
 fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
     let inverse = slab_inverse(d);
+    let rows = shear_rows(d);
     var stack: array<u32, STACK>;
     var top = 1;
     stack[0] = 0u;
@@ -25,7 +26,7 @@ fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
             continue;
         }
         if high.w > 0u {
-            if leaf_occludes(o, d, low.w, high.w, skip) {
+            if leaf_occludes(o, d, rows, low.w, high.w, skip) {
                 return true;
             }
         } else if low.w > 0u && top + 2 <= STACK {
@@ -38,6 +39,8 @@ fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
 }
 
 fn receive(r: Receiver) -> f32 {
+    // There are less than 2^31 kinds of lights.
+    opaque_zero = kernel.light.shape.x >> 31u;
     let o = ray_origin(r.position, r.normal, kernel.eye.xyz, kernel.extent);
     let scramble = seed(r.pixel.x, r.pixel.y);
     var seen = 0u;
@@ -47,5 +50,5 @@ fn receive(r: Receiver) -> f32 {
             seen += 1u;
         }
     }
-    return f32(seen) / f32(kernel.samples);
+    return quotient(f32(seen), f32(kernel.samples));
 }

@@ -12,6 +12,7 @@ mod convergence;
 mod culling;
 mod cut_outs;
 mod embedding;
+mod every_driver;
 mod exact;
 mod far_away;
 mod follows_camera;

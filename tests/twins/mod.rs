@@ -11,7 +11,7 @@ pub use mutants::{Mutant, mutants};
 pub use ulps::{Difference, difference};
 pub use wrapper::{shader, wgsl_types};
 
-use crate::adapter::TestDevice;
+use crate::{adapter::TestDevice, driver_model::DriverModel};
 use umbrage_core::Twin;
 
 /// Why a pair of twins is none.
@@ -66,7 +66,23 @@ pub enum Fault {
 /// # Errors
 /// Errors if they aren't twins.
 pub fn check(on: &TestDevice, twin: &Twin, inputs: &[u32]) -> Result<u64, Fault> {
-    let text = shader(twin)?;
+    check_under(on, twin, inputs, None)
+}
+
+/// The same with the WGSL half on a driver that rounds otherwise.
+///
+/// # Errors
+/// Errors if they aren't twins there.
+pub fn check_under(
+    on: &TestDevice,
+    twin: &Twin,
+    inputs: &[u32],
+    model: Option<DriverModel>,
+) -> Result<u64, Fault> {
+    let mut text = shader(twin)?;
+    if let Some(model) = model {
+        text = model.rewrite(&text);
+    }
     let words: usize = twin.parameters.iter().map(|t| wrapper::count(t)).sum();
     let expected: Vec<u32> = inputs.chunks_exact(words).flat_map(twin.call).collect();
     ulps::useful(twin, &expected)?;

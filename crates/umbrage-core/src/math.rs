@@ -1,6 +1,6 @@
-//! Arithmetic in a fixed order: each function has a twin in `math.wgsl`, bit-equal wherever the shader compiler neither
-//! contracts nor reorders. Products of matrices and vectors, `dot` and `normalize` of shading languages leave the order
-//! to the driver, so kernels use these.
+//! Arithmetic in a fixed order: each function has a twin in `math.wgsl`, bit-equal on every device that rounds sums and
+//! products to nearest and does not reorder them. Products of matrices and vectors, `dot` and `normalize` of shading languages
+//! leave the order to the driver, `a * b + c` may be fused, and quotients and roots may be off: so kernels use these.
 
 use crate::Module;
 use glam::{Mat4, Vec3, Vec4};
@@ -46,16 +46,34 @@ pub fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+/// Returns `a / b`, rounded to nearest.
+#[inline(always)]
+pub fn quotient(a: f32, b: f32) -> f32 {
+    a / b
+}
+
+/// Returns the square root of a number, rounded to nearest.
+#[inline(always)]
+pub fn root(x: f32) -> f32 {
+    x.sqrt()
+}
+
 /// `v` over its length; not finite for the zero vector.
 #[inline(always)]
 pub fn unit3(v: Vec3) -> Vec3 {
-    let length = dot3(v, v).sqrt();
-    Vec3::new(v.x / length, v.y / length, v.z / length)
+    let length = root(dot3(v, v));
+    Vec3::new(
+        quotient(v.x, length),
+        quotient(v.y, length),
+        quotient(v.z, length),
+    )
 }
 
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::Twin] = &[
+    crate::twin!(MATH, quotient(a: f32, b: f32) -> f32),
+    crate::twin!(MATH, root(x: f32) -> f32),
     crate::twin!(MATH, transform(m: Mat4, p: Vec3) -> Vec4),
     crate::twin!(MATH, dot3(a: Vec3, b: Vec3) -> f32),
     crate::twin!(MATH, cross3(a: Vec3, b: Vec3) -> Vec3),

@@ -75,9 +75,14 @@ impl Gpu {
     pub fn new(choice: &AdapterChoice) -> Result<Self, BackendError> {
         let adapter = choice.find()?;
         requirements::check_player(&adapter)?;
+        #[cfg(feature = "testing")]
+        let of_tests = crate::driver_model::features();
+        #[cfg(not(feature = "testing"))]
+        let of_tests = Features::empty();
         let desc = DeviceDescriptor {
             label: Some("umbrage"),
-            required_features: adapter.features() & (Features::TIMESTAMP_QUERY | COUNTING),
+            required_features: adapter.features()
+                & (Features::TIMESTAMP_QUERY | COUNTING | of_tests),
             // All that there is, so that large scenes fit.
             required_limits: adapter.limits(),
             ..DeviceDescriptor::default()

@@ -9,6 +9,7 @@ struct Receivers {
 
 @fragment
 fn resolve_pixel(@builtin(position) at: vec4f) -> Receivers {
+    opaque_zero = seen.first_receiver >> 31u;
     let pixel = vec2u(at.xy);
     let id = textureLoad(triangle, vec2i(pixel), 0).x;
     if id == 0xffffffffu {

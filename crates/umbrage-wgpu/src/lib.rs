@@ -13,6 +13,8 @@
 mod backend;
 mod cast;
 mod device;
+#[cfg(feature = "testing")]
+mod driver_model;
 mod filter;
 mod frame;
 mod gbuffer;
@@ -37,6 +39,8 @@ pub use device::{
     probe::probe_snapping,
     requirements::check_adapter,
 };
+#[cfg(feature = "testing")]
+pub use driver_model::{ShaderRewriter, rewrite_shaders};
 pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexLayout};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 #[cfg(feature = "testing")]

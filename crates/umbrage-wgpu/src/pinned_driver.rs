@@ -19,11 +19,14 @@ impl Gpu {
         check(&self.adapter_info().driver_info, has_fused_multiply_add())
     }
 
-    /// Returns whether the adapter is the driver of [`Gpu::check_pinned_driver`]. If not, prints which driver was found, and
+    /// Returns whether the adapter is the driver of [`Gpu::check_pinned_driver`], and shaders are not rewritten. If it is another driver, prints which driver was found, and
     /// that bits are not compared.
     ///
     /// Panics if it is another driver and the environment variable `UMBRAGE_PINNED_DRIVER` is `required`.
     pub fn promises_bits(&self) -> bool {
+        if crate::driver_model::is_set() {
+            return false;
+        }
         let Err(why) = self.check_pinned_driver() else {
             return true;
         };

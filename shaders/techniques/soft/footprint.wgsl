@@ -16,8 +16,8 @@ struct Footprint {
 }
 
 fn footprint_of(o: vec3f, plane: LightPlane, lattice: Lattice) -> Footprint {
-    let p = plane.u * lattice.step.x + plane.v * lattice.step.y;
-    let q = plane.u * lattice.rise.x + plane.v * lattice.rise.y;
+    let p = product3(plane.u, vec3f(lattice.step.x)) + product3(plane.v, vec3f(lattice.step.y));
+    let q = product3(plane.u, vec3f(lattice.rise.x)) + product3(plane.v, vec3f(lattice.rise.y));
     let along = cross3(q, plane.center);
     let down = cross3(plane.center, p);
     let away = cross3(p, q);
@@ -26,10 +26,10 @@ fn footprint_of(o: vec3f, plane: LightPlane, lattice: Lattice) -> Footprint {
     let sizes = vec2f(length(along), length(down)) / abs(volume);
     let distance = length(plane.center);
     let row_shift = vec2f(kernel.shift, kernel.shift / f32(kernel.rows));
-    let margin = sizes * (distance * DISTANCE_MARGIN) + FOOTPRINT_MARGIN + row_shift;
-    let turn = lattice.step.x * lattice.rise.y - lattice.rise.x * lattice.step.y;
-    let place = (lattice.rise.x * lattice.origin.y - lattice.origin.x * lattice.rise.y) / turn;
-    let row = (lattice.origin.x * lattice.step.y - lattice.step.x * lattice.origin.y) / turn;
+    let margin = product2(sizes, vec2f(distance * DISTANCE_MARGIN)) + FOOTPRINT_MARGIN + row_shift;
+    let turn = product(lattice.step.x, lattice.rise.y) - product(lattice.rise.x, lattice.step.y);
+    let place = (product(lattice.rise.x, lattice.origin.y) - product(lattice.origin.x, lattice.rise.y)) / turn;
+    let row = (product(lattice.origin.x, lattice.step.y) - product(lattice.step.x, lattice.origin.y)) / turn;
     let is_bounded = max(sizes.x, sizes.y) * distance < 1e6;
     return Footprint(o, along * sign, down * sign, away * sign, vec2f(place, row), margin, is_bounded);
 }

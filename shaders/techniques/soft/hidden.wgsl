@@ -25,13 +25,13 @@ struct Cut {
 }
 
 fn cut_of(f: Function, step: vec2f) -> Cut {
-    let growth = f.along_u * step.x + f.along_v * step.y;
-    let inverse = 1.0 / select(growth, LEAST_GROWTH, abs(growth) < LEAST_GROWTH);
+    let growth = product(f.along_u, step.x) + product(f.along_v, step.y);
+    let inverse = quotient(1.0, select(growth, LEAST_GROWTH, abs(growth) < LEAST_GROWTH));
     return Cut(f, inverse, inverse > 0.0);
 }
 
 fn root_of(cut: Cut, first: vec2f) -> f32 {
-    let at_first = cut.f.middle + cut.f.along_u * first.x + cut.f.along_v * first.y;
+    let at_first = cut.f.middle + product(cut.f.along_u, first.x) + product(cut.f.along_v, first.y);
     return -at_first * cut.inverse;
 }
 
@@ -117,7 +117,7 @@ fn hide(f: Footprint, plane: LightPlane, lattice: Lattice, row: u32) {
     let bc = function_across(cross3(b, c_at - b_at) * sign, plane);
     let ac = function_across(cross3(a, a_to_c) * -sign, plane);
     var before = function_across(across * sign, plane);
-    before.middle -= volume * sign;
+    before.middle -= product(volume, sign);
     let reach = vec4f(function_reach(ab), function_reach(bc), function_reach(ac), function_reach(before));
     var greatest = vec4f(ab.middle, bc.middle, ac.middle, before.middle) + reach;
     if !is_lamp() {

@@ -22,8 +22,8 @@ fn lowest_met(bits: u32, leaf: Leaf, plane: LightPlane, first: vec2f, step: vec2
         return 0u;
     }
     let place = firstTrailingBit(bits);
-    let point = first + step * f32(place);
-    let d = plane.center + plane.u * point.x + plane.v * point.y;
+    let point = first + product2(step, vec2f(f32(place)));
+    let d = plane.center + product3(plane.u, vec3f(point.x)) + product3(plane.v, vec3f(point.y));
     if is_hole_met(leaf.o, d, leaf.a, leaf.b, leaf.c, leaf.record) {
         return 0u;
     }

@@ -18,11 +18,11 @@ fn light_plane(o: vec3f) -> LightPlane {
         return LightPlane(center, s.half_u.xyz * kernel.spread.w, s.half_v.xyz * kernel.spread.w);
     }
     let to_center = center - o;
-    let middle = to_center * LIGHT_SHORT;
+    let middle = product3(to_center, vec3f(LIGHT_SHORT));
     if s.shape.x != LIGHT_BALL {
         return LightPlane(middle, s.half_u.xyz * LIGHT_SHORT, s.half_v.xyz * LIGHT_SHORT);
     }
-    let n = to_center / sqrt(dot3(to_center, to_center));
+    let n = unit3(to_center);
     let radius = s.half_u.w * LIGHT_SHORT;
     return LightPlane(middle, tangent(n) * radius, bitangent(n) * radius);
 }

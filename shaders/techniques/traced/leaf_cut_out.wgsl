@@ -5,7 +5,7 @@ fn cut_out_row(i: u32) -> vec4u {
     return table_2[i];
 }
 
-fn leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -> bool {
+fn leaf_occludes(o: vec3f, d: vec3f, rows: mat3x3f, first: u32, count: u32, skip: u32) -> bool {
     for (var i = first; i < first + count; i++) {
         let a = table_1[3u * i];
         let b = table_1[3u * i + 1u];
@@ -13,7 +13,7 @@ fn leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -> bool 
         let pa = bitcast<vec3f>(a.xyz);
         let pb = bitcast<vec3f>(b.xyz);
         let pc = bitcast<vec3f>(c.xyz);
-        if a.w != skip && segment_hits(o, d, pa, pb, pc) && !is_hole_met(o, d, pa, pb, pc, b.w) {
+        if a.w != skip && segment_hits(o, d, rows, pa, pb, pc) && !is_hole_met(o, d, pa, pb, pc, b.w) {
             return true;
         }
     }

@@ -1,11 +1,11 @@
 // Whether a segment meets a triangle of a leaf, where no caster has holes.
 
-fn leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -> bool {
+fn leaf_occludes(o: vec3f, d: vec3f, rows: mat3x3f, first: u32, count: u32, skip: u32) -> bool {
     for (var i = first; i < first + count; i++) {
         let a = table_1[3u * i];
         let b = table_1[3u * i + 1u];
         let c = table_1[3u * i + 2u];
-        if a.w != skip && segment_hits(o, d, bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz)) {
+        if a.w != skip && segment_hits(o, d, rows, bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz)) {
             return true;
         }
     }

@@ -20,7 +20,7 @@ fn plane_normal(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
 }
 
 fn plane_distance(o: vec3f, d: vec3f, a: vec3f, n: vec3f) -> f32 {
-    return dot3(n, a - o) / dot3(n, d);
+    return quotient(dot3(n, a - o), dot3(n, d));
 }
 
 fn facing_normal(n: vec3f, d: vec3f) -> vec3f {
@@ -35,9 +35,9 @@ fn at_pixel(base: vec4f, dx: vec4f, dy: vec4f, x: u32, y: u32) -> vec3f {
     let fx = f32(x) + 0.5;
     let fy = f32(y) + 0.5;
     return vec3f(
-        base.x + dx.x * fx + dy.x * fy,
-        base.y + dx.y * fx + dy.y * fy,
-        base.z + dx.z * fx + dy.z * fy,
+        base.x + product(dx.x, fx) + product(dy.x, fy),
+        base.y + product(dx.y, fx) + product(dy.y, fy),
+        base.z + product(dx.z, fx) + product(dy.z, fy),
     );
 }
 
@@ -47,6 +47,6 @@ fn resolve(rays: CameraRays, x: u32, y: u32, a: vec3f, b: vec3f, c: vec3f) -> Re
     let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, x, y);
     let n = plane_normal(a, b, c);
     let t = plane_distance(o, d, a, n);
-    let position = vec3f(o.x + d.x * t, o.y + d.y * t, o.z + d.z * t);
+    let position = vec3f(o.x + product(d.x, t), o.y + product(d.y, t), o.z + product(d.z, t));
     return Resolved(position, facing_normal(n, d), t);
 }

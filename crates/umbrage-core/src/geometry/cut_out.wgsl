@@ -14,12 +14,12 @@ fn uv_met(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f, uv_ab: vec4f, uv_
     let a = sheared(rows, pa - o);
     let b = sheared(rows, pb - o);
     let c = sheared(rows, pc - o);
-    let u = b.x * c.y - b.y * c.x;
-    let v = c.x * a.y - c.y * a.x;
-    let w = a.x * b.y - a.y * b.x;
+    let u = cross2(b, c);
+    let v = cross2(c, a);
+    let w = cross2(a, b);
     let whole = u + v + w;
-    let across = (uv_ab.x * u + uv_ab.z * v + uv_c.x * w) / whole;
-    let down = (uv_ab.y * u + uv_ab.w * v + uv_c.y * w) / whole;
+    let across = quotient(product(uv_ab.x, u) + product(uv_ab.z, v) + product(uv_c.x, w), whole);
+    let down = quotient(product(uv_ab.y, u) + product(uv_ab.w, v) + product(uv_c.y, w), whole);
     return vec2f(across, down);
 }
 

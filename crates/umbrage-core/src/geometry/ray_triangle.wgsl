@@ -4,37 +4,37 @@ fn shear_rows(d: vec3f) -> mat3x3f {
     let size = abs(d);
     let s = inverse_power(max(max(size.x, size.y), size.z));
     if size.z >= size.x && size.z >= size.y {
-        return mat3x3f(vec3f(s, 0.0, -(d.x / d.z) * s), vec3f(0.0, s, -(d.y / d.z) * s), vec3f(0.0, 0.0, 1.0 / d.z));
+        return mat3x3f(vec3f(s, 0.0, -quotient(d.x, d.z) * s), vec3f(0.0, s, -quotient(d.y, d.z) * s), vec3f(0.0, 0.0, quotient(1.0, d.z)));
     }
     if size.x >= size.y {
-        return mat3x3f(vec3f(-(d.y / d.x) * s, s, 0.0), vec3f(-(d.z / d.x) * s, 0.0, s), vec3f(1.0 / d.x, 0.0, 0.0));
+        return mat3x3f(vec3f(-quotient(d.y, d.x) * s, s, 0.0), vec3f(-quotient(d.z, d.x) * s, 0.0, s), vec3f(quotient(1.0, d.x), 0.0, 0.0));
     }
-    return mat3x3f(vec3f(0.0, -(d.z / d.y) * s, s), vec3f(s, -(d.x / d.y) * s, 0.0), vec3f(0.0, 1.0 / d.y, 0.0));
+    return mat3x3f(vec3f(0.0, -quotient(d.z, d.y) * s, s), vec3f(s, -quotient(d.x, d.y) * s, 0.0), vec3f(0.0, quotient(1.0, d.y), 0.0));
 }
 
-// Columns of the matrix are rows of the shear: each coordinate is written out, from left to right.
+// Columns of the matrix are rows of the shear.
 fn sheared(rows: mat3x3f, v: vec3f) -> vec3f {
-    return vec3f(
-        rows[0].x * v.x + rows[0].y * v.y + rows[0].z * v.z,
-        rows[1].x * v.x + rows[1].y * v.y + rows[1].z * v.z,
-        rows[2].x * v.x + rows[2].y * v.y + rows[2].z * v.z,
-    );
+    return vec3f(dot3(rows[0], v), dot3(rows[1], v), dot3(rows[2], v));
 }
 
-fn segment_hits(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
-    let rows = shear_rows(d);
+fn cross2(a: vec3f, b: vec3f) -> f32 {
+    return product(a.x, b.y) - product(a.y, b.x);
+}
+
+// `rows` are the shear's for the direction.
+fn segment_hits(o: vec3f, d: vec3f, rows: mat3x3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
     let a = sheared(rows, pa - o);
     let b = sheared(rows, pb - o);
     let c = sheared(rows, pc - o);
-    let u = b.x * c.y - b.y * c.x;
-    let v = c.x * a.y - c.y * a.x;
-    let w = a.x * b.y - a.y * b.x;
+    let u = cross2(b, c);
+    let v = cross2(c, a);
+    let w = cross2(a, b);
     let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
     if !inside {
         return false;
     }
     let whole = u + v + w;
-    let along = u * a.z + v * b.z + w * c.z;
+    let along = product(u, a.z) + product(v, b.z) + product(w, c.z);
     let before = along >= 0.0 && along <= whole;
     let behind = along <= 0.0 && along >= whole;
     let between = (whole > 0.0 && before) || (whole < 0.0 && behind);
@@ -43,5 +43,5 @@ fn segment_hits(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
 }
 
 fn hit_word(o: vec3f, d: vec3f, a: vec3f, b: vec3f, c: vec3f) -> u32 {
-    return u32(segment_hits(o, d, a, b, c));
+    return u32(segment_hits(o, d, shear_rows(d), a, b, c));
 }

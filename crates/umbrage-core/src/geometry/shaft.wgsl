@@ -12,7 +12,7 @@ struct Shaft {
 // All segments from `start` whose vectors end in the box from `low` to `high`.
 fn shaft_to(start: vec3f, low: vec3f, high: vec3f) -> Shaft {
     let size = max(abs(low), abs(high));
-    let margin = max(max(size.x, size.y), size.z) * SHAFT_MARGIN;
+    let margin = product(max(max(size.x, size.y), size.z), SHAFT_MARGIN);
     return Shaft(start, slab_inverse(low - margin), slab_inverse(high + margin));
 }
 

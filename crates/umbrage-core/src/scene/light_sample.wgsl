@@ -19,12 +19,14 @@ struct LightSampler {
 
 fn small_sin(x: f32) -> f32 {
     let q = x * x;
-    return x * (1.0 + q * (-1.6666667e-1 + q * (8.333333e-3 + q * (-1.984127e-4 + q * 2.755732e-6))));
+    let last = -1.984127e-4 + product(q, 2.755732e-6);
+    return x * (1.0 + product(q, -1.6666667e-1 + product(q, 8.333333e-3 + product(q, last))));
 }
 
 fn small_cos(x: f32) -> f32 {
     let q = x * x;
-    return 1.0 + q * (-0.5 + q * (4.1666668e-2 + q * (-1.3888889e-3 + q * 2.4801587e-5)));
+    let last = -1.3888889e-3 + product(q, 2.4801587e-5);
+    return 1.0 + product(q, -0.5 + product(q, 4.1666668e-2 + product(q, last)));
 }
 
 fn disc_point(uv: vec2f) -> vec2f {
@@ -35,29 +37,29 @@ fn disc_point(uv: vec2f) -> vec2f {
         return vec2f(0.0, 0.0);
     }
     if abs(a) > abs(b) {
-        let angle = quarter_pi * (b / a);
+        let angle = quarter_pi * quotient(b, a);
         return vec2f(a * small_cos(angle), a * small_sin(angle));
     }
-    let angle = quarter_pi * (a / b);
+    let angle = quarter_pi * quotient(a, b);
     return vec2f(b * small_sin(angle), b * small_cos(angle));
 }
 
 fn tangent(n: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    return vec3f(1.0 + sign * n.x * n.x * a, sign * (n.x * n.y * a), -sign * n.x);
+    let a = quotient(-1.0, sign + n.z);
+    return vec3f(1.0 + product(sign * n.x * n.x, a), sign * (n.x * n.y * a), -sign * n.x);
 }
 
 fn bitangent(n: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    return vec3f(n.x * n.y * a, sign + n.y * n.y * a, -n.y);
+    let a = quotient(-1.0, sign + n.z);
+    return vec3f(n.x * n.y * a, sign + product(n.y * n.y, a), -n.y);
 }
 
 fn cap_direction(axis: vec3f, u: vec3f, v: vec3f, cap: f32, q: vec2f) -> vec3f {
-    let h = (q.x * q.x + q.y * q.y) * cap;
-    let side = sqrt(cap * (2.0 - h));
-    return axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side);
+    let h = product(product(q.x, q.x) + product(q.y, q.y), cap);
+    let side = root(cap * (2.0 - h));
+    return product3(axis, vec3f(1.0 - h)) + product3(u, vec3f(q.x * side)) + product3(v, vec3f(q.y * side));
 }
 
 fn segment(s: LightSampler, p: vec3f, uv: vec2f, far: f32) -> vec3f {
@@ -76,15 +78,15 @@ fn segment(s: LightSampler, p: vec3f, uv: vec2f, far: f32) -> vec3f {
         return to_center * LIGHT_SHORT;
     }
     if kind == LIGHT_RECT {
-        return (to_center + u * (2.0 * uv.x - 1.0) + v * (2.0 * uv.y - 1.0)) * LIGHT_SHORT;
+        return (to_center + product3(u, vec3f(2.0 * uv.x - 1.0)) + product3(v, vec3f(2.0 * uv.y - 1.0))) * LIGHT_SHORT;
     }
     let q = disc_point(uv);
     if kind == LIGHT_DISC {
-        return (to_center + u * q.x + v * q.y) * LIGHT_SHORT;
+        return (to_center + product3(u, vec3f(q.x)) + product3(v, vec3f(q.y))) * LIGHT_SHORT;
     }
-    let n = to_center / sqrt(dot3(to_center, to_center));
+    let n = unit3(to_center);
     let r = q * s.half_u.w;
-    return (to_center + tangent(n) * r.x + bitangent(n) * r.y) * LIGHT_SHORT;
+    return (to_center + product3(tangent(n), vec3f(r.x)) + product3(bitangent(n), vec3f(r.y))) * LIGHT_SHORT;
 }
 
 fn origin_offset(p: vec3f, reach: f32) -> f32 {
@@ -95,7 +97,7 @@ fn ray_origin(p: vec3f, n: vec3f, eye: vec3f, extent: f32) -> vec3f {
     let to_eye = abs(eye - p);
     let reach = max(max(max(to_eye.x, to_eye.y), to_eye.z), extent);
     let lift = origin_offset(p, reach);
-    return vec3f(p.x + n.x * lift, p.y + n.y * lift, p.z + n.z * lift);
+    return vec3f(p.x + product(n.x, lift), p.y + product(n.y, lift), p.z + product(n.z, lift));
 }
 
 fn hash(word: u32) -> u32 {

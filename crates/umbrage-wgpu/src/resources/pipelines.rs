@@ -153,6 +153,8 @@ fn cast_with_holes_wgsl(rule: HoleRule) -> String {
 }
 
 pub(crate) fn shader(device: &Device, label: &str, text: &str) -> ShaderModule {
+    #[cfg(feature = "testing")]
+    let text = &*crate::driver_model::rewritten(text);
     let source = ShaderSource::Wgsl(text.into());
     device.create_shader_module(ShaderModuleDescriptor {
         label: Some(label),

@@ -1,0 +1,539 @@
+//! Drivers that round otherwise, modelled by rewriting shaders.
+//!
+//! WGSL lets a driver fuse products with sums, re-associate sums, and miss quotients and roots by 2.5 units in the last place. The
+//! software drivers of CI do none of this, and cards do. So each shader text is parsed, rewritten so that it computes what such a driver
+//! would, and written as WGSL again.
+
+use naga::{
+    Arena, BinaryOperator, Block, Expression, Function, Handle, Literal, MathFunction, Module,
+    Range, Scalar, ScalarKind, Span, Statement, SwitchCase, TypeInner, VectorSize,
+    back::wgsl::{WriterFlags, write_string},
+    front::wgsl::parse_str,
+    valid::{Capabilities, FunctionInfo, ValidationFlags, Validator},
+};
+use std::{env, str::FromStr};
+use umbrage_wgpu::ShaderRewriter;
+
+/// Environment variable that names the model which all devices of a test program follow.
+pub const VARIABLE: &str = "UMBRAGE_DRIVER_MODEL";
+
+/// How a driver rounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriverModel {
+    /// Rounds `a * b + c`, `a * b - c` and `c - a * b` once. Computes them in 64 bits: software drivers have no fused instruction.
+    Fused,
+    /// Adds `a + b + c` from right to left.
+    Reassociated,
+    /// Returns quotients and square roots that are 2 units in the last place off, up or down by their last bit.
+    Inaccurate,
+}
+
+impl FromStr for DriverModel {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name {
+            "fused" => Ok(Self::Fused),
+            "reassociated" => Ok(Self::Reassociated),
+            "inaccurate" => Ok(Self::Inaccurate),
+            _ => Err(format!(
+                "{VARIABLE} is `{name}`: set it to `fused`, `reassociated` or `inaccurate`, or leave it unset"
+            )),
+        }
+    }
+}
+
+impl DriverModel {
+    /// All models.
+    pub const ALL: [Self; 3] = [Self::Fused, Self::Reassociated, Self::Inaccurate];
+
+    /// Returns the model that the environment names. `None` if it names none.
+    ///
+    /// # Panics
+    /// Panics if there is no model of that name.
+    pub fn from_env() -> Option<Self> {
+        let name = env::var(VARIABLE).ok()?;
+        Some(name.parse().unwrap_or_else(|why: String| panic!("{why}")))
+    }
+
+    /// Makes all shaders of the process follow the model that the environment names, if it names one. Returns that model.
+    ///
+    /// # Panics
+    /// Panics if there is no model of that name.
+    pub fn install() -> Option<Self> {
+        let model = Self::from_env()?;
+        umbrage_wgpu::rewrite_shaders(ShaderRewriter {
+            rewrite: match model {
+                Self::Fused => |text| Self::Fused.rewrite(text),
+                Self::Reassociated => |text| Self::Reassociated.rewrite(text),
+                Self::Inaccurate => |text| Self::Inaccurate.rewrite(text),
+            },
+            features: model.features(),
+        });
+        Some(model)
+    }
+
+    /// Returns the device features that rewritten shaders need.
+    pub fn features(self) -> wgpu::Features {
+        match self {
+            Self::Fused => wgpu::Features::SHADER_F64,
+            Self::Reassociated | Self::Inaccurate => wgpu::Features::empty(),
+        }
+    }
+
+    /// Returns a shader that computes what such a driver would compute of `wgsl`.
+    ///
+    /// # Panics
+    /// Panics if the text is not valid WGSL, or has a kind of statement that no shader here has.
+    pub fn rewrite(self, wgsl: &str) -> String {
+        let mut module = parse_str(wgsl).unwrap_or_else(|e| panic!("{}", e.emit_to_string(wgsl)));
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
+        let info = validator.validate(&module).expect("valid WGSL");
+        let original = module.clone();
+        for (handle, function) in module.functions.iter_mut() {
+            *function = Rewriter::new(self, &original, function, &info[handle]).finish(function);
+        }
+        for (i, entry) in module.entry_points.iter_mut().enumerate() {
+            let info = info.get_entry_point(i);
+            entry.function =
+                Rewriter::new(self, &original, &entry.function, info).finish(&entry.function);
+        }
+        let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{self:?}: {}", e.emit_to_string(wgsl)));
+        write_string(&module, &info, WriterFlags::empty()).expect("valid modules can be written")
+    }
+}
+
+/// Literals that rewritten expressions need; these may not be made in the middle of a block.
+struct Literals {
+    one: Handle<Expression>,
+    two: Handle<Expression>,
+    four: Handle<Expression>,
+    exponent: Handle<Expression>,
+    zero: Handle<Expression>,
+}
+
+impl Literals {
+    fn new(out: &mut Arena<Expression>) -> Self {
+        let mut literal =
+            |value| out.append(Expression::Literal(Literal::U32(value)), Span::UNDEFINED);
+        Self {
+            one: literal(1),
+            two: literal(2),
+            four: literal(4),
+            exponent: literal(0x7f80_0000),
+            zero: literal(0),
+        }
+    }
+}
+
+/// Rewrites a function's expressions.
+struct Rewriter<'a> {
+    model: DriverModel,
+    module: &'a Module,
+    old: &'a Function,
+    info: &'a FunctionInfo,
+    new: Arena<Expression>,
+    literals: Literals,
+    /// The first of the expressions made for each old one, and the one that stands for it.
+    made: Vec<(Handle<Expression>, Handle<Expression>)>,
+}
+
+impl<'a> Rewriter<'a> {
+    fn new(
+        model: DriverModel,
+        module: &'a Module,
+        old: &'a Function,
+        info: &'a FunctionInfo,
+    ) -> Self {
+        let mut new = Arena::new();
+        let literals = Literals::new(&mut new);
+        Self {
+            model,
+            module,
+            old,
+            info,
+            new,
+            literals,
+            made: Vec::with_capacity(old.expressions.len()),
+        }
+    }
+
+    fn finish(mut self, function: &Function) -> Function {
+        for (handle, expression) in self.old.expressions.iter() {
+            let before = self.new.len();
+            let stands_for_it = self.rewritten(handle, expression);
+            let first = self
+                .new
+                .iter()
+                .nth(before)
+                .map_or(stands_for_it, |(handle, _)| handle);
+            self.made.push((first, stands_for_it));
+        }
+        let mut out = function.clone();
+        for (_, local) in out.local_variables.iter_mut() {
+            local.init = local.init.map(|init| self.of(init));
+        }
+        out.named_expressions = function
+            .named_expressions
+            .iter()
+            .map(|(&handle, name)| (self.of(handle), name.clone()))
+            .collect();
+        self.block(&mut out.body);
+        out.expressions = self.new;
+        out
+    }
+
+    /// Returns the new expression that stands for an old one.
+    fn of(&self, old: Handle<Expression>) -> Handle<Expression> {
+        self.made[old.index()].1
+    }
+
+    fn push(&mut self, expression: Expression) -> Handle<Expression> {
+        self.new.append(expression, Span::UNDEFINED)
+    }
+
+    fn binary(
+        &mut self,
+        op: BinaryOperator,
+        left: Handle<Expression>,
+        right: Handle<Expression>,
+    ) -> Handle<Expression> {
+        self.push(Expression::Binary { op, left, right })
+    }
+
+    /// Returns the number of components of an old expression of type f32. `None` if it has another type.
+    fn float_size(&self, old: Handle<Expression>) -> Option<Option<VectorSize>> {
+        match *self.info[old].ty.inner_with(&self.module.types) {
+            TypeInner::Scalar(Scalar::F32) => Some(None),
+            TypeInner::Vector {
+                size,
+                scalar: Scalar::F32,
+            } => Some(Some(size)),
+            _ => None,
+        }
+    }
+
+    fn rewritten(&mut self, handle: Handle<Expression>, old: &Expression) -> Handle<Expression> {
+        let size = self.float_size(handle);
+        if let (Some(size), model) = (size, self.model) {
+            match (model, old) {
+                (DriverModel::Fused, Expression::Binary { op, left, right }) => {
+                    if let Some(fused) = self.fused(*op, *left, *right) {
+                        return fused;
+                    }
+                }
+                (DriverModel::Reassociated, Expression::Binary { op, left, right }) => {
+                    if let Some(sum) = self.reassociated(*op, *left, *right) {
+                        return sum;
+                    }
+                }
+                (
+                    DriverModel::Inaccurate,
+                    Expression::Binary {
+                        op: BinaryOperator::Divide,
+                        ..
+                    }
+                    | Expression::Math {
+                        fun: MathFunction::Sqrt | MathFunction::InverseSqrt,
+                        ..
+                    },
+                ) => {
+                    let exact = self.copied(old);
+                    return self.moved(exact, size);
+                }
+                _ => {}
+            }
+        }
+        self.copied(old)
+    }
+
+    fn copied(&mut self, old: &Expression) -> Handle<Expression> {
+        let mut copy = old.clone();
+        for_each_operand(&mut copy, |operand| *operand = self.of(*operand));
+        self.push(copy)
+    }
+
+    /// Returns the factors if an old expression is a product of floats.
+    fn factors(&self, old: Handle<Expression>) -> Option<[Handle<Expression>; 2]> {
+        match self.old.expressions[old] {
+            Expression::Binary {
+                op: BinaryOperator::Multiply,
+                left,
+                right,
+            } if self.float_size(left).is_some() && self.float_size(right).is_some() => {
+                Some([left, right])
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns a sum or difference whose product is not rounded. `None` if it has no product.
+    fn fused(
+        &mut self,
+        op: BinaryOperator,
+        left: Handle<Expression>,
+        right: Handle<Expression>,
+    ) -> Option<Handle<Expression>> {
+        if !matches!(op, BinaryOperator::Add | BinaryOperator::Subtract) {
+            return None;
+        }
+        let exact_operand = |this: &mut Self, factors: [Handle<Expression>; 2]| {
+            let [a, b] = factors.map(|factor| this.converted(this.of(factor), 8));
+            this.binary(BinaryOperator::Multiply, a, b)
+        };
+        let [wide_left, wide_right] = if let Some(factors) = self.factors(left) {
+            let product = exact_operand(self, factors);
+            [product, self.converted(self.of(right), 8)]
+        } else if let Some(factors) = self.factors(right) {
+            let product = exact_operand(self, factors);
+            [self.converted(self.of(left), 8), product]
+        } else {
+            return None;
+        };
+        let sum = self.binary(op, wide_left, wide_right);
+        Some(self.converted(sum, 4))
+    }
+
+    /// Converts a float to one of so many bytes.
+    fn converted(&mut self, expr: Handle<Expression>, bytes: u8) -> Handle<Expression> {
+        self.push(Expression::As {
+            expr,
+            kind: ScalarKind::Float,
+            convert: Some(bytes),
+        })
+    }
+
+    /// Returns `a + (b + c)` for `(a + b) + c`, or `a + (b - c)`. `None` if it is no such sum.
+    fn reassociated(
+        &mut self,
+        op: BinaryOperator,
+        left: Handle<Expression>,
+        right: Handle<Expression>,
+    ) -> Option<Handle<Expression>> {
+        if !matches!(op, BinaryOperator::Add | BinaryOperator::Subtract) {
+            return None;
+        }
+        let Expression::Binary {
+            op: BinaryOperator::Add,
+            left: first,
+            right: second,
+        } = self.old.expressions[left]
+        else {
+            return None;
+        };
+        let (first, second, right) = (self.of(first), self.of(second), self.of(right));
+        let last = self.binary(op, second, right);
+        Some(self.binary(BinaryOperator::Add, first, last))
+    }
+
+    /// Returns a number that is 2 units in the last place greater or less, by its last bit; 0 and what is not finite stay.
+    fn moved(&mut self, exact: Handle<Expression>, size: Option<VectorSize>) -> Handle<Expression> {
+        let splat = |this: &mut Self, literal| match size {
+            Some(size) => this.push(Expression::Splat {
+                size,
+                value: literal,
+            }),
+            None => literal,
+        };
+        let one = splat(self, self.literals.one);
+        let two = splat(self, self.literals.two);
+        let four = splat(self, self.literals.four);
+        let exponent_mask = splat(self, self.literals.exponent);
+        let zero = splat(self, self.literals.zero);
+        let bits = self.push(Expression::As {
+            expr: exact,
+            kind: ScalarKind::Uint,
+            convert: None,
+        });
+        let last_bit = self.binary(BinaryOperator::And, bits, one);
+        let up = self.binary(BinaryOperator::Multiply, last_bit, four);
+        let down = self.binary(BinaryOperator::Subtract, bits, two);
+        let moved_bits = self.binary(BinaryOperator::Add, down, up);
+        let exponent = self.binary(BinaryOperator::And, bits, exponent_mask);
+        let is_small = self.binary(BinaryOperator::Equal, exponent, zero);
+        let is_infinite = self.binary(BinaryOperator::Equal, exponent, exponent_mask);
+        let reject = self.push(Expression::Select {
+            condition: is_small,
+            accept: bits,
+            reject: moved_bits,
+        });
+        let kept = self.push(Expression::Select {
+            condition: is_infinite,
+            accept: bits,
+            reject,
+        });
+        self.push(Expression::As {
+            expr: kept,
+            kind: ScalarKind::Float,
+            convert: None,
+        })
+    }
+
+    fn block(&self, block: &mut Block) {
+        for statement in block.iter_mut() {
+            self.statement(statement);
+        }
+    }
+
+    fn statement(&self, statement: &mut Statement) {
+        let replace = |handle: &mut Handle<Expression>| *handle = self.of(*handle);
+        match statement {
+            Statement::Emit(range) => {
+                let mut emitted = range.clone();
+                let first = emitted.next();
+                let last = emitted.last().or(first);
+                if let (Some(first), Some(last)) = (first, last) {
+                    *range = Range::new_from_bounds(self.made[first.index()].0, self.of(last));
+                }
+            }
+            Statement::Block(block) => self.block(block),
+            Statement::If {
+                condition,
+                accept,
+                reject,
+            } => {
+                replace(condition);
+                self.block(accept);
+                self.block(reject);
+            }
+            Statement::Switch { selector, cases } => {
+                replace(selector);
+                for SwitchCase { body, .. } in cases {
+                    self.block(body);
+                }
+            }
+            Statement::Loop {
+                body,
+                continuing,
+                break_if,
+            } => {
+                self.block(body);
+                self.block(continuing);
+                break_if.iter_mut().for_each(replace);
+            }
+            Statement::Return { value } => value.iter_mut().for_each(replace),
+            Statement::Store { pointer, value } => [pointer, value].into_iter().for_each(replace),
+            Statement::ImageStore {
+                image,
+                coordinate,
+                array_index,
+                value,
+            } => {
+                [image, coordinate, value].into_iter().for_each(replace);
+                array_index.iter_mut().for_each(replace);
+            }
+            Statement::Atomic {
+                pointer,
+                value,
+                result,
+                ..
+            } => {
+                [pointer, value].into_iter().for_each(replace);
+                result.iter_mut().for_each(replace);
+            }
+            Statement::WorkGroupUniformLoad { pointer, result } => {
+                [pointer, result].into_iter().for_each(replace);
+            }
+            Statement::Call {
+                arguments, result, ..
+            } => {
+                arguments.iter_mut().for_each(replace);
+                result.iter_mut().for_each(replace);
+            }
+            Statement::Break
+            | Statement::Continue
+            | Statement::Kill
+            | Statement::ControlBarrier(_)
+            | Statement::MemoryBarrier(_) => {}
+            other => panic!("no shader here has a statement like {other:?}"),
+        }
+    }
+}
+
+/// Calls `visit` with each operand of an expression.
+fn for_each_operand(expression: &mut Expression, mut visit: impl FnMut(&mut Handle<Expression>)) {
+    match expression {
+        Expression::Literal(_)
+        | Expression::Constant(_)
+        | Expression::Override(_)
+        | Expression::ZeroValue(_)
+        | Expression::FunctionArgument(_)
+        | Expression::GlobalVariable(_)
+        | Expression::LocalVariable(_)
+        | Expression::CallResult(_)
+        | Expression::AtomicResult { .. }
+        | Expression::WorkGroupUniformLoadResult { .. } => {}
+        Expression::Compose { components, .. } => components.iter_mut().for_each(visit),
+        Expression::Access { base, index } => [base, index].into_iter().for_each(visit),
+        Expression::AccessIndex { base, .. } => visit(base),
+        Expression::Splat { value, .. } => visit(value),
+        Expression::Swizzle { vector, .. } => visit(vector),
+        Expression::Load { pointer } => visit(pointer),
+        Expression::ImageSample {
+            image,
+            sampler,
+            coordinate,
+            array_index,
+            offset,
+            level,
+            depth_ref,
+            ..
+        } => {
+            [image, sampler, coordinate]
+                .into_iter()
+                .for_each(&mut visit);
+            [array_index, offset, depth_ref]
+                .into_iter()
+                .flatten()
+                .for_each(&mut visit);
+            match level {
+                naga::SampleLevel::Exact(x) | naga::SampleLevel::Bias(x) => visit(x),
+                naga::SampleLevel::Gradient { x, y } => [x, y].into_iter().for_each(visit),
+                naga::SampleLevel::Auto | naga::SampleLevel::Zero => {}
+            }
+        }
+        Expression::ImageLoad {
+            image,
+            coordinate,
+            array_index,
+            sample,
+            level,
+        } => {
+            [image, coordinate].into_iter().for_each(&mut visit);
+            [array_index, sample, level]
+                .into_iter()
+                .flatten()
+                .for_each(visit);
+        }
+        Expression::ImageQuery { image, query } => {
+            visit(image);
+            if let naga::ImageQuery::Size { level: Some(level) } = query {
+                visit(level);
+            }
+        }
+        Expression::Unary { expr, .. }
+        | Expression::Derivative { expr, .. }
+        | Expression::As { expr, .. } => visit(expr),
+        Expression::Binary { left, right, .. } => [left, right].into_iter().for_each(visit),
+        Expression::Select {
+            condition,
+            accept,
+            reject,
+        } => [condition, accept, reject].into_iter().for_each(visit),
+        Expression::Relational { argument, .. } => visit(argument),
+        Expression::Math {
+            arg,
+            arg1,
+            arg2,
+            arg3,
+            ..
+        } => {
+            visit(arg);
+            [arg1, arg2, arg3].into_iter().flatten().for_each(visit);
+        }
+        Expression::ArrayLength(pointer) => visit(pointer),
+        other => panic!("no shader here has an expression like {other:?}"),
+    }
+}
