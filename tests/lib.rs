@@ -5,6 +5,7 @@ pub mod adapter;
 pub mod assembled;
 pub mod driver_model;
 pub mod foreign;
+pub mod fusible;
 pub mod golden;
 pub mod gpu;
 pub mod layouts;

@@ -24,10 +24,6 @@ struct FramePoint {
     depth: f32,
 }
 
-fn quotient2(a: vec2f, b: f32) -> vec2f {
-    return vec2f(quotient(a.x, b), quotient(a.y, b));
-}
-
 fn frame_point(o: vec3f) -> FramePoint {
     let v = o - kernel.origin.xyz;
     if kernel.tiles.z == 0u {
@@ -35,13 +31,14 @@ fn frame_point(o: vec3f) -> FramePoint {
         return FramePoint(0u, at, dot3(kernel.away.xyz, v) - kernel.away.w);
     }
     let size = abs(v);
-    if size.z >= size.x && size.z >= size.y {
-        return FramePoint(select(4u, 5u, v.z < 0.0), quotient2(v.xy, size.z), size.z);
-    }
-    if size.x >= size.y {
-        return FramePoint(select(0u, 1u, v.x < 0.0), quotient2(v.yz, size.x), size.x);
-    }
-    return FramePoint(select(2u, 3u, v.y < 0.0), quotient2(v.zx, size.y), size.y);
+    let along_z = size.z >= size.x && size.z >= size.y;
+    let along_x = size.x >= size.y;
+    // The greatest component last, whose sign picks one of two faces.
+    let turned = select(select(v.zxy, v.yzx, along_x), v.xyz, along_z);
+    let axis = select(select(2u, 0u, along_x), 4u, along_z);
+    let depth = abs(turned.z);
+    let on_face = vec2f(quotient(turned.x, depth), quotient(turned.y, depth));
+    return FramePoint(axis + select(0u, 1u, turned.z < 0.0), on_face, depth);
 }
 
 fn corner_of(row: u32) -> vec3f {

@@ -21,7 +21,8 @@ fn shaft_from(o: vec3f) -> Shaft {
     if is_lamp() {
         return shaft_to(o, low - o, high - o);
     }
-    return shaft_to(o, low * kernel.far, high * kernel.far);
+    let far = vec3f(kernel.far);
+    return shaft_to(o, product3(low, far), product3(high, far));
 }
 
 // Hides what casters hide, triangle `skip` apart. Returns whether anything is still open.

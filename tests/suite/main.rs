@@ -4,6 +4,7 @@ mod absurd;
 mod add_shadows;
 mod assembled;
 mod functions;
+mod fusing;
 mod fuzz_corpus;
 mod goldens;
 mod layouts;

@@ -6,6 +6,7 @@
 //! [`Backend`] plays recipes and knows no technique by name.
 
 mod backend;
+mod fusing;
 pub mod gbuffer;
 pub mod geometry;
 pub mod invalid;
@@ -23,6 +24,7 @@ mod view;
 
 pub use backend::{Backend, BackendError, Shadows, Timings};
 pub use encase;
+pub use fusing::Fusing;
 pub use gbuffer::{
     receivers::{NO_TRIANGLE, Receivers, Span},
     resolve,

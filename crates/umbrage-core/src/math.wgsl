@@ -54,22 +54,22 @@ fn with_sign_of(size: f32, x: f32) -> f32 {
 }
 
 // Returns a quotient of numbers in 1..2, one unit in the last place nearer to x / y unless it is the nearest.
-fn nearer_quotient(q: f32, x: f32, y: f32) -> f32 {
-    let unit = select(5.9604645e-8, 1.1920929e-7, q >= 1.0);
+fn nearer_quotient(q: f32, x: f32, y: f32, unit: f32) -> f32 {
     let rest = residual(x, q, y);
     // The nearest number leaves at most half a unit.
     return q + select(0.0, with_sign_of(unit, rest), 2.0 * abs(rest) > unit * y);
 }
 
 // a / b, rounded to nearest: the residual of the device's own quotient tells how far that is off (Markstein 1990, "Computation of
-// elementary functions on the IBM RISC System/6000 processor"). WGSL allows 2.5 units in the last place.
+// elementary functions on the IBM RISC System/6000 processor"). WGSL allows 2.5 units in the last place, so it is at most two numbers off.
 fn quotient(a: f32, b: f32) -> f32 {
     let a_bits = bitcast<u32>(a);
     let b_bits = bitcast<u32>(b);
     let rough = a / b;
     let x = significand(a_bits);
     let y = significand(b_bits);
-    let q = nearer_quotient(nearer_quotient(nearer_quotient(x / y, x, y), x, y), x, y);
+    let unit = select(5.9604645e-8, 1.1920929e-7, x >= y);
+    let q = nearer_quotient(nearer_quotient(x / y, x, y, unit), x, y, unit);
     let exponent = (a_bits & 0x7f800000u) - (b_bits & 0x7f800000u);
     let sign = (a_bits ^ b_bits) & 0x80000000u;
     let nearest = bitcast<f32>((bitcast<u32>(q) + exponent) | sign);
@@ -93,7 +93,7 @@ fn root(x: f32) -> f32 {
     // x is y times a power of 4, and y is in 1..4.
     let is_odd = (x_bits & 0x00800000u) == 0u;
     let y = significand(x_bits) * select(1.0, 2.0, is_odd);
-    let s = nearer_root(nearer_root(nearer_root(sqrt(y), y), y), y);
+    let s = nearer_root(nearer_root(sqrt(y), y), y);
     let half_exponent = ((bitcast<i32>(x_bits) >> 23u) - select(127, 128, is_odd)) / 2;
     let nearest = bitcast<f32>(bitcast<u32>(s) + (bitcast<u32>(half_exponent) << 23u));
     let is_positive = (x_bits & 0x80000000u) == 0u;

@@ -8,6 +8,7 @@ use crate::{
         device_errors::DeviceErrors,
         error_scopes::Scopes,
         probe::probe_snapping,
+        probe_fusing::probe_fusing,
         readback::{ReadBack, Spare},
         requirements::{self, check_adapter},
         results::Tickets,
@@ -25,8 +26,8 @@ use crate::{
 };
 use std::sync::{Mutex, PoisonError};
 use umbrage_core::{
-    Backend, BackendError, BackendLimits, Invalid, Receivers, Recipe, Shadows, Snapping, Source,
-    Timings, View,
+    Backend, BackendError, BackendLimits, Fusing, Invalid, Receivers, Recipe, Shadows, Snapping,
+    Source, Timings, View,
 };
 use wgpu::{Adapter, AdapterInfo, CommandEncoder, Device, DeviceDescriptor, Features, Queue};
 
@@ -125,6 +126,14 @@ impl Gpu {
     /// Returns the device and its queue, to share them with a renderer of your own.
     pub fn device(&self) -> (&Device, &Queue) {
         (&self.device, &self.queue)
+    }
+
+    /// Returns what the device does with a product that goes into a sum. Draws a few pixels to find out.
+    ///
+    /// # Errors
+    /// Errors if the device fails.
+    pub fn fusing(&self) -> Result<Fusing, BackendError> {
+        probe_fusing(&self.device, &self.queue)
     }
 
     /// Returns the largest images, layers and tables that recipes may use on this adapter.

@@ -37,6 +37,7 @@ pub use device::{
     adapter::{AdapterChoice, Software},
     later_errors::ApiErrors,
     probe::probe_snapping,
+    probe_fusing::probe_fusing,
     requirements::check_adapter,
 };
 #[cfg(feature = "testing")]

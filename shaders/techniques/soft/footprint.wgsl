@@ -31,7 +31,8 @@ fn footprint_of(o: vec3f, plane: LightPlane, lattice: Lattice) -> Footprint {
     let place = (product(lattice.rise.x, lattice.origin.y) - product(lattice.origin.x, lattice.rise.y)) / turn;
     let row = (product(lattice.origin.x, lattice.step.y) - product(lattice.step.x, lattice.origin.y)) / turn;
     let is_bounded = max(sizes.x, sizes.y) * distance < 1e6;
-    return Footprint(o, along * sign, down * sign, away * sign, vec2f(place, row), margin, is_bounded);
+    let signs = vec3f(sign);
+    return Footprint(o, product3(along, signs), product3(down, signs), product3(away, signs), vec2f(place, row), margin, is_bounded);
 }
 
 // Bits of some rows of a lattice, and bits of the same places in each.

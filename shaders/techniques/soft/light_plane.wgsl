@@ -15,14 +15,16 @@ fn light_plane(o: vec3f) -> LightPlane {
     let s = kernel.light;
     let center = s.center.xyz;
     if !is_lamp() {
-        return LightPlane(center, s.half_u.xyz * kernel.spread.w, s.half_v.xyz * kernel.spread.w);
+        let spread = vec3f(kernel.spread.w);
+        return LightPlane(center, product3(s.half_u.xyz, spread), product3(s.half_v.xyz, spread));
     }
     let to_center = center - o;
-    let middle = product3(to_center, vec3f(LIGHT_SHORT));
+    let short = vec3f(LIGHT_SHORT);
+    let middle = product3(to_center, short);
     if s.shape.x != LIGHT_BALL {
-        return LightPlane(middle, s.half_u.xyz * LIGHT_SHORT, s.half_v.xyz * LIGHT_SHORT);
+        return LightPlane(middle, product3(s.half_u.xyz, short), product3(s.half_v.xyz, short));
     }
     let n = unit3(to_center);
-    let radius = s.half_u.w * LIGHT_SHORT;
-    return LightPlane(middle, tangent(n) * radius, bitangent(n) * radius);
+    let radius = vec3f(s.half_u.w * LIGHT_SHORT);
+    return LightPlane(middle, product3(tangent(n), radius), product3(bitangent(n), radius));
 }

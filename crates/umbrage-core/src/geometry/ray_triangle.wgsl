@@ -3,13 +3,20 @@
 fn shear_rows(d: vec3f) -> mat3x3f {
     let size = abs(d);
     let s = inverse_power(max(max(size.x, size.y), size.z));
-    if size.z >= size.x && size.z >= size.y {
-        return mat3x3f(vec3f(s, 0.0, -quotient(d.x, d.z) * s), vec3f(0.0, s, -quotient(d.y, d.z) * s), vec3f(0.0, 0.0, quotient(1.0, d.z)));
+    let along_z = size.z >= size.x && size.z >= size.y;
+    let along_x = size.x >= size.y;
+    // The greatest component last. There is one set of quotients for all three: they take long.
+    let turned = select(select(d.zxy, d.yzx, along_x), d.xyz, along_z);
+    let first = -quotient(turned.x, turned.z) * s;
+    let second = -quotient(turned.y, turned.z) * s;
+    let inverse = quotient(1.0, turned.z);
+    if along_z {
+        return mat3x3f(vec3f(s, 0.0, first), vec3f(0.0, s, second), vec3f(0.0, 0.0, inverse));
     }
-    if size.x >= size.y {
-        return mat3x3f(vec3f(-quotient(d.y, d.x) * s, s, 0.0), vec3f(-quotient(d.z, d.x) * s, 0.0, s), vec3f(quotient(1.0, d.x), 0.0, 0.0));
+    if along_x {
+        return mat3x3f(vec3f(first, s, 0.0), vec3f(second, 0.0, s), vec3f(inverse, 0.0, 0.0));
     }
-    return mat3x3f(vec3f(0.0, -quotient(d.z, d.y) * s, s), vec3f(s, -quotient(d.x, d.y) * s, 0.0), vec3f(0.0, quotient(1.0, d.y), 0.0));
+    return mat3x3f(vec3f(0.0, first, s), vec3f(s, second, 0.0), vec3f(0.0, inverse, 0.0));
 }
 
 // Columns of the matrix are rows of the shear.

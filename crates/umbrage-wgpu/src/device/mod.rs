@@ -6,6 +6,7 @@ pub(crate) mod device_errors;
 pub(crate) mod error_scopes;
 pub(crate) mod later_errors;
 pub(crate) mod probe;
+pub(crate) mod probe_fusing;
 pub(crate) mod probe_offset;
 pub(crate) mod readback;
 pub(crate) mod requirements;

@@ -1,0 +1,19 @@
+// What the device makes of a product that goes into a sum: one way a row, other numbers in each column. After math.wgsl.
+
+@fragment
+fn product_and_sum(@builtin(position) at: vec4f) -> @location(0) f32 {
+    let pixel = vec2u(at.xy);
+    // No image is so wide: always 0, but no compiler knows.
+    opaque_zero = pixel.x >> 31u;
+    let e = f32(pixel.x + 1u) / 32768.0;
+    let a = 1.0 + e;
+    // a * a is 1 + 2 e + e * e, and rounded 1 + 2 e.
+    let c = -(1.0 + 2.0 * e);
+    if pixel.y == 0u {
+        return a * a + c;
+    }
+    if pixel.y == 1u {
+        return fma(a, a, c);
+    }
+    return product(a, a) + c;
+}

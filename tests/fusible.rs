@@ -1,0 +1,311 @@
+//! What drivers may compute otherwise, found in a shader's functions.
+//!
+//! WGSL lets drivers fuse a product with a sum, compute built-ins such as `dot` in any order, and miss quotients and roots. All of that is
+//! looked for in naga's representation, after its functions are seen as one: a product counts wherever it goes, through variables,
+//! parameters, results, structures and signs.
+
+use naga::{
+    BinaryOperator, Block, Expression, Function, Handle, Literal, MathFunction, Module, ScalarKind,
+    Statement, TypeInner, UnaryOperator,
+    front::wgsl::parse_str,
+    valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator},
+};
+use std::{
+    collections::{BTreeSet, HashMap, HashSet},
+    fmt,
+};
+
+/// What a driver may compute otherwise.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Liberty {
+    /// A product goes into a sum or difference.
+    FusibleSum,
+    /// A built-in function, or a product of matrices, that is made of sums.
+    FusibleBuiltIn(String),
+    /// A quotient.
+    Quotient,
+    /// A square root, or its inverse.
+    Root,
+}
+
+impl fmt::Display for Liberty {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FusibleSum => write!(f, "a product that goes into a sum: write `product(a, b)`"),
+            Self::FusibleBuiltIn(name) => write!(f, "{name}: write its sum out with `product`"),
+            Self::Quotient => write!(f, "a bare quotient: write `quotient(a, b)`"),
+            Self::Root => write!(f, "a bare root: write `root(x)`"),
+        }
+    }
+}
+
+/// Returns each function of a shader with the liberties that it leaves to drivers, in the order of names.
+///
+/// # Errors
+/// Errors if the text is not valid WGSL.
+pub fn liberties(wgsl: &str) -> Result<BTreeSet<(String, Liberty)>, String> {
+    let module = parse_str(wgsl).map_err(|e| e.emit_to_string(wgsl))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+        .validate(&module)
+        .map_err(|e| e.emit_to_string(wgsl))?;
+    let mut products = Products::default();
+    while products.spread(&module) {}
+    let mut out = BTreeSet::new();
+    for (key, name, function, info) in functions(&module, &info) {
+        for (handle, expression) in function.expressions.iter() {
+            if let Some(liberty) =
+                products.liberty(&module, key, function, info, handle, expression)
+            {
+                out.insert((name.clone(), liberty));
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// A function, or an entry point by its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Key {
+    Function(Handle<Function>),
+    Entry(usize),
+}
+
+fn functions<'a>(
+    module: &'a Module,
+    info: &'a ModuleInfo,
+) -> Vec<(Key, String, &'a Function, &'a FunctionInfo)> {
+    let named = module.functions.iter().map(|(handle, function)| {
+        let name = function.name.clone().unwrap_or_default();
+        (Key::Function(handle), name, function, &info[handle])
+    });
+    let entries = module.entry_points.iter().enumerate().map(|(i, entry)| {
+        let info = info.get_entry_point(i);
+        (Key::Entry(i), entry.name.clone(), &entry.function, info)
+    });
+    named.chain(entries).collect()
+}
+
+/// Which expressions may be products.
+#[derive(Debug, Default)]
+struct Products {
+    expressions: HashMap<Key, HashSet<Handle<Expression>>>,
+    arguments: HashSet<(Handle<Function>, u32)>,
+    results: HashSet<Handle<Function>>,
+    locals: HashSet<(Key, Handle<naga::LocalVariable>)>,
+    globals: HashSet<Handle<naga::GlobalVariable>>,
+}
+
+impl Products {
+    fn contains(&self, key: Key, expression: Handle<Expression>) -> bool {
+        self.expressions
+            .get(&key)
+            .is_some_and(|set| set.contains(&expression))
+    }
+
+    fn len(&self) -> usize {
+        let expressions: usize = self.expressions.values().map(HashSet::len).sum();
+        expressions
+            + self.arguments.len()
+            + self.results.len()
+            + self.locals.len()
+            + self.globals.len()
+    }
+
+    /// Finds more of what may be a product from what is known. Returns whether there was more.
+    fn spread(&mut self, module: &Module) -> bool {
+        let before = self.len();
+        for (handle, function) in module.functions.iter() {
+            self.spread_in(Key::Function(handle), module, function);
+        }
+        for (i, entry) in module.entry_points.iter().enumerate() {
+            self.spread_in(Key::Entry(i), module, &entry.function);
+        }
+        self.len() > before
+    }
+
+    fn spread_in(&mut self, key: Key, module: &Module, function: &Function) {
+        for (handle, expression) in function.expressions.iter() {
+            if self.is_product(key, module, function, expression) {
+                self.expressions.entry(key).or_default().insert(handle);
+            }
+        }
+        self.spread_in_block(key, function, &function.body);
+    }
+
+    fn is_product(
+        &self,
+        key: Key,
+        module: &Module,
+        function: &Function,
+        expression: &Expression,
+    ) -> bool {
+        let has = |handle| self.contains(key, handle);
+        match *expression {
+            Expression::Binary {
+                op: BinaryOperator::Multiply,
+                left,
+                right,
+            } => {
+                !is_power_of_two(module, function, left)
+                    && !is_power_of_two(module, function, right)
+            }
+            Expression::Unary {
+                op: UnaryOperator::Negate,
+                expr,
+            } => has(expr),
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => has(base),
+            Expression::Splat { value, .. } => has(value),
+            Expression::Swizzle { vector, .. } => has(vector),
+            Expression::Compose { ref components, .. } => components.iter().any(|&c| has(c)),
+            Expression::Select { accept, reject, .. } => has(accept) || has(reject),
+            Expression::Load { pointer } => match root(function, pointer) {
+                Expression::LocalVariable(local) => self.locals.contains(&(key, *local)),
+                Expression::GlobalVariable(global) => self.globals.contains(global),
+                _ => false,
+            },
+            Expression::FunctionArgument(i) => match key {
+                Key::Function(handle) => self.arguments.contains(&(handle, i)),
+                Key::Entry(_) => false,
+            },
+            Expression::CallResult(callee) => self.results.contains(&callee),
+            _ => false,
+        }
+    }
+
+    fn spread_in_block(&mut self, key: Key, function: &Function, block: &Block) {
+        for statement in block.iter() {
+            match statement {
+                Statement::Block(block) => self.spread_in_block(key, function, block),
+                Statement::If { accept, reject, .. } => {
+                    self.spread_in_block(key, function, accept);
+                    self.spread_in_block(key, function, reject);
+                }
+                Statement::Switch { cases, .. } => {
+                    for case in cases {
+                        self.spread_in_block(key, function, &case.body);
+                    }
+                }
+                Statement::Loop {
+                    body, continuing, ..
+                } => {
+                    self.spread_in_block(key, function, body);
+                    self.spread_in_block(key, function, continuing);
+                }
+                Statement::Store { pointer, value } if self.contains(key, *value) => {
+                    match root(function, *pointer) {
+                        Expression::LocalVariable(local) => {
+                            self.locals.insert((key, *local));
+                        }
+                        Expression::GlobalVariable(global) => {
+                            self.globals.insert(*global);
+                        }
+                        _ => {}
+                    }
+                }
+                Statement::Call {
+                    function: callee,
+                    arguments,
+                    ..
+                } => {
+                    for (i, &argument) in arguments.iter().enumerate() {
+                        if self.contains(key, argument) {
+                            self.arguments.insert((*callee, i as u32));
+                        }
+                    }
+                }
+                Statement::Return { value: Some(value) } if self.contains(key, *value) => {
+                    if let Key::Function(handle) = key {
+                        self.results.insert(handle);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Returns what an expression leaves to drivers. `None` if nothing.
+    fn liberty(
+        &self,
+        module: &Module,
+        key: Key,
+        function: &Function,
+        info: &FunctionInfo,
+        handle: Handle<Expression>,
+        expression: &Expression,
+    ) -> Option<Liberty> {
+        let type_of = |handle: Handle<Expression>| info[handle].ty.inner_with(&module.types);
+        let is_float = type_of(handle)
+            .scalar()
+            .is_some_and(|scalar| scalar.kind == ScalarKind::Float);
+        if !is_float {
+            return None;
+        }
+        match *expression {
+            Expression::Binary { op, left, right } => {
+                let is_matrix = |h| matches!(type_of(h), TypeInner::Matrix { .. });
+                match op {
+                    BinaryOperator::Add | BinaryOperator::Subtract => {
+                        let fuses = self.contains(key, left) || self.contains(key, right);
+                        fuses.then_some(Liberty::FusibleSum)
+                    }
+                    BinaryOperator::Multiply if is_matrix(left) || is_matrix(right) => {
+                        Some(Liberty::FusibleBuiltIn("a product of a matrix".to_owned()))
+                    }
+                    // The reciprocal of a power of two is exact.
+                    BinaryOperator::Divide if !is_power_of_two(module, function, right) => {
+                        Some(Liberty::Quotient)
+                    }
+                    _ => None,
+                }
+            }
+            Expression::Math { fun, .. } => match fun {
+                MathFunction::Sqrt | MathFunction::InverseSqrt => Some(Liberty::Root),
+                MathFunction::Abs
+                | MathFunction::Min
+                | MathFunction::Max
+                | MathFunction::Clamp
+                | MathFunction::Saturate
+                | MathFunction::Ceil
+                | MathFunction::Floor
+                | MathFunction::Round
+                | MathFunction::Trunc
+                | MathFunction::Sign => None,
+                other => Some(Liberty::FusibleBuiltIn(
+                    format!("`{other:?}`").to_lowercase(),
+                )),
+            },
+            _ => None,
+        }
+    }
+}
+
+/// Returns the variable that a pointer leads into.
+fn root(function: &Function, mut pointer: Handle<Expression>) -> &Expression {
+    loop {
+        match function.expressions[pointer] {
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
+                pointer = base;
+            }
+            ref other => return other,
+        }
+    }
+}
+
+/// Returns whether an expression is a constant power of two: products with it are exact, and fusing them changes nothing.
+fn is_power_of_two(module: &Module, function: &Function, handle: Handle<Expression>) -> bool {
+    let is_power = |literal: &Literal| match *literal {
+        Literal::F32(x) => x.is_normal() && x.to_bits() & 0x007f_ffff == 0,
+        _ => false,
+    };
+    match function.expressions[handle] {
+        Expression::Literal(ref literal) => is_power(literal),
+        Expression::Splat { value, .. } => is_power_of_two(module, function, value),
+        Expression::Constant(constant) => {
+            match module.global_expressions[module.constants[constant].init] {
+                Expression::Literal(ref literal) => is_power(literal),
+                _ => false,
+            }
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,119 @@
+//! Shaders that decide whether a point is lit leave nothing to drivers, but for what a list allows with reasons.
+
+use umbrage_core::{Geometry, MATH, ShadowTechnique, View, join};
+use umbrage_techniques::{Exact, Planar, ShadowVolumes, Soft, Traced, Unshadowed};
+use umbrage_tests::fusible::{Liberty, liberties};
+use umbrage_wgpu::receive_wgsl;
+
+/// Functions that may leave something to drivers, and why.
+const ALLOWED: &[(&str, &str)] = &[
+    (
+        "residual",
+        "its products are of 12 bits each, so they and their sums are exact",
+    ),
+    ("quotient", "corrects the device's quotient"),
+    ("root", "corrects the device's root"),
+    (
+        "safe_inverse",
+        "for boxes, which are padded by more than it is off",
+    ),
+    ("footprint_of", "bounds with a margin of 1 % of a step"),
+    ("part_between", "bounds with a margin of 1 % of a step"),
+    ("part_of_corners", "bounds with a margin of 1 % of a step"),
+];
+
+fn texts() -> Vec<(String, String)> {
+    let techniques: [Box<dyn ShadowTechnique>; 6] = [
+        Box::new(Unshadowed::default()),
+        Box::new(Traced::default()),
+        Box::new(Exact::default()),
+        Box::new(Soft::default()),
+        Box::new(ShadowVolumes::default()),
+        Box::new(Planar::default()),
+    ];
+    let mut out = Vec::new();
+    for name in ["cubes", "lamp-in-room", "c10-chequered-card"] {
+        let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
+        scene.cameras[0].size = umbrage_core::glam::UVec2::splat(16);
+        let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+        for technique in &techniques {
+            if let Ok(recipe) = technique.recipe(&view) {
+                let text = receive_wgsl(&recipe, 0, "").expect("no prefix");
+                out.push((format!("{} in {name}", technique.name()), text));
+            }
+        }
+    }
+    let receivers = join(&[MATH, umbrage_core::resolve::RESOLVE])
+        + include_str!("../../crates/umbrage-wgpu/src/gbuffer_visibility.wgsl")
+        + include_str!("../../crates/umbrage-wgpu/src/gbuffer_resolve.wgsl");
+    out.push(("receivers".to_owned(), receivers));
+    out
+}
+
+#[test]
+fn what_decides_leaves_nothing_to_drivers() {
+    let texts = texts();
+    assert!(texts.len() >= 14, "only {} texts", texts.len());
+    let mut faults = Vec::new();
+    for (label, text) in texts {
+        for (function, liberty) in liberties(&text).expect("valid WGSL") {
+            if ALLOWED.iter().all(|(name, _)| *name != function) {
+                faults.push(format!("{label}: `{function}` has {liberty}"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The check finds each pattern, and no others.
+#[test]
+fn each_pattern_is_found() {
+    for (body, expected) in [
+        ("return a * b + c;", Some(Liberty::FusibleSum)),
+        ("return c - a * b;", Some(Liberty::FusibleSum)),
+        ("let p = -(a * b); return p + c;", Some(Liberty::FusibleSum)),
+        (
+            "var p = a * b; p += c; return p;",
+            Some(Liberty::FusibleSum),
+        ),
+        ("return times(a, b) + c;", Some(Liberty::FusibleSum)),
+        ("return plus(a * b, c);", Some(Liberty::FusibleSum)),
+        ("return (vec2f(a, b) * c).x + a;", Some(Liberty::FusibleSum)),
+        (
+            "return select(a, a * b, c > 0.0) + c;",
+            Some(Liberty::FusibleSum),
+        ),
+        (
+            "return dot(vec2f(a, b), vec2f(b, c));",
+            Some(Liberty::FusibleBuiltIn("`dot`".to_owned())),
+        ),
+        (
+            "return mix(a, b, c);",
+            Some(Liberty::FusibleBuiltIn("`mix`".to_owned())),
+        ),
+        (
+            "return (mat2x2f(a, b, c, a) * vec2f(a, b)).x;",
+            Some(Liberty::FusibleBuiltIn("a product of a matrix".to_owned())),
+        ),
+        ("return a / b;", Some(Liberty::Quotient)),
+        ("return sqrt(a);", Some(Liberty::Root)),
+        ("return a * 0.5 + b * 2.0;", None),
+        ("return a / 4.0 - c;", None),
+        ("return a * b * c;", None),
+        ("return max(a * b, 1.0) + c;", None),
+        (
+            "return bitcast<f32>(bitcast<u32>(a * b) ^ hidden) + c;",
+            None,
+        ),
+    ] {
+        let text = format!(
+            "var<private> hidden: u32;
+            fn times(a: f32, b: f32) -> f32 {{ return a * b; }}
+            fn plus(a: f32, b: f32) -> f32 {{ return a + b; }}
+            fn f(a: f32, b: f32, c: f32) -> f32 {{ {body} }}"
+        );
+        let found = liberties(&text).expect("valid WGSL").into_iter().next();
+        assert_eq!(found.map(|(_, liberty)| liberty), expected, "{body}");
+    }
+}
