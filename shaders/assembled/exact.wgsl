@@ -12,22 +12,126 @@ struct shadow_Receiver {
 @group(0) @binding(4) var<storage> shadow_table_3: array<vec4u>;
 // ---- math.wgsl
 // Twin of math.rs: every sum is written out, from left to right.
+//
+// WGSL lets drivers fuse a product with the sum that it goes into, and miss quotients and roots by some units in the last place. What
+// decides whether a point is lit is written with the functions below, which every driver rounds alike.
+
+// Always 0, but no compiler knows. Shaders set it from a bit of their uniforms that is never set.
+var<private> shadow_opaque_zero: u32;
+
+// a * b, rounded before it goes into a sum: no compiler fuses through the xor.
+fn shadow_product(a: f32, b: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(a * b) ^ shadow_opaque_zero);
+}
+
+fn shadow_product2(a: vec2f, b: vec2f) -> vec2f {
+    return bitcast<vec2f>(bitcast<vec2u>(a * b) ^ vec2u(shadow_opaque_zero));
+}
+
+fn shadow_product3(a: vec3f, b: vec3f) -> vec3f {
+    return bitcast<vec3f>(bitcast<vec3u>(a * b) ^ vec3u(shadow_opaque_zero));
+}
+
+fn shadow_product4(a: vec4f, b: vec4f) -> vec4f {
+    return bitcast<vec4f>(bitcast<vec4u>(a * b) ^ vec4u(shadow_opaque_zero));
+}
+
+// The 12 leading bits of a number in 0.5..4.
+fn shadow_leading_bits(x: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(x) & 0xfffff000u);
+}
+
+// a - b * c without error, for a near b * c and factors in 0.5..4: all products are of two numbers of 12 bits, so that fusing changes
+// nothing (Dekker 1971, "A floating-point technique for extending the available precision").
+fn shadow_residual(a: f32, b: f32, c: f32) -> f32 {
+    let b_high = shadow_leading_bits(b);
+    let c_high = shadow_leading_bits(c);
+    let b_low = b - b_high;
+    let c_low = c - c_high;
+    return (((a - b_high * c_high) - b_high * c_low) - b_low * c_high) - b_low * c_low;
+}
+
+// Whether all numbers are finite and not below the least normal number.
+fn shadow_are_normal(bits: vec3u) -> bool {
+    let exponents = bits & vec3u(0x7f800000u);
+    return all(exponents != vec3u(0u)) && all(exponents != vec3u(0x7f800000u));
+}
+
+// The number in 1..2 with the same fraction.
+fn shadow_significand(bits: u32) -> f32 {
+    return bitcast<f32>((bits & 0x007fffffu) | 0x3f800000u);
+}
+
+fn shadow_with_sign_of(size: f32, x: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(size) | (bitcast<u32>(x) & 0x80000000u));
+}
+
+// Returns a quotient of numbers in 1..2, one unit in the last place nearer to x / y unless it is the nearest.
+fn shadow_nearer_quotient(q: f32, x: f32, y: f32, unit: f32) -> f32 {
+    let rest = shadow_residual(x, q, y);
+    // The nearest number leaves at most half a unit.
+    return q + select(0.0, shadow_with_sign_of(unit, rest), 2.0 * abs(rest) > unit * y);
+}
+
+// a / b, rounded to nearest: the residual of the device's own quotient tells how far that is off (Markstein 1990, "Computation of
+// elementary functions on the IBM RISC System/6000 processor"). WGSL allows 2.5 units in the last place, so it is at most two numbers off.
+fn shadow_quotient(a: f32, b: f32) -> f32 {
+    let a_bits = bitcast<u32>(a);
+    let b_bits = bitcast<u32>(b);
+    let rough = a / b;
+    let x = shadow_significand(a_bits);
+    let y = shadow_significand(b_bits);
+    let unit = select(5.9604645e-8, 1.1920929e-7, x >= y);
+    let q = shadow_nearer_quotient(shadow_nearer_quotient(x / y, x, y, unit), x, y, unit);
+    let exponent = (a_bits & 0x7f800000u) - (b_bits & 0x7f800000u);
+    let sign = (a_bits ^ b_bits) & 0x80000000u;
+    let nearest = bitcast<f32>((bitcast<u32>(q) + exponent) | sign);
+    return select(rough, nearest, shadow_are_normal(vec3u(a_bits, b_bits, bitcast<u32>(rough))));
+}
+
+// Returns the root of a number in 1..4, one unit in the last place nearer unless it is the nearest.
+fn shadow_nearer_root(s: f32, y: f32) -> f32 {
+    let unit = 1.1920929e-7;
+    let rest = shadow_residual(y, s, s);
+    // Half a unit away the square differs by the product of s and the unit, and a quarter of the unit's square. Residuals are
+    // multiples of that square.
+    let is_low = rest > unit * s;
+    let is_high = rest <= -unit * s;
+    return s + select(select(0.0, -unit, is_high), unit, is_low);
+}
+
+// The square root of x, rounded to nearest, likewise.
+fn shadow_root(x: f32) -> f32 {
+    let x_bits = bitcast<u32>(x);
+    // x is y times a power of 4, and y is in 1..4.
+    let is_odd = (x_bits & 0x00800000u) == 0u;
+    let y = shadow_significand(x_bits) * select(1.0, 2.0, is_odd);
+    let s = shadow_nearer_root(shadow_nearer_root(sqrt(y), y), y);
+    let half_exponent = ((bitcast<i32>(x_bits) >> 23u) - select(127, 128, is_odd)) / 2;
+    let nearest = bitcast<f32>(bitcast<u32>(s) + (bitcast<u32>(half_exponent) << 23u));
+    let is_positive = (x_bits & 0x80000000u) == 0u;
+    return select(sqrt(x), nearest, is_positive && shadow_are_normal(vec3u(x_bits)));
+}
 
 fn shadow_transform(m: mat4x4f, p: vec3f) -> vec4f {
-    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+    return shadow_product4(m[0], vec4f(p.x)) + shadow_product4(m[1], vec4f(p.y)) + shadow_product4(m[2], vec4f(p.z)) + m[3];
 }
 
 fn shadow_dot3(a: vec3f, b: vec3f) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return shadow_product(a.x, b.x) + shadow_product(a.y, b.y) + shadow_product(a.z, b.z);
 }
 
 fn shadow_cross3(a: vec3f, b: vec3f) -> vec3f {
-    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    return vec3f(
+        shadow_product(a.y, b.z) - shadow_product(a.z, b.y),
+        shadow_product(a.z, b.x) - shadow_product(a.x, b.z),
+        shadow_product(a.x, b.y) - shadow_product(a.y, b.x),
+    );
 }
 
 fn shadow_unit3(v: vec3f) -> vec3f {
-    let length = sqrt(shadow_dot3(v, v));
-    return vec3f(v.x / length, v.y / length, v.z / length);
+    let length = shadow_root(shadow_dot3(v, v));
+    return vec3f(shadow_quotient(v.x, length), shadow_quotient(v.y, length), shadow_quotient(v.z, length));
 }
 
 // ---- ray_box.wgsl
@@ -101,38 +205,45 @@ fn shadow_holds_origin_word(a: vec2f, b: vec2f, c: vec2f) -> u32 {
 fn shadow_shear_rows(d: vec3f) -> mat3x3f {
     let size = abs(d);
     let s = shadow_inverse_power(max(max(size.x, size.y), size.z));
-    if size.z >= size.x && size.z >= size.y {
-        return mat3x3f(vec3f(s, 0.0, -(d.x / d.z) * s), vec3f(0.0, s, -(d.y / d.z) * s), vec3f(0.0, 0.0, 1.0 / d.z));
+    let along_z = size.z >= size.x && size.z >= size.y;
+    let along_x = size.x >= size.y;
+    // The greatest component last. There is one set of quotients for all three: they take long.
+    let turned = select(select(d.zxy, d.yzx, along_x), d.xyz, along_z);
+    let first = -shadow_quotient(turned.x, turned.z) * s;
+    let second = -shadow_quotient(turned.y, turned.z) * s;
+    let inverse = shadow_quotient(1.0, turned.z);
+    if along_z {
+        return mat3x3f(vec3f(s, 0.0, first), vec3f(0.0, s, second), vec3f(0.0, 0.0, inverse));
     }
-    if size.x >= size.y {
-        return mat3x3f(vec3f(-(d.y / d.x) * s, s, 0.0), vec3f(-(d.z / d.x) * s, 0.0, s), vec3f(1.0 / d.x, 0.0, 0.0));
+    if along_x {
+        return mat3x3f(vec3f(first, s, 0.0), vec3f(second, 0.0, s), vec3f(inverse, 0.0, 0.0));
     }
-    return mat3x3f(vec3f(0.0, -(d.z / d.y) * s, s), vec3f(s, -(d.x / d.y) * s, 0.0), vec3f(0.0, 1.0 / d.y, 0.0));
+    return mat3x3f(vec3f(0.0, first, s), vec3f(s, second, 0.0), vec3f(0.0, inverse, 0.0));
 }
 
-// Columns of the matrix are rows of the shear: each coordinate is written out, from left to right.
+// Columns of the matrix are rows of the shear.
 fn shadow_sheared(rows: mat3x3f, v: vec3f) -> vec3f {
-    return vec3f(
-        rows[0].x * v.x + rows[0].y * v.y + rows[0].z * v.z,
-        rows[1].x * v.x + rows[1].y * v.y + rows[1].z * v.z,
-        rows[2].x * v.x + rows[2].y * v.y + rows[2].z * v.z,
-    );
+    return vec3f(shadow_dot3(rows[0], v), shadow_dot3(rows[1], v), shadow_dot3(rows[2], v));
 }
 
-fn shadow_segment_hits(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
-    let rows = shadow_shear_rows(d);
+fn shadow_cross2(a: vec3f, b: vec3f) -> f32 {
+    return shadow_product(a.x, b.y) - shadow_product(a.y, b.x);
+}
+
+// `rows` are the shear's for the direction.
+fn shadow_segment_hits(o: vec3f, d: vec3f, rows: mat3x3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
     let a = shadow_sheared(rows, pa - o);
     let b = shadow_sheared(rows, pb - o);
     let c = shadow_sheared(rows, pc - o);
-    let u = b.x * c.y - b.y * c.x;
-    let v = c.x * a.y - c.y * a.x;
-    let w = a.x * b.y - a.y * b.x;
+    let u = shadow_cross2(b, c);
+    let v = shadow_cross2(c, a);
+    let w = shadow_cross2(a, b);
     let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
     if !inside {
         return false;
     }
     let whole = u + v + w;
-    let along = u * a.z + v * b.z + w * c.z;
+    let along = shadow_product(u, a.z) + shadow_product(v, b.z) + shadow_product(w, c.z);
     let before = along >= 0.0 && along <= whole;
     let behind = along <= 0.0 && along >= whole;
     let between = (whole > 0.0 && before) || (whole < 0.0 && behind);
@@ -141,7 +252,7 @@ fn shadow_segment_hits(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f) -> b
 }
 
 fn shadow_hit_word(o: vec3f, d: vec3f, a: vec3f, b: vec3f, c: vec3f) -> u32 {
-    return u32(shadow_segment_hits(o, d, a, b, c));
+    return u32(shadow_segment_hits(o, d, shadow_shear_rows(d), a, b, c));
 }
 
 // ---- light_sample.wgsl
@@ -166,12 +277,14 @@ struct shadow_LightSampler {
 
 fn shadow_small_sin(x: f32) -> f32 {
     let q = x * x;
-    return x * (1.0 + q * (-1.6666667e-1 + q * (8.333333e-3 + q * (-1.984127e-4 + q * 2.755732e-6))));
+    let last = -1.984127e-4 + shadow_product(q, 2.755732e-6);
+    return x * (1.0 + shadow_product(q, -1.6666667e-1 + shadow_product(q, 8.333333e-3 + shadow_product(q, last))));
 }
 
 fn shadow_small_cos(x: f32) -> f32 {
     let q = x * x;
-    return 1.0 + q * (-0.5 + q * (4.1666668e-2 + q * (-1.3888889e-3 + q * 2.4801587e-5)));
+    let last = -1.3888889e-3 + shadow_product(q, 2.4801587e-5);
+    return 1.0 + shadow_product(q, -0.5 + shadow_product(q, 4.1666668e-2 + shadow_product(q, last)));
 }
 
 fn shadow_disc_point(uv: vec2f) -> vec2f {
@@ -182,29 +295,29 @@ fn shadow_disc_point(uv: vec2f) -> vec2f {
         return vec2f(0.0, 0.0);
     }
     if abs(a) > abs(b) {
-        let angle = quarter_pi * (b / a);
+        let angle = quarter_pi * shadow_quotient(b, a);
         return vec2f(a * shadow_small_cos(angle), a * shadow_small_sin(angle));
     }
-    let angle = quarter_pi * (a / b);
+    let angle = quarter_pi * shadow_quotient(a, b);
     return vec2f(b * shadow_small_sin(angle), b * shadow_small_cos(angle));
 }
 
 fn shadow_tangent(n: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    return vec3f(1.0 + sign * n.x * n.x * a, sign * (n.x * n.y * a), -sign * n.x);
+    let a = shadow_quotient(-1.0, sign + n.z);
+    return vec3f(1.0 + shadow_product(sign * n.x * n.x, a), sign * (n.x * n.y * a), -sign * n.x);
 }
 
 fn shadow_bitangent(n: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    return vec3f(n.x * n.y * a, sign + n.y * n.y * a, -n.y);
+    let a = shadow_quotient(-1.0, sign + n.z);
+    return vec3f(n.x * n.y * a, sign + shadow_product(n.y * n.y, a), -n.y);
 }
 
 fn shadow_cap_direction(axis: vec3f, u: vec3f, v: vec3f, cap: f32, q: vec2f) -> vec3f {
-    let h = (q.x * q.x + q.y * q.y) * cap;
-    let side = sqrt(cap * (2.0 - h));
-    return axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side);
+    let h = shadow_product(shadow_product(q.x, q.x) + shadow_product(q.y, q.y), cap);
+    let side = shadow_root(cap * (2.0 - h));
+    return shadow_product3(axis, vec3f(1.0 - h)) + shadow_product3(u, vec3f(q.x * side)) + shadow_product3(v, vec3f(q.y * side));
 }
 
 fn shadow_segment(s: shadow_LightSampler, p: vec3f, uv: vec2f, far: f32) -> vec3f {
@@ -223,15 +336,15 @@ fn shadow_segment(s: shadow_LightSampler, p: vec3f, uv: vec2f, far: f32) -> vec3
         return to_center * shadow_LIGHT_SHORT;
     }
     if kind == shadow_LIGHT_RECT {
-        return (to_center + u * (2.0 * uv.x - 1.0) + v * (2.0 * uv.y - 1.0)) * shadow_LIGHT_SHORT;
+        return (to_center + shadow_product3(u, vec3f(2.0 * uv.x - 1.0)) + shadow_product3(v, vec3f(2.0 * uv.y - 1.0))) * shadow_LIGHT_SHORT;
     }
     let q = shadow_disc_point(uv);
     if kind == shadow_LIGHT_DISC {
-        return (to_center + u * q.x + v * q.y) * shadow_LIGHT_SHORT;
+        return (to_center + shadow_product3(u, vec3f(q.x)) + shadow_product3(v, vec3f(q.y))) * shadow_LIGHT_SHORT;
     }
-    let n = to_center / sqrt(shadow_dot3(to_center, to_center));
+    let n = shadow_unit3(to_center);
     let r = q * s.half_u.w;
-    return (to_center + shadow_tangent(n) * r.x + shadow_bitangent(n) * r.y) * shadow_LIGHT_SHORT;
+    return (to_center + shadow_product3(shadow_tangent(n), vec3f(r.x)) + shadow_product3(shadow_bitangent(n), vec3f(r.y))) * shadow_LIGHT_SHORT;
 }
 
 fn shadow_origin_offset(p: vec3f, reach: f32) -> f32 {
@@ -242,7 +355,7 @@ fn shadow_ray_origin(p: vec3f, n: vec3f, eye: vec3f, extent: f32) -> vec3f {
     let to_eye = abs(eye - p);
     let reach = max(max(max(to_eye.x, to_eye.y), to_eye.z), extent);
     let lift = shadow_origin_offset(p, reach);
-    return vec3f(p.x + n.x * lift, p.y + n.y * lift, p.z + n.z * lift);
+    return vec3f(p.x + shadow_product(n.x, lift), p.y + shadow_product(n.y, lift), p.z + shadow_product(n.z, lift));
 }
 
 fn shadow_hash(word: u32) -> u32 {
@@ -302,8 +415,8 @@ const shadow_DEPTH_GUARD = 0x20000000u;
 // ---- caster_opaque.wgsl
 // Whether a segment meets a caster, where none has holes. Its corners are three rows of table_3.
 
-fn shadow_meets_caster(o: vec3f, d: vec3f, caster: u32) -> bool {
-    return shadow_segment_hits(o, d, shadow_corner_of(3u * caster), shadow_corner_of(3u * caster + 1u), shadow_corner_of(3u * caster + 2u));
+fn shadow_meets_caster(o: vec3f, d: vec3f, rows: mat3x3f, caster: u32) -> bool {
+    return shadow_segment_hits(o, d, rows, shadow_corner_of(3u * caster), shadow_corner_of(3u * caster + 1u), shadow_corner_of(3u * caster + 2u));
 }
 
 // ---- exact.wgsl
@@ -340,13 +453,14 @@ fn shadow_frame_point(o: vec3f) -> shadow_FramePoint {
         return shadow_FramePoint(0u, at, shadow_dot3(shadow_kernel.away.xyz, v) - shadow_kernel.away.w);
     }
     let size = abs(v);
-    if size.z >= size.x && size.z >= size.y {
-        return shadow_FramePoint(select(4u, 5u, v.z < 0.0), v.xy / size.z, size.z);
-    }
-    if size.x >= size.y {
-        return shadow_FramePoint(select(0u, 1u, v.x < 0.0), v.yz / size.x, size.x);
-    }
-    return shadow_FramePoint(select(2u, 3u, v.y < 0.0), v.zx / size.y, size.y);
+    let along_z = size.z >= size.x && size.z >= size.y;
+    let along_x = size.x >= size.y;
+    // The greatest component last, whose sign picks one of two faces.
+    let turned = select(select(v.zxy, v.yzx, along_x), v.xyz, along_z);
+    let axis = select(select(2u, 0u, along_x), 4u, along_z);
+    let depth = abs(turned.z);
+    let on_face = vec2f(shadow_quotient(turned.x, depth), shadow_quotient(turned.y, depth));
+    return shadow_FramePoint(axis + select(0u, 1u, turned.z < 0.0), on_face, depth);
 }
 
 fn shadow_corner_of(row: u32) -> vec3f {
@@ -367,7 +481,7 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     let number = (point.face * shadow_kernel.tiles.y + tile.y) * shadow_kernel.tiles.x + tile.x;
     let tiles = shadow_table_0[number / 2u];
     let first_and_side = select(tiles.xy, tiles.zw, number % 2u == 1u);
-    let in_tile = (at - floor(at)) * f32(1u << first_and_side.y);
+    let in_tile = shadow_product2(at - floor(at), vec2f(f32(1u << first_and_side.y)));
     let cell_at = vec2u(in_tile);
     let cell_number = first_and_side.x + (cell_at.y << first_and_side.y) + cell_at.x;
     let cell = shadow_table_1[cell_number];
@@ -389,6 +503,7 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     // Two loops, the inner one of which passes over casters by their words alone. Where many invocations run as one, all of them take the
     // triangle test if one does: so they go to it together, each with the next caster that may be in its way (Aila and Laine 2009,
     // "Understanding the Efficiency of Ray Traversal on GPUs").
+    let rows = shadow_shear_rows(d);
     var i = cell.x;
     loop {
         var caster = shadow_NO_CASTER;
@@ -406,7 +521,7 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
         if caster == shadow_NO_CASTER {
             break;
         }
-        if shadow_meets_caster(o, d, caster) {
+        if shadow_meets_caster(o, d, rows, caster) {
             return true;
         }
     }
@@ -414,6 +529,8 @@ fn shadow_is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
 }
 
 fn shadow_receive(r: shadow_Receiver) -> f32 {
+    // There are less than 2^31 kinds of lights.
+    shadow_opaque_zero = shadow_kernel.light.shape.x >> 31u;
     let o = shadow_ray_origin(r.position, r.normal, shadow_kernel.eye.xyz, shadow_kernel.grid.w);
     let d = shadow_segment(shadow_kernel.light, o, vec2f(0.0), shadow_kernel.far);
     let is_lit = shadow_dot3(r.normal, d) > 0.0 && !shadow_is_shadowed(o, d, r.triangle);

@@ -15,22 +15,126 @@ fn shadow_size_1() -> vec2i { return vec2i(textureDimensions(shadow_image_1)); }
 @group(0) @binding(3) var<storage> shadow_table_0: array<vec4u>;
 // ---- math.wgsl
 // Twin of math.rs: every sum is written out, from left to right.
+//
+// WGSL lets drivers fuse a product with the sum that it goes into, and miss quotients and roots by some units in the last place. What
+// decides whether a point is lit is written with the functions below, which every driver rounds alike.
+
+// Always 0, but no compiler knows. Shaders set it from a bit of their uniforms that is never set.
+var<private> shadow_opaque_zero: u32;
+
+// a * b, rounded before it goes into a sum: no compiler fuses through the xor.
+fn shadow_product(a: f32, b: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(a * b) ^ shadow_opaque_zero);
+}
+
+fn shadow_product2(a: vec2f, b: vec2f) -> vec2f {
+    return bitcast<vec2f>(bitcast<vec2u>(a * b) ^ vec2u(shadow_opaque_zero));
+}
+
+fn shadow_product3(a: vec3f, b: vec3f) -> vec3f {
+    return bitcast<vec3f>(bitcast<vec3u>(a * b) ^ vec3u(shadow_opaque_zero));
+}
+
+fn shadow_product4(a: vec4f, b: vec4f) -> vec4f {
+    return bitcast<vec4f>(bitcast<vec4u>(a * b) ^ vec4u(shadow_opaque_zero));
+}
+
+// The 12 leading bits of a number in 0.5..4.
+fn shadow_leading_bits(x: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(x) & 0xfffff000u);
+}
+
+// a - b * c without error, for a near b * c and factors in 0.5..4: all products are of two numbers of 12 bits, so that fusing changes
+// nothing (Dekker 1971, "A floating-point technique for extending the available precision").
+fn shadow_residual(a: f32, b: f32, c: f32) -> f32 {
+    let b_high = shadow_leading_bits(b);
+    let c_high = shadow_leading_bits(c);
+    let b_low = b - b_high;
+    let c_low = c - c_high;
+    return (((a - b_high * c_high) - b_high * c_low) - b_low * c_high) - b_low * c_low;
+}
+
+// Whether all numbers are finite and not below the least normal number.
+fn shadow_are_normal(bits: vec3u) -> bool {
+    let exponents = bits & vec3u(0x7f800000u);
+    return all(exponents != vec3u(0u)) && all(exponents != vec3u(0x7f800000u));
+}
+
+// The number in 1..2 with the same fraction.
+fn shadow_significand(bits: u32) -> f32 {
+    return bitcast<f32>((bits & 0x007fffffu) | 0x3f800000u);
+}
+
+fn shadow_with_sign_of(size: f32, x: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(size) | (bitcast<u32>(x) & 0x80000000u));
+}
+
+// Returns a quotient of numbers in 1..2, one unit in the last place nearer to x / y unless it is the nearest.
+fn shadow_nearer_quotient(q: f32, x: f32, y: f32, unit: f32) -> f32 {
+    let rest = shadow_residual(x, q, y);
+    // The nearest number leaves at most half a unit.
+    return q + select(0.0, shadow_with_sign_of(unit, rest), 2.0 * abs(rest) > unit * y);
+}
+
+// a / b, rounded to nearest: the residual of the device's own quotient tells how far that is off (Markstein 1990, "Computation of
+// elementary functions on the IBM RISC System/6000 processor"). WGSL allows 2.5 units in the last place, so it is at most two numbers off.
+fn shadow_quotient(a: f32, b: f32) -> f32 {
+    let a_bits = bitcast<u32>(a);
+    let b_bits = bitcast<u32>(b);
+    let rough = a / b;
+    let x = shadow_significand(a_bits);
+    let y = shadow_significand(b_bits);
+    let unit = select(5.9604645e-8, 1.1920929e-7, x >= y);
+    let q = shadow_nearer_quotient(shadow_nearer_quotient(x / y, x, y, unit), x, y, unit);
+    let exponent = (a_bits & 0x7f800000u) - (b_bits & 0x7f800000u);
+    let sign = (a_bits ^ b_bits) & 0x80000000u;
+    let nearest = bitcast<f32>((bitcast<u32>(q) + exponent) | sign);
+    return select(rough, nearest, shadow_are_normal(vec3u(a_bits, b_bits, bitcast<u32>(rough))));
+}
+
+// Returns the root of a number in 1..4, one unit in the last place nearer unless it is the nearest.
+fn shadow_nearer_root(s: f32, y: f32) -> f32 {
+    let unit = 1.1920929e-7;
+    let rest = shadow_residual(y, s, s);
+    // Half a unit away the square differs by the product of s and the unit, and a quarter of the unit's square. Residuals are
+    // multiples of that square.
+    let is_low = rest > unit * s;
+    let is_high = rest <= -unit * s;
+    return s + select(select(0.0, -unit, is_high), unit, is_low);
+}
+
+// The square root of x, rounded to nearest, likewise.
+fn shadow_root(x: f32) -> f32 {
+    let x_bits = bitcast<u32>(x);
+    // x is y times a power of 4, and y is in 1..4.
+    let is_odd = (x_bits & 0x00800000u) == 0u;
+    let y = shadow_significand(x_bits) * select(1.0, 2.0, is_odd);
+    let s = shadow_nearer_root(shadow_nearer_root(sqrt(y), y), y);
+    let half_exponent = ((bitcast<i32>(x_bits) >> 23u) - select(127, 128, is_odd)) / 2;
+    let nearest = bitcast<f32>(bitcast<u32>(s) + (bitcast<u32>(half_exponent) << 23u));
+    let is_positive = (x_bits & 0x80000000u) == 0u;
+    return select(sqrt(x), nearest, is_positive && shadow_are_normal(vec3u(x_bits)));
+}
 
 fn shadow_transform(m: mat4x4f, p: vec3f) -> vec4f {
-    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+    return shadow_product4(m[0], vec4f(p.x)) + shadow_product4(m[1], vec4f(p.y)) + shadow_product4(m[2], vec4f(p.z)) + m[3];
 }
 
 fn shadow_dot3(a: vec3f, b: vec3f) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return shadow_product(a.x, b.x) + shadow_product(a.y, b.y) + shadow_product(a.z, b.z);
 }
 
 fn shadow_cross3(a: vec3f, b: vec3f) -> vec3f {
-    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    return vec3f(
+        shadow_product(a.y, b.z) - shadow_product(a.z, b.y),
+        shadow_product(a.z, b.x) - shadow_product(a.x, b.z),
+        shadow_product(a.x, b.y) - shadow_product(a.y, b.x),
+    );
 }
 
 fn shadow_unit3(v: vec3f) -> vec3f {
-    let length = sqrt(shadow_dot3(v, v));
-    return vec3f(v.x / length, v.y / length, v.z / length);
+    let length = shadow_root(shadow_dot3(v, v));
+    return vec3f(shadow_quotient(v.x, length), shadow_quotient(v.y, length), shadow_quotient(v.z, length));
 }
 
 // ---- layers.wgsl
@@ -211,6 +315,8 @@ fn shadow_tap(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
 
 // The answer of one layer.
 fn shadow_visibility_in(layer: i32, r: shadow_Receiver) -> f32 {
+    // w is 0 or 1: its sign is never set.
+    shadow_opaque_zero = bitcast<u32>(shadow_kernel.lookup.light.w) >> 31u;
     let l = shadow_shadow_coord_in(layer, shadow_kernel.lookup, r.position, r.normal);
     if !l.seen {
         return shadow_full_light(r);
@@ -322,7 +428,7 @@ struct shadow_Horizon {
 }
 
 fn shadow_height_over_plane(light: vec4f, p: vec3f, n: vec3f) -> f32 {
-    return shadow_dot3(n, vec3f(light.x - light.w * p.x, light.y - light.w * p.y, light.z - light.w * p.z));
+    return shadow_dot3(n, light.xyz - shadow_product3(vec3f(light.w), p));
 }
 
 fn shadow_ball_heights(radius: f32, n: vec2f, t: vec2f) -> vec2f {

@@ -11,22 +11,126 @@ struct shadow_Receiver {
 @group(0) @binding(3) var<storage> shadow_table_2: array<vec4u>;
 // ---- math.wgsl
 // Twin of math.rs: every sum is written out, from left to right.
+//
+// WGSL lets drivers fuse a product with the sum that it goes into, and miss quotients and roots by some units in the last place. What
+// decides whether a point is lit is written with the functions below, which every driver rounds alike.
+
+// Always 0, but no compiler knows. Shaders set it from a bit of their uniforms that is never set.
+var<private> shadow_opaque_zero: u32;
+
+// a * b, rounded before it goes into a sum: no compiler fuses through the xor.
+fn shadow_product(a: f32, b: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(a * b) ^ shadow_opaque_zero);
+}
+
+fn shadow_product2(a: vec2f, b: vec2f) -> vec2f {
+    return bitcast<vec2f>(bitcast<vec2u>(a * b) ^ vec2u(shadow_opaque_zero));
+}
+
+fn shadow_product3(a: vec3f, b: vec3f) -> vec3f {
+    return bitcast<vec3f>(bitcast<vec3u>(a * b) ^ vec3u(shadow_opaque_zero));
+}
+
+fn shadow_product4(a: vec4f, b: vec4f) -> vec4f {
+    return bitcast<vec4f>(bitcast<vec4u>(a * b) ^ vec4u(shadow_opaque_zero));
+}
+
+// The 12 leading bits of a number in 0.5..4.
+fn shadow_leading_bits(x: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(x) & 0xfffff000u);
+}
+
+// a - b * c without error, for a near b * c and factors in 0.5..4: all products are of two numbers of 12 bits, so that fusing changes
+// nothing (Dekker 1971, "A floating-point technique for extending the available precision").
+fn shadow_residual(a: f32, b: f32, c: f32) -> f32 {
+    let b_high = shadow_leading_bits(b);
+    let c_high = shadow_leading_bits(c);
+    let b_low = b - b_high;
+    let c_low = c - c_high;
+    return (((a - b_high * c_high) - b_high * c_low) - b_low * c_high) - b_low * c_low;
+}
+
+// Whether all numbers are finite and not below the least normal number.
+fn shadow_are_normal(bits: vec3u) -> bool {
+    let exponents = bits & vec3u(0x7f800000u);
+    return all(exponents != vec3u(0u)) && all(exponents != vec3u(0x7f800000u));
+}
+
+// The number in 1..2 with the same fraction.
+fn shadow_significand(bits: u32) -> f32 {
+    return bitcast<f32>((bits & 0x007fffffu) | 0x3f800000u);
+}
+
+fn shadow_with_sign_of(size: f32, x: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(size) | (bitcast<u32>(x) & 0x80000000u));
+}
+
+// Returns a quotient of numbers in 1..2, one unit in the last place nearer to x / y unless it is the nearest.
+fn shadow_nearer_quotient(q: f32, x: f32, y: f32, unit: f32) -> f32 {
+    let rest = shadow_residual(x, q, y);
+    // The nearest number leaves at most half a unit.
+    return q + select(0.0, shadow_with_sign_of(unit, rest), 2.0 * abs(rest) > unit * y);
+}
+
+// a / b, rounded to nearest: the residual of the device's own quotient tells how far that is off (Markstein 1990, "Computation of
+// elementary functions on the IBM RISC System/6000 processor"). WGSL allows 2.5 units in the last place, so it is at most two numbers off.
+fn shadow_quotient(a: f32, b: f32) -> f32 {
+    let a_bits = bitcast<u32>(a);
+    let b_bits = bitcast<u32>(b);
+    let rough = a / b;
+    let x = shadow_significand(a_bits);
+    let y = shadow_significand(b_bits);
+    let unit = select(5.9604645e-8, 1.1920929e-7, x >= y);
+    let q = shadow_nearer_quotient(shadow_nearer_quotient(x / y, x, y, unit), x, y, unit);
+    let exponent = (a_bits & 0x7f800000u) - (b_bits & 0x7f800000u);
+    let sign = (a_bits ^ b_bits) & 0x80000000u;
+    let nearest = bitcast<f32>((bitcast<u32>(q) + exponent) | sign);
+    return select(rough, nearest, shadow_are_normal(vec3u(a_bits, b_bits, bitcast<u32>(rough))));
+}
+
+// Returns the root of a number in 1..4, one unit in the last place nearer unless it is the nearest.
+fn shadow_nearer_root(s: f32, y: f32) -> f32 {
+    let unit = 1.1920929e-7;
+    let rest = shadow_residual(y, s, s);
+    // Half a unit away the square differs by the product of s and the unit, and a quarter of the unit's square. Residuals are
+    // multiples of that square.
+    let is_low = rest > unit * s;
+    let is_high = rest <= -unit * s;
+    return s + select(select(0.0, -unit, is_high), unit, is_low);
+}
+
+// The square root of x, rounded to nearest, likewise.
+fn shadow_root(x: f32) -> f32 {
+    let x_bits = bitcast<u32>(x);
+    // x is y times a power of 4, and y is in 1..4.
+    let is_odd = (x_bits & 0x00800000u) == 0u;
+    let y = shadow_significand(x_bits) * select(1.0, 2.0, is_odd);
+    let s = shadow_nearer_root(shadow_nearer_root(sqrt(y), y), y);
+    let half_exponent = ((bitcast<i32>(x_bits) >> 23u) - select(127, 128, is_odd)) / 2;
+    let nearest = bitcast<f32>(bitcast<u32>(s) + (bitcast<u32>(half_exponent) << 23u));
+    let is_positive = (x_bits & 0x80000000u) == 0u;
+    return select(sqrt(x), nearest, is_positive && shadow_are_normal(vec3u(x_bits)));
+}
 
 fn shadow_transform(m: mat4x4f, p: vec3f) -> vec4f {
-    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+    return shadow_product4(m[0], vec4f(p.x)) + shadow_product4(m[1], vec4f(p.y)) + shadow_product4(m[2], vec4f(p.z)) + m[3];
 }
 
 fn shadow_dot3(a: vec3f, b: vec3f) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return shadow_product(a.x, b.x) + shadow_product(a.y, b.y) + shadow_product(a.z, b.z);
 }
 
 fn shadow_cross3(a: vec3f, b: vec3f) -> vec3f {
-    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    return vec3f(
+        shadow_product(a.y, b.z) - shadow_product(a.z, b.y),
+        shadow_product(a.z, b.x) - shadow_product(a.x, b.z),
+        shadow_product(a.x, b.y) - shadow_product(a.y, b.x),
+    );
 }
 
 fn shadow_unit3(v: vec3f) -> vec3f {
-    let length = sqrt(shadow_dot3(v, v));
-    return vec3f(v.x / length, v.y / length, v.z / length);
+    let length = shadow_root(shadow_dot3(v, v));
+    return vec3f(shadow_quotient(v.x, length), shadow_quotient(v.y, length), shadow_quotient(v.z, length));
 }
 
 // ---- ray_box.wgsl
@@ -109,7 +213,7 @@ struct shadow_Shaft {
 // All segments from `start` whose vectors end in the box from `low` to `high`.
 fn shadow_shaft_to(start: vec3f, low: vec3f, high: vec3f) -> shadow_Shaft {
     let size = max(abs(low), abs(high));
-    let margin = max(max(size.x, size.y), size.z) * shadow_SHAFT_MARGIN;
+    let margin = shadow_product(max(max(size.x, size.y), size.z), shadow_SHAFT_MARGIN);
     return shadow_Shaft(start, shadow_slab_inverse(low - margin), shadow_slab_inverse(high + margin));
 }
 
@@ -151,12 +255,14 @@ struct shadow_LightSampler {
 
 fn shadow_small_sin(x: f32) -> f32 {
     let q = x * x;
-    return x * (1.0 + q * (-1.6666667e-1 + q * (8.333333e-3 + q * (-1.984127e-4 + q * 2.755732e-6))));
+    let last = -1.984127e-4 + shadow_product(q, 2.755732e-6);
+    return x * (1.0 + shadow_product(q, -1.6666667e-1 + shadow_product(q, 8.333333e-3 + shadow_product(q, last))));
 }
 
 fn shadow_small_cos(x: f32) -> f32 {
     let q = x * x;
-    return 1.0 + q * (-0.5 + q * (4.1666668e-2 + q * (-1.3888889e-3 + q * 2.4801587e-5)));
+    let last = -1.3888889e-3 + shadow_product(q, 2.4801587e-5);
+    return 1.0 + shadow_product(q, -0.5 + shadow_product(q, 4.1666668e-2 + shadow_product(q, last)));
 }
 
 fn shadow_disc_point(uv: vec2f) -> vec2f {
@@ -167,29 +273,29 @@ fn shadow_disc_point(uv: vec2f) -> vec2f {
         return vec2f(0.0, 0.0);
     }
     if abs(a) > abs(b) {
-        let angle = quarter_pi * (b / a);
+        let angle = quarter_pi * shadow_quotient(b, a);
         return vec2f(a * shadow_small_cos(angle), a * shadow_small_sin(angle));
     }
-    let angle = quarter_pi * (a / b);
+    let angle = quarter_pi * shadow_quotient(a, b);
     return vec2f(b * shadow_small_sin(angle), b * shadow_small_cos(angle));
 }
 
 fn shadow_tangent(n: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    return vec3f(1.0 + sign * n.x * n.x * a, sign * (n.x * n.y * a), -sign * n.x);
+    let a = shadow_quotient(-1.0, sign + n.z);
+    return vec3f(1.0 + shadow_product(sign * n.x * n.x, a), sign * (n.x * n.y * a), -sign * n.x);
 }
 
 fn shadow_bitangent(n: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    return vec3f(n.x * n.y * a, sign + n.y * n.y * a, -n.y);
+    let a = shadow_quotient(-1.0, sign + n.z);
+    return vec3f(n.x * n.y * a, sign + shadow_product(n.y * n.y, a), -n.y);
 }
 
 fn shadow_cap_direction(axis: vec3f, u: vec3f, v: vec3f, cap: f32, q: vec2f) -> vec3f {
-    let h = (q.x * q.x + q.y * q.y) * cap;
-    let side = sqrt(cap * (2.0 - h));
-    return axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side);
+    let h = shadow_product(shadow_product(q.x, q.x) + shadow_product(q.y, q.y), cap);
+    let side = shadow_root(cap * (2.0 - h));
+    return shadow_product3(axis, vec3f(1.0 - h)) + shadow_product3(u, vec3f(q.x * side)) + shadow_product3(v, vec3f(q.y * side));
 }
 
 fn shadow_segment(s: shadow_LightSampler, p: vec3f, uv: vec2f, far: f32) -> vec3f {
@@ -208,15 +314,15 @@ fn shadow_segment(s: shadow_LightSampler, p: vec3f, uv: vec2f, far: f32) -> vec3
         return to_center * shadow_LIGHT_SHORT;
     }
     if kind == shadow_LIGHT_RECT {
-        return (to_center + u * (2.0 * uv.x - 1.0) + v * (2.0 * uv.y - 1.0)) * shadow_LIGHT_SHORT;
+        return (to_center + shadow_product3(u, vec3f(2.0 * uv.x - 1.0)) + shadow_product3(v, vec3f(2.0 * uv.y - 1.0))) * shadow_LIGHT_SHORT;
     }
     let q = shadow_disc_point(uv);
     if kind == shadow_LIGHT_DISC {
-        return (to_center + u * q.x + v * q.y) * shadow_LIGHT_SHORT;
+        return (to_center + shadow_product3(u, vec3f(q.x)) + shadow_product3(v, vec3f(q.y))) * shadow_LIGHT_SHORT;
     }
-    let n = to_center / sqrt(shadow_dot3(to_center, to_center));
+    let n = shadow_unit3(to_center);
     let r = q * s.half_u.w;
-    return (to_center + shadow_tangent(n) * r.x + shadow_bitangent(n) * r.y) * shadow_LIGHT_SHORT;
+    return (to_center + shadow_product3(shadow_tangent(n), vec3f(r.x)) + shadow_product3(shadow_bitangent(n), vec3f(r.y))) * shadow_LIGHT_SHORT;
 }
 
 fn shadow_origin_offset(p: vec3f, reach: f32) -> f32 {
@@ -227,7 +333,7 @@ fn shadow_ray_origin(p: vec3f, n: vec3f, eye: vec3f, extent: f32) -> vec3f {
     let to_eye = abs(eye - p);
     let reach = max(max(max(to_eye.x, to_eye.y), to_eye.z), extent);
     let lift = shadow_origin_offset(p, reach);
-    return vec3f(p.x + n.x * lift, p.y + n.y * lift, p.z + n.z * lift);
+    return vec3f(p.x + shadow_product(n.x, lift), p.y + shadow_product(n.y, lift), p.z + shadow_product(n.z, lift));
 }
 
 fn shadow_hash(word: u32) -> u32 {
@@ -292,16 +398,18 @@ fn shadow_light_plane(o: vec3f) -> shadow_LightPlane {
     let s = shadow_kernel.light;
     let center = s.center.xyz;
     if !shadow_is_lamp() {
-        return shadow_LightPlane(center, s.half_u.xyz * shadow_kernel.spread.w, s.half_v.xyz * shadow_kernel.spread.w);
+        let spread = vec3f(shadow_kernel.spread.w);
+        return shadow_LightPlane(center, shadow_product3(s.half_u.xyz, spread), shadow_product3(s.half_v.xyz, spread));
     }
     let to_center = center - o;
-    let middle = to_center * shadow_LIGHT_SHORT;
+    let short = vec3f(shadow_LIGHT_SHORT);
+    let middle = shadow_product3(to_center, short);
     if s.shape.x != shadow_LIGHT_BALL {
-        return shadow_LightPlane(middle, s.half_u.xyz * shadow_LIGHT_SHORT, s.half_v.xyz * shadow_LIGHT_SHORT);
+        return shadow_LightPlane(middle, shadow_product3(s.half_u.xyz, short), shadow_product3(s.half_v.xyz, short));
     }
-    let n = to_center / sqrt(shadow_dot3(to_center, to_center));
-    let radius = s.half_u.w * shadow_LIGHT_SHORT;
-    return shadow_LightPlane(middle, shadow_tangent(n) * radius, shadow_bitangent(n) * radius);
+    let n = shadow_unit3(to_center);
+    let radius = vec3f(s.half_u.w * shadow_LIGHT_SHORT);
+    return shadow_LightPlane(middle, shadow_product3(shadow_tangent(n), radius), shadow_product3(shadow_bitangent(n), radius));
 }
 
 // ---- soft_lattice.wgsl
@@ -349,8 +457,8 @@ struct shadow_Footprint {
 }
 
 fn shadow_footprint_of(o: vec3f, plane: shadow_LightPlane, lattice: shadow_Lattice) -> shadow_Footprint {
-    let p = plane.u * lattice.step.x + plane.v * lattice.step.y;
-    let q = plane.u * lattice.rise.x + plane.v * lattice.rise.y;
+    let p = shadow_product3(plane.u, vec3f(lattice.step.x)) + shadow_product3(plane.v, vec3f(lattice.step.y));
+    let q = shadow_product3(plane.u, vec3f(lattice.rise.x)) + shadow_product3(plane.v, vec3f(lattice.rise.y));
     let along = shadow_cross3(q, plane.center);
     let down = shadow_cross3(plane.center, p);
     let away = shadow_cross3(p, q);
@@ -359,12 +467,13 @@ fn shadow_footprint_of(o: vec3f, plane: shadow_LightPlane, lattice: shadow_Latti
     let sizes = vec2f(length(along), length(down)) / abs(volume);
     let distance = length(plane.center);
     let row_shift = vec2f(shadow_kernel.shift, shadow_kernel.shift / f32(shadow_kernel.rows));
-    let margin = sizes * (distance * shadow_DISTANCE_MARGIN) + shadow_FOOTPRINT_MARGIN + row_shift;
-    let turn = lattice.step.x * lattice.rise.y - lattice.rise.x * lattice.step.y;
-    let place = (lattice.rise.x * lattice.origin.y - lattice.origin.x * lattice.rise.y) / turn;
-    let row = (lattice.origin.x * lattice.step.y - lattice.step.x * lattice.origin.y) / turn;
+    let margin = shadow_product2(sizes, vec2f(distance * shadow_DISTANCE_MARGIN)) + shadow_FOOTPRINT_MARGIN + row_shift;
+    let turn = shadow_product(lattice.step.x, lattice.rise.y) - shadow_product(lattice.rise.x, lattice.step.y);
+    let place = (shadow_product(lattice.rise.x, lattice.origin.y) - shadow_product(lattice.origin.x, lattice.rise.y)) / turn;
+    let row = (shadow_product(lattice.origin.x, lattice.step.y) - shadow_product(lattice.step.x, lattice.origin.y)) / turn;
     let is_bounded = max(sizes.x, sizes.y) * distance < 1e6;
-    return shadow_Footprint(o, along * sign, down * sign, away * sign, vec2f(place, row), margin, is_bounded);
+    let signs = vec3f(sign);
+    return shadow_Footprint(o, shadow_product3(along, signs), shadow_product3(down, signs), shadow_product3(away, signs), vec2f(place, row), margin, is_bounded);
 }
 
 // Bits of some rows of a lattice, and bits of the same places in each.
@@ -455,20 +564,20 @@ struct shadow_Cut {
 }
 
 fn shadow_cut_of(f: shadow_Function, step: vec2f) -> shadow_Cut {
-    let growth = f.along_u * step.x + f.along_v * step.y;
-    let inverse = 1.0 / select(growth, shadow_LEAST_GROWTH, abs(growth) < shadow_LEAST_GROWTH);
+    let growth = shadow_product(f.along_u, step.x) + shadow_product(f.along_v, step.y);
+    let inverse = shadow_quotient(1.0, select(growth, shadow_LEAST_GROWTH, abs(growth) < shadow_LEAST_GROWTH));
     return shadow_Cut(f, inverse, inverse > 0.0);
 }
 
 fn shadow_root_of(cut: shadow_Cut, first: vec2f) -> f32 {
-    let at_first = cut.f.middle + cut.f.along_u * first.x + cut.f.along_v * first.y;
+    let at_first = cut.f.middle + shadow_product(cut.f.along_u, first.x) + shadow_product(cut.f.along_v, first.y);
     return -at_first * cut.inverse;
 }
 
 // Lessens the places of a row, from x to y, to those where the function is not negative.
 fn shadow_narrowed(run: vec2f, cut: shadow_Cut, first: vec2f) -> vec2f {
-    let root = shadow_root_of(cut, first);
-    return select(vec2f(run.x, min(run.y, root)), vec2f(max(run.x, root), run.y), cut.rises);
+    let shadow_root = shadow_root_of(cut, first);
+    return select(vec2f(run.x, min(run.y, shadow_root)), vec2f(max(run.x, shadow_root), run.y), cut.rises);
 }
 
 // The whole places from `since`, at least 0, to `until`, at most MAX_ROWS.
@@ -547,7 +656,7 @@ fn shadow_hide(f: shadow_Footprint, plane: shadow_LightPlane, lattice: shadow_La
     let bc = shadow_function_across(shadow_cross3(b, c_at - b_at) * sign, plane);
     let ac = shadow_function_across(shadow_cross3(a, a_to_c) * -sign, plane);
     var before = shadow_function_across(across * sign, plane);
-    before.middle -= volume * sign;
+    before.middle -= shadow_product(volume, sign);
     let reach = vec4f(shadow_function_reach(ab), shadow_function_reach(bc), shadow_function_reach(ac), shadow_function_reach(before));
     var greatest = vec4f(ab.middle, bc.middle, ac.middle, before.middle) + reach;
     if !shadow_is_lamp() {
@@ -601,7 +710,8 @@ fn shadow_shaft_from(o: vec3f) -> shadow_Shaft {
     if shadow_is_lamp() {
         return shadow_shaft_to(o, low - o, high - o);
     }
-    return shadow_shaft_to(o, low * shadow_kernel.far, high * shadow_kernel.far);
+    let far = vec3f(shadow_kernel.far);
+    return shadow_shaft_to(o, shadow_product3(low, far), shadow_product3(high, far));
 }
 
 // Hides what casters hide, triangle `skip` apart. Returns whether anything is still open.
@@ -638,6 +748,8 @@ fn shadow_search(f: shadow_Footprint, plane: shadow_LightPlane, lattice: shadow_
 }
 
 fn shadow_receive(r: shadow_Receiver) -> f32 {
+    // There are less than 2^31 kinds of lights.
+    shadow_opaque_zero = shadow_kernel.light.shape.x >> 31u;
     let o = shadow_ray_origin(r.position, r.normal, shadow_kernel.eye.xyz, shadow_kernel.extent);
     let plane = shadow_light_plane(o);
     let lattice = shadow_lattice_of(r.pixel);
@@ -651,5 +763,5 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     for (var i = 0u; i < shadow_kernel.rows; i++) {
         count += countOneBits(shadow_open[i]);
     }
-    return f32(count) / f32(lattice.points);
+    return shadow_quotient(f32(count), f32(lattice.points));
 }

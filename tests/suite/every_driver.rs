@@ -133,3 +133,16 @@ fn each_model_changes_bits_of_maps() {
     println!("{model:?}: {differing} pixels of maps have other bits");
     assert!(differing >= 20, "only {differing} pixels have other bits");
 }
+
+/// What the probe reports is what the driver does; and nothing fuses through `product`.
+#[test]
+fn the_probe_reports_fusing() {
+    let is_fused = DriverModel::from_env() == Some(DriverModel::Fused);
+    let gpu = gpu();
+    let found = gpu.fusing().expect("the device draws");
+    println!("{found}");
+    assert!(!found.guarded_product, "{found}");
+    if is_fused || gpu.check_pinned_driver().is_ok() {
+        assert_eq!(found.product_and_sum, is_fused, "{found}");
+    }
+}

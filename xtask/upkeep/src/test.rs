@@ -1,5 +1,5 @@
 //! Runs all tests, on a graphics adapter that is there or gets installed, never without one. Tests that compare backends then run
-//! once more on a second driver.
+//! once more on a second driver, and some with shaders rewritten so that the first driver rounds otherwise.
 
 use crate::{
     adapter,
@@ -52,6 +52,17 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         // Filters that match no test are a fault, too.
         failed += usize::from(totals.passed == 0);
     }
+    if plays_second_driver(options) {
+        for model in DRIVER_MODELS {
+            println!("testing shaders as a driver would run them that is {model}");
+            let start = Instant::now();
+            let mut command = cargo();
+            command.args(ON_EVERY_DRIVER).env(DRIVER_MODEL, model);
+            let totals = run_tests(&mut command)?;
+            failed += told(&totals, start, &format!("{adapter}, {model}"));
+            failed += usize::from(totals.passed == 0);
+        }
+    }
     if failed == 0 {
         Ok(())
     } else {
@@ -93,6 +104,16 @@ const fn plays_second_driver(options: &TestOptions) -> bool {
 const SECOND: [&str; 11] = [
     "test", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--",
     "agreement::", "rasterisers::", "light_set::alike::", "light_set::masks::", "on_the_second_driver",
+];
+
+/// Environment variable that names how the tests' shaders are rewritten, and its values: see `tests/driver_model.rs`.
+const DRIVER_MODEL: &str = "UMBRAGE_DRIVER_MODEL";
+const DRIVER_MODELS: [&str; 3] = ["fused", "reassociated", "inaccurate"];
+
+/// The tests that run once more with shaders rewritten so.
+#[rustfmt::skip]
+const ON_EVERY_DRIVER: [&str; 6] = [
+    "test", "--all-features", "--no-fail-fast", "--test=nets", "--", "every_driver::",
 ];
 
 /// Returns the driver on which some tests run once more. Where it is missing a message says so. None for tests that the user

@@ -24,7 +24,7 @@ pub enum Clipping {
     /// Draws no triangles that have a corner near clip w = 0 after clipping at the near plane.
     ZeroWDropped,
     /// Takes triangles with such a corner, if rounding moved its w above 0, for farther away than all there is. An NVIDIA H200 does
-    /// so: `docs/cards.md`.
+    /// so.
     ZeroWBehind,
     /// Fuses products with sums in the vertex transform.
     FusedVertices,
