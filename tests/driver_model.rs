@@ -24,7 +24,7 @@ pub enum DriverModel {
     Fused,
     /// Adds `a + b + c` from right to left.
     Reassociated,
-    /// Returns quotients and square roots that are 2 units in the last place off, up or down by their last bit.
+    /// Returns quotients and square roots that are 1 or 2 units in the last place off.
     Inaccurate,
 }
 
@@ -109,7 +109,7 @@ impl DriverModel {
 struct Literals {
     one: Handle<Expression>,
     two: Handle<Expression>,
-    four: Handle<Expression>,
+    three: Handle<Expression>,
     exponent: Handle<Expression>,
     zero: Handle<Expression>,
 }
@@ -121,7 +121,7 @@ impl Literals {
         Self {
             one: literal(1),
             two: literal(2),
-            four: literal(4),
+            three: literal(3),
             exponent: literal(0x7f80_0000),
             zero: literal(0),
         }
@@ -233,15 +233,17 @@ impl<'a> Rewriter<'a> {
                     DriverModel::Inaccurate,
                     Expression::Binary {
                         op: BinaryOperator::Divide,
+                        left: operand,
                         ..
                     }
                     | Expression::Math {
                         fun: MathFunction::Sqrt | MathFunction::InverseSqrt,
+                        arg: operand,
                         ..
                     },
                 ) => {
                     let exact = self.copied(old);
-                    return self.moved(exact, size);
+                    return self.moved(exact, self.of(*operand), size);
                 }
                 _ => {}
             }
@@ -328,8 +330,14 @@ impl<'a> Rewriter<'a> {
         Some(self.binary(BinaryOperator::Add, first, last))
     }
 
-    /// Returns a number that is 2 units in the last place greater or less, by its last bit; 0 and what is not finite stay.
-    fn moved(&mut self, exact: Handle<Expression>, size: Option<VectorSize>) -> Handle<Expression> {
+    /// Returns a number that is 1 or 2 units in the last place greater or less; 0 and what is not finite stay. How far depends on the
+    /// number of the operand's bits that are 1: so quotients that are powers of 2 are moved either way.
+    fn moved(
+        &mut self,
+        exact: Handle<Expression>,
+        operand: Handle<Expression>,
+        size: Option<VectorSize>,
+    ) -> Handle<Expression> {
         let splat = |this: &mut Self, literal| match size {
             Some(size) => this.push(Expression::Splat {
                 size,
@@ -339,16 +347,27 @@ impl<'a> Rewriter<'a> {
         };
         let one = splat(self, self.literals.one);
         let two = splat(self, self.literals.two);
-        let four = splat(self, self.literals.four);
+        let three = splat(self, self.literals.three);
         let exponent_mask = splat(self, self.literals.exponent);
         let zero = splat(self, self.literals.zero);
-        let bits = self.push(Expression::As {
-            expr: exact,
-            kind: ScalarKind::Uint,
-            convert: None,
+        let [bits, operand_bits] = [exact, operand].map(|expr| {
+            self.push(Expression::As {
+                expr,
+                kind: ScalarKind::Uint,
+                convert: None,
+            })
         });
-        let last_bit = self.binary(BinaryOperator::And, bits, one);
-        let up = self.binary(BinaryOperator::Multiply, last_bit, four);
+        let count = self.push(Expression::Math {
+            fun: MathFunction::CountOneBits,
+            arg: operand_bits,
+            arg1: None,
+            arg2: None,
+            arg3: None,
+        });
+        // 0, 1, 2 and 3 become -2, -1, 1 and 2.
+        let rank = self.binary(BinaryOperator::And, count, three);
+        let half_rank = self.binary(BinaryOperator::ShiftRight, rank, one);
+        let up = self.binary(BinaryOperator::Add, rank, half_rank);
         let down = self.binary(BinaryOperator::Subtract, bits, two);
         let moved_bits = self.binary(BinaryOperator::Add, down, up);
         let exponent = self.binary(BinaryOperator::And, bits, exponent_mask);
