@@ -2,6 +2,7 @@
 
 pub mod absurd_values;
 pub mod adapter;
+pub mod agreed;
 pub mod assembled;
 pub mod driver_model;
 pub mod foreign;

@@ -17,5 +17,5 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
         }
     }
     let side = f32(2 * radius + 1);
-    return lit / (side * side);
+    return quotient(lit, side * side);
 }

@@ -142,7 +142,7 @@ impl BatchTaps for DitheredTaps<'_> {
         }
         let mut is_complete = true;
         for (i, out) in out.iter_mut().enumerate() {
-            *out = lit[i] / 4.0;
+            *out = lit[i] * 0.25;
             is_complete &= is_known[i] | !batch.covered[i];
         }
         // Beside the map all is lit, unless its edge repeats.
@@ -191,7 +191,7 @@ impl DitheredTaps<'_> {
                     lit += self.map.tap(l, x[i] as i32, y[i] as i32);
                 }
             }
-            lit / 4.0
+            lit * 0.25
         });
     }
 }
@@ -228,7 +228,7 @@ mod tests {
                 lit += map.tap(&l, x, y);
             }
         }
-        lit / 4.0
+        lit * 0.25
     }
 
     /// At both kinds of edges, from odd pixels and even ones on, in batches that are full and in one that isn't.

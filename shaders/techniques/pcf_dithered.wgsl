@@ -9,5 +9,5 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
     let top = i32(floor(l.texel.y + (oy - 1.5)));
     let bottom = i32(floor(l.texel.y + (oy + 0.5)));
     let lit = tap(size, l, left, top) + tap(size, l, right, top) + tap(size, l, left, bottom) + tap(size, l, right, bottom);
-    return lit / 4.0;
+    return lit * 0.25;
 }

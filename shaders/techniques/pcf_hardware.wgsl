@@ -16,5 +16,5 @@ fn visibility(l: ShadowCoord, r: Receiver) -> f32 {
         }
         lit += column;
     }
-    return lit / (side * side);
+    return quotient(lit, side * side);
 }

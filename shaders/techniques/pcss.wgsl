@@ -83,7 +83,7 @@ fn filtered(s: Soft, mean: f32) -> f32 {
             lit += select(1, 0, hides(s, q, axes, mean));
         }
     }
-    return select(1.0, f32(lit) / f32(above), above > 0);
+    return select(1.0, quotient(f32(lit), f32(above)), above > 0);
 }
 
 fn heights_of_light(r: Receiver, layer: i32, from_middle: vec2f) -> vec3f {

@@ -13,8 +13,8 @@ use umbrage_core::{
     metrics::{Agreement, Doubt, MAX_UNDECIDED_SHARE},
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::compare;
 use umbrage_tests::{
+    agreed::check_agreement,
     gpu::gpu,
     random_scene::{Case, cases},
 };
@@ -130,20 +130,8 @@ fn agree(case: &Case) -> Result<Option<Played>, String> {
         let (mine, theirs) = (cpu.receivers.as_ref(), other.receivers.as_ref());
         same_receivers(mine.ok_or("no receivers")?, theirs.ok_or("no receivers")?)?;
     }
-    let agreement =
-        compare::agree(&view, &recipe, &cpu, &other, gpu.snapping()).map_err(|e| e.to_string())?;
-    let fine = if exact {
-        agreement.differing == 0
-    } else {
-        agreement.holds()
-    };
-    if !fine {
-        return Err(format!(
-            "{} {}: {agreement:?}",
-            case.technique.name(),
-            case.technique.settings()
-        ));
-    }
+    let label = format!("{} {}", case.technique.name(), case.technique.settings());
+    let agreement = check_agreement(&gpu, &label, (&view, &recipe), &cpu, &other)?;
     Ok(Some(Played {
         dark: cpu.mask.iter().any(|&v| v < 1.0),
         agreement,

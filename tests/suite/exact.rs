@@ -7,7 +7,7 @@ use umbrage_core::{Backend, Geometry, RecipeError, Scene, ShadowTechnique, View,
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_techniques::{Planar, ShadowVolumes};
-use umbrage_tests::gpu::gpu;
+use umbrage_tests::{agreed::check_agreement, gpu::gpu};
 
 /// Scenes whose failure rows or closed forms ask for exact shadows, beside those that all techniques meet.
 const VOLUMES: &[&str] = &[
@@ -131,20 +131,13 @@ fn play(
         let recipe = technique.recipe(&view).map_err(|e| e.to_string())?;
         let mine = Cpu::new()
             .render(&view, &recipe)
-            .map_err(|e| e.to_string())?
-            .mask;
+            .map_err(|e| e.to_string())?;
         let mut gpu = gpu();
-        let theirs = gpu.render(&view, &recipe).map_err(|e| e.to_string())?.mask;
-        compared = compare(&mine, truth);
-        let other = compare(&theirs, truth);
-        let differing = mine.iter().zip(&theirs).filter(|(a, b)| a != b).count();
-        if gpu.promises_bits() && differing > 0 {
-            return Err(format!("the backends differ in {differing} pixels"));
-        }
-        if compared.wrong + other.wrong > 0 {
-            return Err(format!(
-                "wrong: {compared:?} on the CPU, {other:?} on the GPU"
-            ));
+        let theirs = gpu.render(&view, &recipe).map_err(|e| e.to_string())?;
+        check_agreement(&gpu, technique.name(), (&view, &recipe), &mine, &theirs)?;
+        compared = compare(&mine.mask, truth);
+        if compared.wrong > 0 {
+            return Err(format!("wrong on the CPU: {compared:?}"));
         }
     }
     Ok(compared)

@@ -22,6 +22,9 @@ const CLASSES: [&str; 6] = [
     "through the eye",
 ];
 
+/// How far guard bands of hardware reach, pixels.
+const FARTHEST_GUARD_BAND: f64 = 32_768.0;
+
 /// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on every run.
 struct Random(u64);
 
@@ -113,23 +116,53 @@ fn layers(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe) -> Vec<Ve
 /// of 1, of the plane's changes up to the origin, and of those across the image times the condition of the area (a
 /// difference of two products). Changes are a pixel's.
 fn depth_bound(triangle: &[Vec4; 3]) -> f32 {
-    let [a, b, c] = triangle.map(|v| {
-        let half = 0.5 * SIDE as f64;
-        DVec3::new(
-            f64::from(v.x / v.w) * half,
-            f64::from(v.y / v.w) * half,
-            f64::from(v.z / v.w),
-        )
-    });
-    let d = b - a;
-    let e = c - a;
-    let first = d.x * e.y;
-    let second = d.y * e.x;
-    let normal = d.cross(e);
-    let across = SIDE as f64 * (normal.x.abs() + normal.y.abs()) / normal.z.abs();
-    let condition = (first.abs() + second.abs()) / (first - second).abs();
+    let plane = DepthPlane::new(triangle);
+    let across = SIDE as f64 * plane.slope;
     let rounding = 2.0_f64.powi(-24);
-    (2.0 * 4.0 * rounding * (1.0 + across + condition * across)) as f32
+    (2.0 * 4.0 * rounding * (1.0 + across + plane.condition * across)) as f32
+}
+
+/// As [`depth_bound`], for triangles that are clipped. Clipping makes new corners, as far away as the guard band, whose positions are rounded
+/// some three times and then to the grid. Where a device clips decides which; so depths are off by the slope times that, for each of two
+/// devices.
+fn clipped_depth_bound(snapping: Snapping, triangle: &[Vec4; 3]) -> f32 {
+    let corner_error =
+        0.5 * f64::from(snapping.step()) + 3.0 * 2.0_f64.powi(-24) * FARTHEST_GUARD_BAND;
+    let moved = match snapping.planes {
+        DepthPlanes::Snapped => 2.0 * corner_error * DepthPlane::new(triangle).slope,
+        DepthPlanes::Unsnapped => 0.0,
+    };
+    depth_bound(triangle) + moved as f32
+}
+
+/// The plane through a triangle's corners.
+struct DepthPlane {
+    /// Sum of the depth's changes from a pixel to the next along x and y.
+    slope: f64,
+    /// Of the area, a difference of two products: their sizes over its own.
+    condition: f64,
+}
+
+impl DepthPlane {
+    fn new(triangle: &[Vec4; 3]) -> Self {
+        let [a, b, c] = triangle.map(|v| {
+            let half = 0.5 * SIDE as f64;
+            DVec3::new(
+                f64::from(v.x / v.w) * half,
+                f64::from(v.y / v.w) * half,
+                f64::from(v.z / v.w),
+            )
+        });
+        let d = b - a;
+        let e = c - a;
+        let first = d.x * e.y;
+        let second = d.y * e.x;
+        let normal = d.cross(e);
+        Self {
+            slope: (normal.x.abs() + normal.y.abs()) / normal.z.abs(),
+            condition: (first.abs() + second.abs()) / (first - second).abs(),
+        }
+    }
 }
 
 /// How a device's layers differ from the CPU's.
@@ -146,6 +179,16 @@ struct Differences {
 }
 
 fn compare(triangles: &[[Vec4; 3]], mine: &[Vec<f32>], theirs: &[Vec<f32>]) -> Differences {
+    compare_within(triangles, depth_bound, mine, theirs)
+}
+
+/// `depth_bound` returns by how much the depths of a triangle may differ.
+fn compare_within(
+    triangles: &[[Vec4; 3]],
+    depth_bound: impl Fn(&[Vec4; 3]) -> f32,
+    mine: &[Vec<f32>],
+    theirs: &[Vec<f32>],
+) -> Differences {
     let mut sum = Differences::default();
     for ((triangle, mine), theirs) in triangles.iter().zip(mine).zip(theirs) {
         let bound = depth_bound(triangle);
@@ -167,6 +210,11 @@ fn small_scene() -> (Scene, Geometry) {
     scene.cameras[0].size = UVec2::splat(8);
     let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
     (scene, geometry)
+}
+
+/// Whether triangles of a class reach beyond the picture or behind the eye.
+fn is_clipped(class: &str) -> bool {
+    matches!(class, "across edges" | "through the eye")
 }
 
 /// Runs `check` on the triangles, recipe and device's layers of every class.
@@ -199,7 +247,12 @@ fn the_cpu_draws_what_the_device_draws() {
         };
         let of_way = ways.iter().map(|&clipping| {
             let mine = layers(&mut cpu_that_clips(snapping, clipping), view, recipe);
-            compare(triangles, &mine, theirs)
+            if is_clipped(class) {
+                let bound = |t: &[Vec4; 3]| clipped_depth_bound(snapping, t);
+                compare_within(triangles, bound, &mine, theirs)
+            } else {
+                compare(triangles, &mine, theirs)
+            }
         });
         let differences = of_way
             .min_by_key(|d| d.coverage + d.depth)
@@ -228,13 +281,15 @@ fn a_guard_band_changes_few_pixels_across_edges_and_no_others() {
     for_each_class(|class, triangles, view, recipe, _| {
         let [exact, guard_band] = [Clipping::Exact, Clipping::GuardBand]
             .map(|clipping| layers(&mut cpu_that_clips(of_h200, clipping), view, recipe));
-        let differences = compare(triangles, &exact, &guard_band);
+        let bound = |t: &[Vec4; 3]| clipped_depth_bound(of_h200, t);
+        let differences = compare_within(triangles, bound, &exact, &guard_band);
         println!("{class}: {differences:?}");
         match class {
             "across edges" => across_edges = differences.coverage,
             "through the eye" => {}
-            _ => assert_eq!((differences.coverage, differences.depth), (0, 0), "{class}"),
+            _ => assert_eq!(differences.coverage, 0, "{class}"),
         }
+        assert_eq!(differences.depth, 0, "{class}");
     });
     assert_eq!(across_edges, 22, "as many as on the H200");
 }

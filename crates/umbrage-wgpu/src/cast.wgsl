@@ -32,7 +32,7 @@ fn from_instance(@location(0) p_local: vec3f, @location(1) a: vec4f, @location(2
 @vertex
 fn from_homogeneous(@location(0) v: vec4f) -> Placed {
     let m = clip_from_world;
-    return Placed(m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3] * v.w);
+    return Placed(product4(m[0], vec4f(v.x)) + product4(m[1], vec4f(v.y)) + product4(m[2], vec4f(v.z)) + product4(m[3], vec4f(v.w)));
 }
 
 // ---- depth peeling (Everitt 2001): what is not behind the other layer is thrown away

@@ -17,7 +17,7 @@ fn corner(i: u32) -> vec3f {
 }
 
 struct Vertex {
-    @builtin(position) clip: vec4f,
+    @invariant @builtin(position) clip: vec4f,
     @location(0) @interpolate(flat) triangle: u32,
 }
 

@@ -5,15 +5,15 @@ use glam::{Affine3A, UVec2};
 use std::sync::Arc;
 use umbrage_core::{
     Aabb, AlphaFilter, Backend, Cascades, Geometry, Layout, Receivers, Recipe, Scene,
-    ShadowTechnique, Shadows, Snapping, View,
+    ShadowTechnique, Shadows, View,
     metrics::{Agreement, MAX_UNDECIDED_SHARE},
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::compare;
 use umbrage_techniques::{
     Evsm, MomentPrecision, Msm, ShadowMap, TechniqueEntry, TechniquePreset, Vsm,
 };
 use umbrage_tests::{
+    agreed::check_agreement,
     foreign,
     gpu::gpu,
     light_program::{Forward, ForwardProgram},
@@ -157,15 +157,27 @@ struct Alone<'a> {
 }
 
 impl Alone<'_> {
-    /// Compares a mask with the CPU's: bit for bit where the driver rounds as the CPU does by itself, else decided pixels.
-    fn agree_with_cpu(&self, mask: Vec<f32>) -> Agreement {
+    /// Compares a set's mask with the CPU's and, where bits are promised, with that of the technique alone. Drivers may round the shaders
+    /// of the two otherwise.
+    fn check(&self, label: &str, mask: &[f32]) -> Result<Agreement, String> {
         let of_set = Shadows {
-            mask,
+            mask: mask.to_vec(),
             ..self.on_cpu.clone()
         };
-        let snapping = gpu().snapping();
-        compare::agree(&self.view, &self.recipe, &self.on_cpu, &of_set, snapping)
-            .expect("comparable")
+        let gpu = gpu();
+        let differing = differing(mask, &self.on_gpu);
+        if gpu.promises_bits() && differing > 0 {
+            return Err(format!(
+                "{label}: {differing} pixels differ from those of the technique alone"
+            ));
+        }
+        check_agreement(
+            &gpu,
+            label,
+            (&self.view, &self.recipe),
+            &self.on_cpu,
+            &of_set,
+        )
     }
 }
 
@@ -223,16 +235,7 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
                 "{what}: {unserved:?}"
             );
             let alone = world.alone(&*small(entry), &set);
-            assert_eq!(
-                differing(&mask, &alone.on_gpu),
-                0,
-                "{what}: other than alone"
-            );
-            let agreement = alone.agree_with_cpu(mask.clone());
-            assert!(agreement.holds(), "{what}: {agreement:?}");
-            if gpu().snapping() == Snapping::default() {
-                assert_eq!(agreement.differing, 0, "{what}: other than on the CPU");
-            }
+            let agreement = alone.check(&what, &mask).expect("the set agrees");
             undecided += agreement.undecided;
             compared += agreement.compared;
             let shadowed = mask.iter().filter(|&&v| v < 1.0).count();
@@ -308,14 +311,8 @@ fn moment_maps_of_a_set_have_mipmaps() {
             let index = set.index_of(id).expect("is there");
             let mask = forward.mask(&world.program, &set, index);
             let alone = world.alone(&**technique, &set);
-            let what = technique.settings();
-            let other = differing(&mask, &alone.on_gpu);
-            assert_eq!(other, 0, "{what}: other than alone");
-            let agreement = alone.agree_with_cpu(mask.clone());
-            assert!(agreement.holds(), "{what}: {agreement:?}");
-            if gpu().snapping() == Snapping::default() {
-                assert_eq!(agreement.differing, 0, "{what}: other than on the CPU");
-            }
+            let agreed = alone.check(&technique.settings(), &mask);
+            agreed.expect("the set agrees");
             mask
         })
         .collect();
@@ -346,7 +343,7 @@ fn another_map_gives_other_bits() {
     });
     let alone = world.alone(&*other.technique(), &set);
     assert!(differing(&mask, &alone.on_gpu) > 10);
-    assert!(!alone.agree_with_cpu(mask).holds());
+    assert!(alone.check("spoilt", &mask).is_err());
 }
 
 /// Casters with holes come and go with [`LightSet::set_cut_outs`], and what was drawn of them goes with them.
@@ -392,7 +389,7 @@ fn come_and_go(world: &World) {
     let gone = with.iter().zip(&without).filter(|(a, b)| a < b).count();
     assert!(gone > 100, "the net's shadow stays: {gone}");
     assert!(
-        !alone.agree_with_cpu(without).holds(),
+        alone.check("without", &without).is_err(),
         "the comparison can't fail"
     );
     set.set_cut_outs(world.cut_outs().as_ref()).expect("valid");

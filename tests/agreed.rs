@@ -1,0 +1,30 @@
+//! Whether a device's mask is the CPU's.
+
+use umbrage_core::{Backend, Recipe, Shadows, View, metrics::Agreement};
+use umbrage_lab::compare;
+use umbrage_wgpu::Gpu;
+
+/// Compares a device's mask with the CPU's: bit by bit on the driver where bits are promised, elsewhere in decided pixels.
+///
+/// # Errors
+/// Errors if they differ, and names the recipe as `label`.
+pub fn check_agreement(
+    gpu: &Gpu,
+    label: &str,
+    (view, recipe): (&View<'_>, &Recipe),
+    of_cpu: &Shadows,
+    of_gpu: &Shadows,
+) -> Result<Agreement, String> {
+    let agreement = compare::agree(view, recipe, of_cpu, of_gpu, gpu.snapping())
+        .map_err(|why| format!("{label}: {why}"))?;
+    let agrees = if gpu.promises_bits() {
+        agreement.differing == 0
+    } else {
+        agreement.holds()
+    };
+    if agrees {
+        Ok(agreement)
+    } else {
+        Err(format!("{label}: {agreement:?}"))
+    }
+}
