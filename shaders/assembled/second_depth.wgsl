@@ -80,8 +80,11 @@ fn shadow_quotient(a: f32, b: f32) -> f32 {
     let rough = a / b;
     let x = shadow_significand(a_bits);
     let y = shadow_significand(b_bits);
-    let unit = select(5.9604645e-8, 1.1920929e-7, x >= y);
-    let q = shadow_nearer_quotient(shadow_nearer_quotient(x / y, x, y, unit), x, y, unit);
+    // The quotient is in least..2 * least, where numbers are a unit apart. The device's may be less, where they are half as far apart.
+    let least = select(0.5, 1.0, x >= y);
+    let unit = 1.1920929e-7 * least;
+    let start = clamp(x / y, least, 2.0 * least);
+    let q = shadow_nearer_quotient(shadow_nearer_quotient(start, x, y, unit), x, y, unit);
     let exponent = (a_bits & 0x7f800000u) - (b_bits & 0x7f800000u);
     let sign = (a_bits ^ b_bits) & 0x80000000u;
     let nearest = bitcast<f32>((bitcast<u32>(q) + exponent) | sign);
@@ -105,7 +108,8 @@ fn shadow_root(x: f32) -> f32 {
     // x is y times a power of 4, and y is in 1..4.
     let is_odd = (x_bits & 0x00800000u) == 0u;
     let y = shadow_significand(x_bits) * select(1.0, 2.0, is_odd);
-    let s = shadow_nearer_root(shadow_nearer_root(sqrt(y), y), y);
+    let start = max(sqrt(y), 1.0);
+    let s = shadow_nearer_root(shadow_nearer_root(start, y), y);
     let half_exponent = ((bitcast<i32>(x_bits) >> 23u) - select(127, 128, is_odd)) / 2;
     let nearest = bitcast<f32>(bitcast<u32>(s) + (bitcast<u32>(half_exponent) << 23u));
     let is_positive = (x_bits & 0x80000000u) == 0u;
@@ -342,7 +346,8 @@ fn shadow_pack_depth(z: f32) -> vec4f {
 
 fn shadow_unpack_depth(c: vec4f) -> f32 {
     let k = floor(c * 255.0 + vec4f(0.5));
-    return (k.x + (k.y + (k.z + k.w / 256.0) / 256.0) / 256.0) / 256.0;
+    let digit_size = 1.0 / 256.0;
+    return (k.x + (k.y + (k.z + k.w * digit_size) * digit_size) * digit_size) * digit_size;
 }
 
 // ---- stored_depth.wgsl
@@ -407,5 +412,5 @@ fn shadow_visibility(l: shadow_ShadowCoord, r: shadow_Receiver) -> f32 {
         }
     }
     let side = f32(2 * radius + 1);
-    return lit / (side * side);
+    return shadow_quotient(lit, side * side);
 }

@@ -37,7 +37,8 @@ pub fn unpack_depth(c: Vec4) -> f32 {
     let k1 = digit(c.y);
     let k2 = digit(c.z);
     let k3 = digit(c.w);
-    (k0 + (k1 + (k2 + k3 / 256.0) / 256.0) / 256.0) / 256.0
+    let digit_size = 1.0 / 256.0;
+    (k0 + (k1 + (k2 + k3 * digit_size) * digit_size) * digit_size) * digit_size
 }
 
 /// Returns the digit, 0 to 255, that a channel holds.

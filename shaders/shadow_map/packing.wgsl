@@ -14,5 +14,6 @@ fn pack_depth(z: f32) -> vec4f {
 
 fn unpack_depth(c: vec4f) -> f32 {
     let k = floor(c * 255.0 + vec4f(0.5));
-    return (k.x + (k.y + (k.z + k.w / 256.0) / 256.0) / 256.0) / 256.0;
+    let digit_size = 1.0 / 256.0;
+    return (k.x + (k.y + (k.z + k.w * digit_size) * digit_size) * digit_size) * digit_size;
 }
