@@ -3,5 +3,6 @@
 
 pub mod contact;
 pub mod failures;
+pub mod light_set;
 pub mod panes;
 pub mod variance;

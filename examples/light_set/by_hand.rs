@@ -1,7 +1,7 @@
 //! The same shadows by a program that was written by hand for this picture alone.
 
-use crate::deferred::{HandMasks, MaskShading, Picture};
-use crate::scene::{
+use super::deferred::{HandMasks, MaskShading, Picture};
+use super::scene::{
     DEPTH, Device, INSTANCES, LIGHTS, MAP, Shared, depth_attachment, depth_state, layer_views,
     lights, placements, uniform_entry,
 };

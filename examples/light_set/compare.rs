@@ -1,19 +1,23 @@
 //! What frames take, beside a program that was written by hand, and what preparing many casters takes.
 
-use crate::{
+use super::{
     by_hand::{ByHand, Kernel},
     deferred::{GBuffer, Picture},
     scene::{self, Device, LIGHTS, Stage, lights, read},
 };
 use anyhow::{Result, ensure};
 use std::{
+    collections::BTreeMap,
     sync::Arc,
     time::{Duration, Instant},
 };
 use umbrage::{
     Aabb, ShadowTechnique,
     glam::{Affine3A, Vec3},
-    wgpu::{CasterMesh, LightSet, LightSetOptions, SetFrame, SetLight, VertexLayout, wgpu},
+    wgpu::{
+        AdapterChoice, CasterMesh, LightSet, LightSetOptions, SetFrame, SetLight, VertexLayout,
+        wgpu,
+    },
 };
 
 /// Frames of each program, in turn.
@@ -23,19 +27,48 @@ const WARM_UP: usize = 3;
 /// Most pixels that may differ, of 921,600: where the two round a map's edge otherwise.
 const MOST_DIFFERING: usize = 2000;
 
-/// Plays both programs in turn, and prints the median of the quotients of their times.
-pub(crate) fn frames() -> Result<()> {
-    let d = Device::open()?;
+/// Prints the median of the quotients of times of the set and of a program by hand, played in turn.
+pub fn frames() -> Result<()> {
+    let d = Device::open(&AdapterChoice::from_env())?;
     println!(
         "{}: times of the set over times by hand, median of {PAIRS} pairs",
         d.name
     );
-    let gbuffer = GBuffer::new(&d)?;
+    for (name, quotients) in all_quotients(&d)? {
+        println!("{name:17} {quotients}");
+    }
+    Ok(())
+}
+
+/// Returns times of the set over times by hand on an adapter, by what was drawn and whether casters move.
+///
+/// # Errors
+/// Errors if the device fails, or the two programs draw different pictures.
+pub fn ratios(choice: &AdapterChoice) -> Result<BTreeMap<String, f64>> {
+    let d = Device::open(choice)?;
+    let mut ratios = BTreeMap::new();
+    for (name, quotients) in all_quotients(&d)? {
+        ratios.insert(
+            format!("light set over by hand, {name}, all casters move"),
+            quotients.moving,
+        );
+        ratios.insert(
+            format!("light set over by hand, {name}, nothing moves"),
+            quotients.still,
+        );
+    }
+    Ok(ratios)
+}
+
+/// Times the set against the program by hand for each kind of picture and kernel.
+fn all_quotients(d: &Device) -> Result<Vec<(String, Quotients)>> {
+    let gbuffer = GBuffer::new(d)?;
     let pictures = [
         ("forward", Picture::Forward),
         ("deferred", Picture::Deferred(&gbuffer)),
         ("masks", Picture::Masks(&gbuffer)),
     ];
+    let mut all = Vec::new();
     let kernels = [("hard", scene::hard(), 0), ("pcf 3x3", scene::pcf(), 1)];
     for (picture_name, picture) in pictures {
         for (name, technique, radius) in &kernels {
@@ -43,11 +76,11 @@ pub(crate) fn frames() -> Result<()> {
                 bias: 0.002,
                 radius: *radius,
             };
-            let times = quotients(&d, technique, kernel, picture)?;
-            println!("{picture_name:8} {name:8} {times}");
+            let quotients = quotients(d, technique, kernel, picture)?;
+            all.push((format!("{picture_name}, {name}"), quotients));
         }
     }
-    Ok(())
+    Ok(all)
 }
 
 /// Medians of the set's times over times by hand.
@@ -156,11 +189,11 @@ fn check_alike(
 }
 
 /// Prints what preparing takes with 10,000 casters of which 100 move.
-pub(crate) fn casters() -> Result<()> {
+pub fn casters() -> Result<()> {
     const CASTERS: usize = 10_000;
     const MOVED: usize = 100;
     const FRAMES: usize = 60;
-    let d = Device::open()?;
+    let d = Device::open(&AdapterChoice::from_env())?;
     let camera = scene::camera()?;
     let mut set = LightSet::new(&d.device, LightSetOptions::default())?;
     let vertices = scene::box_vertices();

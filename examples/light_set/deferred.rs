@@ -1,6 +1,6 @@
 //! The same picture deferred: depth and normals first, then one pass that shades, with lookups in it or with masks made before.
 
-use crate::{
+use super::{
     by_hand::bind_group_layout,
     scene::{
         COLOR, DEPTH, Device, LIGHTS, SIZE, Shared, depth_attachment, layer_views, scene_pipeline,

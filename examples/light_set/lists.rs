@@ -1,6 +1,6 @@
 //! What shadows of casters that all move take on frames of real size: a map that is drawn anew, and lists that the device makes anew.
 
-use crate::scene::Device;
+use super::scene::Device;
 use anyhow::{Context, Result};
 use std::{
     sync::Arc,
@@ -13,8 +13,9 @@ use umbrage::{
     scenes,
     techniques::{Exact, Hard, ShadowMap, Traced},
     wgpu::{
-        CasterMesh, FrameGeometry, GBuffer, Indices, LightId, LightSet, LightSetOptions,
-        MaskFormat, MaskInputs, SetFrame, SetLight, SetReceivers, VertexLayout, wgpu,
+        AdapterChoice, CasterMesh, FrameGeometry, GBuffer, Indices, LightId, LightSet,
+        LightSetOptions, MaskFormat, MaskInputs, SetFrame, SetLight, SetReceivers, VertexLayout,
+        wgpu,
     },
 };
 
@@ -24,8 +25,8 @@ const RUNS: usize = 5;
 const SCENES: [&str; 5] = ["night-room", "dancer", "street", "nave", "valley"];
 
 /// Plays the scenes, and prints what each frame's parts take.
-pub(crate) fn lists(names: &[String]) -> Result<()> {
-    let d = Device::open()?;
+pub fn lists(names: &[String]) -> Result<()> {
+    let d = Device::open(&AdapterChoice::from_env())?;
     println!("{}: least of {RUNS} frames, milliseconds", d.name);
     println!(
         "scene        triangles   hard 2048: cast + lookup   lists: make + lookup   rays: lookup   lists / hard   rays / lists"

@@ -1,15 +1,15 @@
 //! The scene, the device, and the renderer that asks a light set.
 
-use crate::deferred::{MaskShading, Picture};
-use anyhow::{Context as _, Result};
+use super::deferred::{MaskShading, Picture};
+use anyhow::Result;
 use std::sync::Arc;
 use umbrage::{
     Aabb, Camera, Light, ShadowTechnique,
     glam::{Affine3A, Mat4, Quat, UVec2, Vec3, Vec4},
     techniques::{Bias, Hard, Pcf, ShadowMap},
     wgpu::{
-        CasterId, CasterMesh, LightId, LightSet, LightSetOptions, PositionFormat, SetFrame,
-        SetLight, StillLayers, VertexLayout,
+        AdapterChoice, CasterId, CasterMesh, Gpu, LightId, LightSet, LightSetOptions,
+        PositionFormat, SetFrame, SetLight, StillLayers, VertexLayout,
         wgpu::{self, util::DeviceExt as _},
     },
 };
@@ -36,25 +36,14 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    pub(crate) fn open() -> Result<Self> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let options = wgpu::RequestAdapterOptions::default();
-        let adapter = pollster::block_on(instance.request_adapter(&options))
-            .context("no graphics adapter: install a Vulkan driver")?;
-        // Lists of many triangles are long.
-        let desc = wgpu::DeviceDescriptor {
-            required_limits: wgpu::Limits {
-                max_storage_buffer_binding_size: adapter.limits().max_storage_buffer_binding_size,
-                max_buffer_size: adapter.limits().max_buffer_size,
-                ..wgpu::Limits::default()
-            },
-            ..wgpu::DeviceDescriptor::default()
-        };
-        let (device, queue) = pollster::block_on(adapter.request_device(&desc))?;
+    /// Opens the device of an adapter, with all that the adapter can hold: lists of many triangles are long.
+    pub(crate) fn open(choice: &AdapterChoice) -> Result<Self> {
+        let gpu = Gpu::new(choice)?;
+        let (device, queue) = gpu.device();
         Ok(Self {
-            name: adapter.get_info().name,
-            device,
-            queue,
+            name: gpu.adapter_info().name,
+            device: device.clone(),
+            queue: queue.clone(),
         })
     }
 

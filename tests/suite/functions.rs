@@ -81,9 +81,12 @@ fn what_decides_gives_the_same_bits_on_every_driver() {
 fn every_changed_operator_is_caught() {
     let mut ran = 0;
     let mut missed = Vec::new();
-    for twin in all() {
-        let inputs = draw(&twin);
-        for (mutant, line) in mutants(&twin) {
+    let twins = all();
+    for twin in &twins {
+        let inputs = draw(twin);
+        let in_module = twins.iter().filter(|t| t.module.name == twin.module.name);
+        let others: Vec<&str> = in_module.map(|t| t.name).collect();
+        for (mutant, line) in mutants(twin, &others) {
             // What corrects quotients and roots shows only on a device that has them wrong.
             let verdict = check(device(), &mutant, &inputs).and_then(|_| {
                 check_under(device(), &mutant, &inputs, Some(DriverModel::Inaccurate))

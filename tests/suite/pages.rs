@@ -7,7 +7,7 @@ use umbrage::{
     techniques,
 };
 use umbrage_examples::failures::failures;
-use umbrage_lab::stability;
+use umbrage_lab::{card, stability};
 
 /// The pages that quote code, and the least number of their quotations.
 const QUOTING: [(&str, usize); 2] = [
@@ -196,4 +196,29 @@ fn cures_are_better_than_faults() {
         let [fault, cure] = [played.fault.errors.rmse, played.cure.errors.rmse];
         assert!(cure < 0.9 * fault, "{name}: {cure} against {fault}");
     }
+}
+
+/// The page of graphics cards is what `cargo xtask card --page` writes, and figures are never filled in.
+#[test]
+fn the_page_of_cards_shows_what_is_committed() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let cards = card::read_all(&docs.join("cards")).expect("cards");
+    assert!(cards.len() >= 2, "only {} cards", cards.len());
+    let page = fs::read_to_string(docs.join("cards.md")).expect("the page");
+    assert_eq!(
+        page,
+        card::page(&cards),
+        "write it again: cargo xtask card --page"
+    );
+    // What README states of bits needs a card where none differed.
+    let has_equal_bits = |card: &card::Card| {
+        let agreement = card.agreement.as_ref();
+        let techniques = ["none", "traced", "exact", "soft"];
+        agreement.is_some_and(|a| {
+            techniques
+                .iter()
+                .all(|t| a.differing_bits.get(*t) == Some(&0))
+        })
+    };
+    assert!(cards.iter().any(|c| !c.is_software && has_equal_bits(c)));
 }

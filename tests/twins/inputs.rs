@@ -81,20 +81,22 @@ fn float(mood: Mood) -> BoxedStrategy<f32> {
     }
 }
 
-/// Extremes whose products still are normal numbers or overflow: drivers may flush denormal ones.
-const SPECIAL: [f32; 12] = [
+/// Extremes whose products and quotients still are normal numbers or overflow: drivers may flush denormal ones. The last two are just below
+/// a power of two, where a driver's quotient may lie above it: one ends in a set bit, the other does not.
+const SPECIAL: [f32; 13] = [
     0.0,
     -0.0,
     1.0,
     -1.0,
     0.5,
     -0.5,
-    1e-9,
-    -1e-9,
+    2e-8,
+    -2e-8,
     1e30,
     -1e30,
     16_777_216.0,
     1.0 - f32::EPSILON / 2.0,
+    1.0 - f32::EPSILON,
 ];
 
 fn unsigned(mood: Mood) -> BoxedStrategy<u32> {

@@ -26,16 +26,17 @@ const SLIPS: [(&str, &str); 15] = [
 /// A spoilt twin, and the line that was spoilt.
 pub type Mutant = (Twin, String);
 
-/// The twin with one operator of its WGSL half changed: once for every operator of its function, and of those that it
-/// calls in the same module.
-pub fn mutants(twin: &Twin) -> Vec<Mutant> {
+/// Returns the twin with one operator of its WGSL half changed: once for every operator of its function, and of those that it calls in the
+/// same module and that are not `others`, twins with mutants of their own.
+pub fn mutants(twin: &Twin, others: &[&str]) -> Vec<Mutant> {
     let text = twin.module.text;
     let mut out = Vec::new();
-    for body in reached(text, twin.name) {
+    for body in reached(text, twin.name, others) {
         for (from, to) in SLIPS {
             let slips = text[body.clone()]
                 .match_indices(from)
-                .map(|(at, _)| body.start + at);
+                .map(|(at, _)| body.start + at)
+                .filter(|&at| !is_in_comment(text, at));
             out.extend(
                 slips.map(|at| {
                     with_text(twin, [&text[..at], to, &text[at + from.len()..]].concat())
@@ -46,8 +47,13 @@ pub fn mutants(twin: &Twin) -> Vec<Mutant> {
     out
 }
 
-/// The bodies of a function and of all that it calls, as ranges of `text`.
-fn reached(text: &str, function: &str) -> Vec<Range<usize>> {
+fn is_in_comment(text: &str, at: usize) -> bool {
+    let line = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    text[line..at].contains("//")
+}
+
+/// Returns the bodies of a function and of all that it calls but `others`, as ranges of `text`.
+fn reached(text: &str, function: &str, others: &[&str]) -> Vec<Range<usize>> {
     let bodies = bodies(text);
     let mut names = vec![function];
     let mut next = 0;
@@ -59,7 +65,8 @@ fn reached(text: &str, function: &str) -> Vec<Range<usize>> {
         let called = bodies
             .iter()
             .map(|(n, _)| *n)
-            .filter(|n| body.contains(&format!("{n}(")) && !names.contains(n));
+            .filter(|n| body.contains(&format!("{n}(")) && !names.contains(n))
+            .filter(|n| !others.contains(n));
         let called: Vec<_> = called.collect();
         names.extend(called);
         next += 1;

@@ -41,11 +41,13 @@ fn dispatch(
     outputs: usize,
     count: usize,
 ) -> Vec<u32> {
+    // The last word is the 0 that no compiler knows.
+    let words = [inputs, &[0]].concat();
     let input = on
         .device
         .create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("twin inputs"),
-            contents: bytemuck::cast_slice(inputs),
+            contents: bytemuck::cast_slice(&words),
             usage: wgpu::BufferUsages::STORAGE,
         });
     let buffer = |label, usage| {

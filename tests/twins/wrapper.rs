@@ -42,7 +42,8 @@ pub fn shader(twin: &Twin) -> Result<String, Fault> {
         message: e.emit_to_string(&modules),
     })?;
     check_signature(twin, &naga)?;
-    Ok(modules + &wrapper(twin))
+    let has_opaque_zero = modules.contains("var<private> opaque_zero");
+    Ok(modules + &wrapper(twin, has_opaque_zero))
 }
 
 /// `math`, the needs and the half's own module; each once, and the twin's own text wins.
@@ -117,7 +118,7 @@ fn check_signature(twin: &Twin, naga: &Naga) -> Result<(), Fault> {
     })
 }
 
-fn wrapper(twin: &Twin) -> String {
+fn wrapper(twin: &Twin, has_opaque_zero: bool) -> String {
     let mut next = 0;
     let arguments: Vec<String> = twin
         .parameters
@@ -139,10 +140,16 @@ fn wrapper(twin: &Twin) -> String {
             )
         })
         .collect();
+    // Without it a compiler may fuse what the module keeps apart.
+    let set_opaque_zero = if has_opaque_zero {
+        "    opaque_zero = twin_in[arrayLength(&twin_in) - 1u];\n"
+    } else {
+        ""
+    };
     format!(
         "@group(0) @binding(0) var<storage, read> twin_in: array<u32>;\n\
          @group(0) @binding(1) var<storage, read_write> twin_out: array<u32>;\n\
-         @compute @workgroup_size(64) fn twin_main(@builtin(global_invocation_id) id: vec3u) {{\n    \
+         @compute @workgroup_size(64) fn twin_main(@builtin(global_invocation_id) id: vec3u) {{\n{set_opaque_zero}    \
              let i = id.x * {next}u;\n    let o = id.x * {outputs}u;\n    \
              let result = {}({});\n{stores}}}\n",
         twin.name,

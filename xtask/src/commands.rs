@@ -1,6 +1,9 @@
 //! The one list of commands, and which program each is part of.
 
+use std::ffi::OsString;
+
 /// A command of `cargo xtask`.
+#[derive(Clone, Copy)]
 pub(crate) struct Command {
     pub(crate) name: &'static str,
     pub(crate) summary: &'static str,
@@ -44,6 +47,20 @@ impl Program {
     }
 }
 
+impl Command {
+    /// Returns the command with the program that these arguments are for: `card --pack` builds, and so is part of the other program.
+    pub(crate) fn for_arguments(&self, arguments: &[OsString]) -> Self {
+        let is_pack = |argument: &OsString| {
+            let text = argument.to_string_lossy();
+            text == "--pack" || text.starts_with("--pack=")
+        };
+        if self.name == "card" && arguments.iter().any(is_pack) {
+            return upkeep(self.name, self.summary);
+        }
+        *self
+    }
+}
+
 const fn measure(name: &'static str, summary: &'static str, help: &'static str) -> Command {
     Command {
         name,
@@ -62,7 +79,7 @@ const fn upkeep(name: &'static str, summary: &'static str) -> Command {
     }
 }
 
-pub(crate) const COMMANDS: [Command; 14] = [
+pub(crate) const COMMANDS: [Command; 15] = [
     measure(
         "compare",
         "Measure techniques on scenes: speed, and error against ray-traced truth",
@@ -97,6 +114,11 @@ pub(crate) const COMMANDS: [Command; 14] = [
         "bench",
         "Time the CPU backend, the wgpu backend and ray tracing against their yardsticks",
         include_str!("../help/bench.snap"),
+    ),
+    measure(
+        "card",
+        "Measure a graphics card: how it rounds, whether it agrees with the CPU, how long it takes",
+        include_str!("../help/card.snap"),
     ),
     upkeep("test", "Run all tests, with a graphics adapter"),
     upkeep(

@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         eprintln!("{}", help::unknown(&name.to_string_lossy()));
         return ExitCode::from(WRONG_USAGE);
     };
+    let command = &command.for_arguments(&arguments[1..]);
     let built = is_built(command.program);
     if !built && let Some(answer) = help::before_building(command, &arguments[1..]) {
         return answer;

@@ -11,6 +11,9 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     let mut pairs = Vec::new();
     let tell = |pair: Pair| {
         println!("{}: {:.2} x", pair.work, pair.ratio);
+        if let Some(fault) = &pair.fault {
+            println!("  FAULT: {fault}");
+        }
         pairs.push(pair);
     };
     if arguments.plans {
@@ -39,10 +42,14 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     }
     println!("\n{}", table(&pairs));
     let missed = pairs.iter().filter(|p| !p.met()).count();
-    if missed == 0 {
-        Ok(())
-    } else {
-        bail!("{missed} of {} ratios miss their bar", pairs.len())
+    let wrong = pairs.iter().filter(|p| p.fault.is_some()).count();
+    match (wrong, missed) {
+        (0, 0) => Ok(()),
+        (0, _) => bail!("{missed} of {} ratios miss their bar", pairs.len()),
+        _ => bail!(
+            "{wrong} of {} rows have wrong answers: see FAULT",
+            pairs.len()
+        ),
     }
 }
 
@@ -95,10 +102,16 @@ fn table(pairs: &[Pair]) -> Table {
     ]);
     for pair in pairs {
         let [ours, theirs] = pair.who.clone();
-        let verdict = if pair.met() { "" } else { " missed" };
+        let verdict = if pair.fault.is_some() {
+            " FAULT"
+        } else if pair.met() {
+            ""
+        } else {
+            " missed"
+        };
         let bar = pair
             .bar
-            .map_or_else(|| "-".to_owned(), |bar| format!("{bar:.2}{verdict}"));
+            .map_or_else(|| format!("-{verdict}"), |bar| format!("{bar:.2}{verdict}"));
         table.add_row([
             pair.work.clone(),
             ours,

@@ -1,14 +1,12 @@
 //! Measures what work costs on this machine.
 
-use crate::{args::BenchArguments, progress::StepBar};
+use crate::{args::BenchArguments, inputs, progress::StepBar};
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;
 use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
-use umbrage_cpu::Cpu;
 use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, fit, time_work};
 use umbrage_techniques::all;
-use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Scenes that are timed alike.
 struct Stage {
@@ -51,11 +49,11 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
             .open(path);
         opened.with_context(|| format!("`{}`", path.display()))?;
     }
-    let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
-    match Gpu::new(&AdapterChoice::from_env()) {
-        Ok(gpu) => backends.push(Box::new(gpu)),
-        Err(why) => println!("without a graphics adapter only the CPU is timed: {why}"),
+    let backends = inputs::open(options.backend, None)?;
+    for notice in &backends.notices {
+        println!("{notice}");
     }
+    let mut backends = backends.playing;
     let mut prices = PriceList::default();
     let mut names = Vec::new();
     for backend in &mut backends {
@@ -73,15 +71,18 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
         let text = prices.to_toml()?;
         std::fs::write(path, text).with_context(|| format!("`{}`", path.display()))?;
         println!("\nprices: {}", path.display());
-        if names.len() == 1 {
-            println!("those of wgpu are the built-in ones, as no adapter was timed");
+        let timed: Vec<&str> = backends.iter().map(|b| b.kind()).collect();
+        for kind in ["cpu", "wgpu"] {
+            if !timed.contains(&kind) {
+                println!("those of {kind} are the built-in ones, as it was not timed");
+            }
         }
     }
     Ok(())
 }
 
-/// Times all stages, and tells how far it has come.
-fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<CostSample>> {
+/// Times all stages, and reports progress.
+pub(crate) fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<CostSample>> {
     let count: usize = STAGES.iter().map(Stage::count).sum();
     let bar = StepBar::new(format!("timing {}", backend.name()), count as u64);
     let mut samples = Vec::new();

@@ -42,6 +42,12 @@ pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
         return Ok(PriceList::default());
     };
     let unusable = |why: String| Usage(format!("--prices `{}`: {why}", path.display()));
+    if path
+        .extension()
+        .is_some_and(|extension| extension == "json")
+    {
+        return Ok(umbrage_lab::card::read_prices(path).map_err(|e| unusable(e.to_string()))?);
+    }
     let text = std::fs::read_to_string(path).map_err(|e| unusable(e.to_string()))?;
     let list = PriceList::from_toml(&text).map_err(|e| unusable(e.to_string()))?;
     Ok(list)

@@ -1,5 +1,5 @@
 //! The commands that measure shadow techniques, as a library: a program of yours becomes `compare`, `stability`, `plan`,
-//! `which`, `bias`, `bench` and `merge` by one call.
+//! `which`, `bias`, `bench`, `card` and `merge` by one call.
 //!
 //! ```no_run
 //! use umbrage_cli::Program;
@@ -17,6 +17,7 @@ mod print;
 mod args;
 mod bench;
 mod bias;
+mod card;
 mod compare;
 mod cost;
 mod costs;
@@ -38,4 +39,4 @@ mod usage;
 mod verdicts;
 mod which;
 
-pub use program::Program;
+pub use program::{LightSetRatios, Program};

@@ -2,15 +2,17 @@
 
 use crate::{
     args::{self, Command},
-    bench, bias, compare, costs, list, merge, plan, regret, stability, usage, which,
+    bench, bias, card, compare, costs, list, merge, plan, regret, stability, usage, which,
 };
 use anyhow::Result;
 use std::{
+    collections::BTreeMap,
     path::{Path, PathBuf},
     process::ExitCode,
 };
 use umbrage_core::Invalid;
 use umbrage_techniques::{TechniqueEntry, Techniques};
+use umbrage_wgpu::AdapterChoice;
 
 /// A program that measures shadow techniques, controlled by its command line.
 #[derive(Clone, Debug)]
@@ -21,7 +23,12 @@ pub struct Program {
     pub reports: PathBuf,
     /// The techniques that `compare`, `stability` and `plan` know: the built-in ones, and those of the program.
     pub techniques: Techniques,
+    /// Times light sets against a program written by hand, for `card`; `None` if the program has none.
+    pub light_set_ratios: Option<LightSetRatios>,
 }
+
+/// Returns times of light sets over times of a program written by hand, on this adapter, by what was timed.
+pub type LightSetRatios = fn(&AdapterChoice) -> Result<BTreeMap<String, f64>>;
 
 impl Default for Program {
     /// Returns the program `umbrage`, whose reports go to subfolders of `umbrage-reports` in the current folder.
@@ -30,6 +37,7 @@ impl Default for Program {
             invocation: "umbrage",
             reports: PathBuf::from("umbrage-reports"),
             techniques: Techniques::built_in(),
+            light_set_ratios: None,
         }
     }
 }
@@ -68,6 +76,7 @@ impl Program {
             Command::Which(options) => which::which(self, options),
             Command::Bench(options) if options.costs => costs::costs(options),
             Command::Bench(options) => bench::bench(options),
+            Command::Card(options) => card::card(self, options),
             Command::Plan(options) if options.regret => regret::regret(self, options),
             Command::Plan(options) => plan::plan(self, options),
             Command::Bias(options) => bias::bias(self, options),

@@ -33,7 +33,26 @@ pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>
         }
     }
     out.extend(cost_ranks(comparison));
+    let scenes = comparison.scenes.iter();
+    let unknown: usize = scenes.map(SceneResult::rows_at_unknown_clock).sum();
+    if unknown > 0 {
+        out.push(format!(
+            "{unknown} rows had no steady yardstick: their times are at the clock that the device happened to have"
+        ));
+    }
+    out.extend(hanging_on_rounding(comparison));
     out
+}
+
+/// Returns a line about rows whose answer hangs on rounding by nature. `None` if there are none.
+fn hanging_on_rounding(comparison: &Comparison) -> Option<String> {
+    let rows = comparison.hanging_on_rounding();
+    let (first, rest) = rows.split_first()?;
+    let others = match rest.len() {
+        0 => String::new(),
+        count => format!("; and {count} more rows"),
+    };
+    Some(format!("rounding decides more than usual: {first}{others}"))
 }
 
 /// Returns a line about how well counted costs rank the rows of each scene and backend as the clock does; none without times.
@@ -89,6 +108,7 @@ mod tests {
         };
         let times = RowTimes {
             total,
+            full_clock: Some(1.0),
             ..RowTimes::default()
         };
         let errors = umbrage_core::metrics::Errors {

@@ -96,7 +96,9 @@ fn cells(row: &CompareRow, motion: FrameMotion) -> Vec<String> {
 
 /// Returns the cells of a row's figures, in the order of [`HEADER`].
 fn figures(m: &Measured, motion: FrameMotion) -> [String; 9] {
-    let receive = m.times.and_then(|times| times.receive);
+    let receive = m
+        .times
+        .and_then(|times| Some(times.milliseconds(&times.receive?)));
     let differing = m.agreement.map(|agreement| agreement.differing);
     [
         or_dash(m.errors.map(|e| e.rmse), 4),
@@ -105,7 +107,7 @@ fn figures(m: &Measured, motion: FrameMotion) -> [String; 9] {
         or_dash(m.errors.map(|e| e.acne), 2),
         format!("{:.2}", milliseconds(m, motion)),
         or_dash(m.preparation.map(|p| p.recipe.median), 2),
-        or_dash(receive.map(|times| times.median), 2),
+        or_dash(receive, 2),
         format!("{:.1}", m.bytes as f64 / f64::from(1 << 20)),
         differing.map_or_else(String::new, |pixels| pixels.to_string()),
     ]

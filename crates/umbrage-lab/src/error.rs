@@ -20,6 +20,9 @@ pub enum LabError {
     /// Truth, a cost or a plan could not be found.
     #[error(transparent)]
     Measure(MeasureError),
+    /// A backend reports no times.
+    #[error("{0} cannot time its passes; choose another adapter with WGPU_ADAPTER_NAME")]
+    NotTimed(String),
     /// A file or folder of results could not be written, or not be read again.
     #[error("{path}: {source}; check the folder's name, rights and space", path = .path.display())]
     Write {

@@ -16,6 +16,7 @@
 pub mod baseline;
 pub mod bench;
 pub mod bias;
+pub mod card;
 pub mod causes;
 mod color;
 pub mod compare;

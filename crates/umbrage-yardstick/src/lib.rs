@@ -8,4 +8,4 @@ mod rays;
 mod yardstick;
 
 pub use rays::{AnyHitRay, ObvhsScene, time_own_rays};
-pub use yardstick::{Yardstick, YardstickKernel, YardstickUniforms};
+pub use yardstick::{MAX_UNITS, MIN_UNITS, Yardstick, YardstickKernel, YardstickUniforms};

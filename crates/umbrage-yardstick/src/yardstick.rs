@@ -35,18 +35,23 @@ const UNIT_MS: f64 = 1.0;
 /// A yardstick's length over its row's.
 const SHARE: f64 = 0.25;
 /// Units of the shortest yardstick, which is still far longer than a clock's step.
-const MIN_UNITS: f64 = 1.0 / 32.0;
+pub const MIN_UNITS: f64 = 1.0 / 32.0;
 /// Units of the longest yardstick.
-const MAX_UNITS: f64 = 64.0;
+pub const MAX_UNITS: f64 = 256.0;
 
 impl Yardstick {
-    /// Returns the yardstick for a row of this counted cost; none where nothing receives, as there is no work then.
+    /// Returns the yardstick for a row of this counted cost. `None` if nothing receives, as there is no work then.
     pub fn new(row: &Recipe, receivers: &Receivers, cost_ms: f64) -> Option<Self> {
+        Self::with_units(row, receivers, SHARE * cost_ms / UNIT_MS)
+    }
+
+    /// Returns the yardstick of about so many units, at most [`MAX_UNITS`]. `None` if nothing receives.
+    pub fn with_units(row: &Recipe, receivers: &Receivers, units: f64) -> Option<Self> {
         let count = receivers.receives.iter().filter(|&&r| r).count() as u64;
         if count == 0 {
             return None;
         }
-        let wanted = (SHARE * cost_ms / UNIT_MS).clamp(MIN_UNITS, MAX_UNITS);
+        let wanted = units.clamp(MIN_UNITS, MAX_UNITS);
         let links = ((wanted * LINKS as f64 / count as f64).round() as u32).max(1);
         let mut tables = row.tables.clone();
         tables.push(Table {

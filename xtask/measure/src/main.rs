@@ -1,4 +1,4 @@
-//! `cargo xtask compare`, `stability`, `plan`, `which`, `bias`, `bench` and `merge`: umbrage's commands with this repository's folder for
+//! `cargo xtask compare`, `stability`, `plan`, `which`, `bias`, `bench`, `card` and `merge`: umbrage's commands with this repository's folder for
 //! reports. A program with techniques of its own looks just like this one.
 
 use std::{path::Path, process::ExitCode};
@@ -9,6 +9,7 @@ fn main() -> ExitCode {
     let program = umbrage_cli::Program {
         invocation: "cargo xtask",
         reports: repository.join("target"),
+        light_set_ratios: Some(umbrage_examples::light_set::ratios),
         ..umbrage_cli::Program::default()
     };
     program.run()

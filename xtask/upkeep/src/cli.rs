@@ -26,6 +26,8 @@ pub(crate) enum Command {
     Tidy,
     /// Run tests, tidy, format, clippy, docs and packaging
     Ci(CiOptions),
+    /// Pack what measures a graphics card, for a machine without a compiler or network
+    Card(PackOptions),
     /// Build the viewer for browsers, and serve it
     Web(WebOptions),
     /// Build the documentation as a site with the viewer in it, and serve it
@@ -81,6 +83,15 @@ pub(crate) struct CiOptions {
     /// As `cargo xtask test --install-driver`
     #[arg(long, conflicts_with = "after_tests")]
     pub(crate) install_driver: bool,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask card --pack card    programs, Vulkan's loader and run.sh in the folder `card`")]
+pub(crate) struct PackOptions {
+    /// Folder that is packed; it is made if need be
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) pack: PathBuf,
 }
 
 /// Whether and where what was built is served.

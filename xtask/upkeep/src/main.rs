@@ -1,4 +1,4 @@
-//! `cargo xtask test`, `bless`, `tidy`, `ci`, `web`, `site` and `release-check`. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
+//! `cargo xtask test`, `bless`, `tidy`, `ci`, `card --pack`, `web`, `site` and `release-check`. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
 
 #[path = "../../../crates/umbrage-cli/src/print.rs"]
 #[macro_use]
@@ -6,6 +6,7 @@ mod print;
 
 mod adapter;
 mod bless;
+mod card;
 mod ci;
 mod cli;
 mod release;
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
         Command::Bless(options) => bless::bless(options),
         Command::Tidy => tidy::tidy(),
         Command::Ci(options) => ci::ci(options),
+        Command::Card(options) => card::pack(options),
         Command::Web(options) => web::web(options),
         Command::Site(options) => site::site(options),
         Command::ReleaseCheck(options) => release::release_check(options),

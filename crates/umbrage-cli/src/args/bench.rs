@@ -1,5 +1,6 @@
 //! Arguments of `bench`.
 
+use super::Backend;
 use clap::Args;
 
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -11,11 +12,20 @@ use clap::Args;
   cargo xtask bench --lists nave  lists of casters against hard maps and rays, in one scene
   cargo xtask bench --soft --runs 2 nave-soft    points of a wide light against rays with the same error
   cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs
+  cargo xtask bench --costs --backend wgpu         those of the graphics adapter alone, within a minute on a card
   cargo xtask bench --costs --write prices.toml    the same, kept for `compare --prices` and `plan --prices`")]
 pub(crate) struct BenchArguments {
     /// Measure the prices of work on this machine instead
     #[arg(long)]
     pub(crate) costs: bool,
+    /// With --costs: whose prices are measured; the others stay the built-in ones
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "available",
+        requires = "costs"
+    )]
+    pub(crate) backend: Backend,
     /// Write the prices to this file, for `--prices` of `compare` and `plan`
     #[arg(long, value_name = "FILE", requires = "costs")]
     pub(crate) write: Option<std::path::PathBuf>,

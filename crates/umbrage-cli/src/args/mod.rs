@@ -2,6 +2,7 @@
 
 mod bench;
 mod bias;
+mod card;
 mod compare;
 mod merge;
 mod plan;
@@ -10,6 +11,7 @@ mod which;
 
 pub(crate) use bench::BenchArguments;
 pub(crate) use bias::BiasArguments;
+pub(crate) use card::{CardArguments, CardPart};
 pub(crate) use compare::CompareArguments;
 pub(crate) use merge::{MergeArguments, Shard};
 pub(crate) use plan::{PlanArguments, PlanBackend, PlanRenderer, PlanWeight};
@@ -49,6 +51,8 @@ pub(crate) enum Command {
     Merge(MergeArguments),
     /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks
     Bench(BenchArguments),
+    /// Measure a graphics card: how it rounds, whether it agrees with the CPU, how long it takes
+    Card(CardArguments),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

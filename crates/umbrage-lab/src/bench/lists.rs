@@ -2,6 +2,7 @@
 //! new.
 
 use super::paired::{Pair, Paired, Repetitions, paired};
+use crate::LabError;
 use std::{
     cell::RefCell,
     time::{Duration, Instant},
@@ -37,13 +38,13 @@ const SMALL: usize = 300_000;
 /// each result to `tell` as it comes. Without a graphics adapter only the CPU is timed.
 ///
 /// # Errors
-/// Errors if a scene can't be used, a backend fails, or an answer differs from that of rays.
+/// Errors if a scene can't be used or a backend fails.
 pub fn lists(
     runs: usize,
     scenes: &[String],
     mut gpu: Option<&mut Gpu>,
     mut tell: impl FnMut(Pair),
-) -> Result<(), BackendError> {
+) -> Result<(), LabError> {
     let repetitions = Repetitions { warm_up: 1, runs };
     let mut cpu = Cpu::new();
     let wanted = |entry: &&SceneEntry| {
@@ -91,16 +92,17 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    fn on_cpu(&self, cpu: &mut Cpu) -> Result<Vec<Pair>, BackendError> {
+    fn on_cpu(&self, cpu: &mut Cpu) -> Result<Vec<Pair>, LabError> {
         let view = &self.view;
         let exact = plan(view, &Exact {})?;
         let rays = plan(view, &Traced { samples: 1 })?;
         let hard = plan(view, &map())?;
         let expected = cpu.render(view, &rays)?.mask;
         let without_lists = cpu.render(view, &exact)?.mask;
-        self.check_answers(&expected, &without_lists, cpu.name())?;
         exact.make_tables();
-        self.check_answers(&expected, &cpu.render(view, &exact)?.mask, cpu.name())?;
+        let with_lists = cpu.render(view, &exact)?.mask;
+        let fault_of_lists = wrong_answers(&expected, &with_lists);
+        let fault_without_lists = wrong_answers(&expected, &without_lists);
         let cpu = RefCell::new(cpu);
         let time = |recipe: &Recipe| receive_time(&mut **cpu.borrow_mut(), view, recipe);
         let anew = || self.exact_anew(&mut cpu.borrow_mut());
@@ -118,10 +120,10 @@ impl Stage<'_> {
                 let start = Instant::now();
                 drop(Bvh::build(self.geometry));
                 let built = start.elapsed();
-                Ok::<_, BackendError>(built + time(&rays)?)
+                Ok::<_, LabError>(built + time(&rays)?)
             },
         )?;
-        Ok(vec![
+        let mut pairs = vec![
             self.pair("lookup", ["lists", "rays"], lookup, Some(RAYS_BAR)),
             self.pair(
                 "made anew",
@@ -135,17 +137,20 @@ impl Stage<'_> {
                 with_hierarchy,
                 Some(RAYS_BAR),
             ),
-        ])
+        ];
+        pairs[0].fault = fault_of_lists;
+        pairs[1].fault = fault_without_lists;
+        Ok(pairs)
     }
 
-    fn on_gpu(&self, gpu: &mut Gpu, cpu: &mut Cpu) -> Result<Vec<Pair>, BackendError> {
+    fn on_gpu(&self, gpu: &mut Gpu, cpu: &mut Cpu) -> Result<Vec<Pair>, LabError> {
         let view = &self.view;
         let exact = plan(view, &Exact {})?;
         let rays = plan(view, &Traced { samples: 1 })?;
         let hard = plan(view, &map())?;
         // The CPU's rays are the judge: the adapter may have no room for the hierarchy.
         let expected = cpu.render(view, &rays)?.mask;
-        self.check_answers(&expected, &gpu.render(view, &exact)?.mask, gpu.name())?;
+        let fault = wrong_answers(&expected, &gpu.render(view, &exact)?.mask);
         let plays_rays = is_played(gpu.render(view, &rays))?;
         let gpu = RefCell::new(gpu);
         let time = |recipe: &Recipe| receive_time(&mut **gpu.borrow_mut(), view, recipe);
@@ -160,29 +165,12 @@ impl Stage<'_> {
         let bar = is_small.then_some(GPU_MAP_BAR);
         let who = ["lists", "hard 2048"];
         out.push(self.pair("lookup on wgpu", who, against_map, bar));
+        out[0].fault = fault;
         Ok(out)
     }
 
-    /// Errors if the lists answer otherwise than the rays.
-    fn check_answers(
-        &self,
-        expected: &[f32],
-        found: &[f32],
-        backend: &str,
-    ) -> Result<(), BackendError> {
-        let differ = expected.iter().zip(found).filter(|(a, b)| a != b).count();
-        if differ == 0 {
-            return Ok(());
-        }
-        let why = format!(
-            "{}: {differ} answers of lists on {backend} differ from rays",
-            self.name
-        );
-        Err(BackendError::Validation(why))
-    }
-
     /// Plans and answers for every receiver as if for the first time: the CPU makes no lists for that.
-    fn exact_anew(&self, cpu: &mut Cpu) -> Result<Duration, BackendError> {
+    fn exact_anew(&self, cpu: &mut Cpu) -> Result<Duration, LabError> {
         let fresh = self.geometry.without_hierarchies();
         // What is made once a scene: its boxes, and the extent of receivers.
         let warm = View::new(self.view.camera, &OTHER_LIGHT, &fresh);
@@ -210,8 +198,17 @@ impl Stage<'_> {
             ratio: paired.ratio,
             bar,
             runs: self.repetitions.runs,
+            fault: None,
         }
     }
+}
+
+/// Returns what is wrong with the lists' answers. `None` if they are those of rays.
+fn wrong_answers(of_rays: &[f32], of_lists: &[f32]) -> Option<String> {
+    let pairs = of_rays.iter().zip(of_lists);
+    let differ = pairs.filter(|(a, b)| a != b).count();
+    let count = of_rays.len();
+    (differ > 0).then(|| format!("{differ} of {count} answers differ from those of rays"))
 }
 
 fn map() -> Hard {
@@ -223,31 +220,25 @@ fn map() -> Hard {
     }
 }
 
-pub(super) fn plan(
-    view: &View<'_>,
-    technique: &dyn ShadowTechnique,
-) -> Result<Recipe, BackendError> {
-    technique
-        .recipe(view)
-        .map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
+pub(super) fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, LabError> {
+    technique.recipe(view).map_err(LabError::Plan)
 }
 
 pub(super) fn receive_time(
     backend: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,
-) -> Result<Duration, BackendError> {
+) -> Result<Duration, LabError> {
     let shadows = backend.render(view, recipe)?;
-    shadows.timings.receive.ok_or_else(|| {
-        BackendError::Validation(format!("{} cannot time its passes", backend.name()))
-    })
+    let receive = shadows.timings.receive;
+    receive.ok_or_else(|| LabError::NotTimed(backend.name().to_owned()))
 }
 
 /// Whether an adapter has room for a recipe.
-pub(super) fn is_played<T>(played: Result<T, BackendError>) -> Result<bool, BackendError> {
+pub(super) fn is_played<T>(played: Result<T, BackendError>) -> Result<bool, LabError> {
     match played {
         Ok(_) => Ok(true),
         Err(BackendError::Invalid(_)) => Ok(false),
-        Err(e) => Err(e),
+        Err(e) => Err(e.into()),
     }
 }

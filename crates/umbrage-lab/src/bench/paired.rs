@@ -53,12 +53,14 @@ pub struct Pair {
     pub bar: Option<f64>,
     /// Pairs counted.
     pub runs: usize,
+    /// What is wrong with our answers. `None` if nothing is.
+    pub fault: Option<String>,
 }
 
 impl Pair {
-    /// Whether the bar is met; always when there is none.
+    /// Whether the bar is met, if there is one, and our answers are right.
     pub fn met(&self) -> bool {
-        self.bar.is_none_or(|bar| self.ratio >= bar)
+        self.bar.is_none_or(|bar| self.ratio >= bar) && self.fault.is_none()
     }
 }
 

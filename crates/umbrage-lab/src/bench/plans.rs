@@ -2,10 +2,9 @@
 //! that the CPU player draws for it.
 
 use super::paired::{Pair, Repetitions, paired};
+use crate::LabError;
 use std::{sync::Arc, time::Instant};
-use umbrage_core::{
-    Backend, BackendError, Fit, Geometry, Light, Receivers, ShadowTechnique, View, glam::UVec2,
-};
+use umbrage_core::{Backend, Fit, Geometry, Light, Receivers, ShadowTechnique, View, glam::UVec2};
 use umbrage_cpu::Cpu;
 use umbrage_scenes::{Kind, SceneEntry};
 use umbrage_techniques::ShadowMap;
@@ -26,11 +25,7 @@ const TECHNIQUES: [&str; 3] = ["hard", "pcss", "midpoint"];
 ///
 /// # Errors
 /// Errors if a scene can't be used, a technique can't serve it, or the CPU player fails.
-pub fn plans(
-    runs: usize,
-    scenes: &[String],
-    mut tell: impl FnMut(Pair),
-) -> Result<(), BackendError> {
+pub fn plans(runs: usize, scenes: &[String], mut tell: impl FnMut(Pair)) -> Result<(), LabError> {
     let repetitions = Repetitions { warm_up: 1, runs };
     let mut cpu = Cpu::new();
     let wanted = |entry: &&SceneEntry| {
@@ -112,7 +107,7 @@ impl Stage<'_> {
         planned: &Planned,
         repetitions: Repetitions,
         cpu: &mut Cpu,
-    ) -> Result<Pair, BackendError> {
+    ) -> Result<Pair, LabError> {
         let technique = &*planned.technique;
         let plan = || {
             let view = View::new(self.view.camera, self.light, self.geometry);
@@ -121,9 +116,7 @@ impl Stage<'_> {
             } else {
                 view
             };
-            technique
-                .recipe(&view)
-                .map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
+            technique.recipe(&view).map_err(LabError::Plan)
         };
         let recipe = plan()?;
         let seen = self.view.with_receivers(self.receivers);
@@ -134,7 +127,7 @@ impl Stage<'_> {
                 let recipe = plan()?;
                 let took = start.elapsed();
                 drop(recipe);
-                Ok::<_, BackendError>(took)
+                Ok::<_, LabError>(took)
             },
             || Ok(cpu.render(&seen, &recipe)?.timings.cast.unwrap_or_default()),
         )?;
@@ -146,6 +139,7 @@ impl Stage<'_> {
             ratio: paired.ratio,
             bar: Some(BAR),
             runs: repetitions.runs,
+            fault: None,
         })
     }
 }

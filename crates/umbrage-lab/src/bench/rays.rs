@@ -59,5 +59,6 @@ pub(super) fn compare(
         ratio: paired.ratio,
         bar: Some(0.9),
         runs: repetitions.runs,
+        fault: None,
     }
 }

@@ -4,9 +4,10 @@ use super::{
     lists::{is_played, plan, receive_time},
     paired::{Pair, Paired, Repetitions, paired},
 };
+use crate::LabError;
 use std::cell::RefCell;
 use umbrage_core::{
-    Backend, BackendError, Geometry, Light, Receivers, Recipe, View,
+    Backend, Geometry, Light, Receivers, Recipe, View,
     glam::UVec2,
     metrics::{Errors, Pixel},
 };
@@ -41,7 +42,7 @@ pub fn soft(
     scenes: &[String],
     mut gpu: Option<&mut Gpu>,
     mut tell: impl FnMut(Pair),
-) -> Result<(), BackendError> {
+) -> Result<(), LabError> {
     let repetitions = Repetitions { warm_up: 0, runs };
     let wanted = |entry: &&SceneEntry| {
         let is_named = scenes.iter().any(|name| name == entry.name);
@@ -104,7 +105,7 @@ impl Stage<'_> {
         &mut self,
         mut gpu: Option<&mut Gpu>,
         tell: &mut impl FnMut(Pair),
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), LabError> {
         let truth = self.answers(&plan(
             &self.view,
             &Traced {
@@ -139,12 +140,13 @@ impl Stage<'_> {
     }
 
     /// Returns the answers at the pixels that are looked at.
-    fn answers(&mut self, recipe: &Recipe) -> Result<Vec<f32>, BackendError> {
-        self.cpu.render_pixels(&self.view, recipe, &self.pixels)
+    fn answers(&mut self, recipe: &Recipe) -> Result<Vec<f32>, LabError> {
+        let answers = self.cpu.render_pixels(&self.view, recipe, &self.pixels)?;
+        Ok(answers)
     }
 
     /// Returns the least number of rays whose error is at most this; none if the most that are tried err more.
-    fn rays_with(&mut self, error: f64, truth: &[f32]) -> Result<Option<u32>, BackendError> {
+    fn rays_with(&mut self, error: f64, truth: &[f32]) -> Result<Option<u32>, LabError> {
         for samples in RAYS {
             let traced = plan(&self.view, &Traced { samples })?;
             if rmse(&self.answers(&traced)?, truth)? <= error {
@@ -163,12 +165,13 @@ impl Stage<'_> {
             ratio: paired.ratio,
             bar: Some(bar),
             runs: self.repetitions.runs,
+            fault: None,
         }
     }
 }
 
 /// Returns the root mean square error of some pixels' answers.
-fn rmse(answers: &[f32], truth: &[f32]) -> Result<f64, BackendError> {
+fn rmse(answers: &[f32], truth: &[f32]) -> Result<f64, LabError> {
     // As one row: only neighbours' errors depend on the image's shape, and they are not asked.
     let size = UVec2::new(truth.len() as u32, 1);
     let pixels = vec![Pixel::Counted; truth.len()];
@@ -181,7 +184,7 @@ fn turns(
     view: &View<'_>,
     repetitions: Repetitions,
     recipes: [&Recipe; 2],
-) -> Result<Paired, BackendError> {
+) -> Result<Paired, LabError> {
     // Uploads and compiles, which the first frame pays for.
     backend.render(view, recipes[0])?;
     let backend = RefCell::new(backend);

@@ -5,6 +5,7 @@ use super::{
     paired::{Pair, Paired, Repetitions, paired},
     rays,
 };
+use crate::LabError;
 use std::time::Duration;
 use umbrage_core::{
     Backend, BackendError, Camera, Geometry, Light, Receivers, Recipe, Scene, ShadowTechnique,
@@ -14,7 +15,7 @@ use umbrage_core::{
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_scenes::{Kind, SceneEntry};
 use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap};
-use umbrage_wgpu::Gpu;
+use umbrage_wgpu::{Gpu, wgpu::DeviceType};
 
 /// What to run.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +60,7 @@ impl SpeedScene {
         scene: &Scene,
         size: UVec2,
         cpu: &mut Cpu,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, LabError> {
         let geometry = Geometry::bake(scene)?;
         let camera = scene.cameras[0].resized(size);
         let receivers = cpu.receivers(&camera, &geometry)?;
@@ -106,7 +107,7 @@ pub fn run(
     options: BenchOptions,
     gpu: Option<&mut Gpu>,
     mut tell: impl FnMut(Pair),
-) -> Result<(), BackendError> {
+) -> Result<(), LabError> {
     let mut cpu = Cpu::with_options(&CpuOptions::default().threads(options.threads))?;
     let repetitions = Repetitions {
         warm_up: options.warm_up,
@@ -135,7 +136,7 @@ pub fn run(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build();
-    let pool = pool.map_err(|e| BackendError::OutOfMemory(e.to_string()))?;
+    let pool = pool.map_err(|e| LabError::Backend(BackendError::OutOfMemory(e.to_string())))?;
     for entry in &entries {
         let stage = SpeedScene::new(entry.name, &(entry.build)(), RAY_SCREEN, &mut cpu)?;
         let pair = pool.install(|| {
@@ -152,10 +153,8 @@ pub fn run(
     Ok(())
 }
 
-fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, BackendError> {
-    technique
-        .recipe(view)
-        .map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
+fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, LabError> {
+    technique.recipe(view).map_err(LabError::Plan)
 }
 
 fn map() -> ShadowMap {
@@ -172,6 +171,12 @@ type FrameTime = fn(super::handwritten::FrameTimes) -> Duration;
 /// Picks one of a rendering's times; none where it wasn't timed.
 type StageTime = fn(&umbrage_core::Timings) -> Option<Duration>;
 
+/// Returns the bar of the CPU backend against a graphics adapter. `None` if that is hardware: bars compare like with like.
+fn bar_against(gpu: &Gpu, bar: f64) -> Option<f64> {
+    let is_software = gpu.adapter_info().device_type == DeviceType::Cpu;
+    is_software.then_some(bar)
+}
+
 /// Times one stage of a recipe on both backends.
 fn both(
     view: &View<'_>,
@@ -180,7 +185,7 @@ fn both(
     repetitions: Repetitions,
     cpu: &mut Cpu,
     gpu: &mut Gpu,
-) -> Result<Paired, BackendError> {
+) -> Result<Paired, LabError> {
     paired(
         repetitions,
         || stage_time(cpu, view, recipe, stage),
@@ -193,11 +198,9 @@ fn stage_time(
     view: &View<'_>,
     recipe: &Recipe,
     stage: StageTime,
-) -> Result<Duration, BackendError> {
+) -> Result<Duration, LabError> {
     let shadows = backend.render(view, recipe)?;
-    stage(&shadows.timings).ok_or_else(|| {
-        BackendError::Validation(format!("{} cannot time its passes", backend.name()))
-    })
+    stage(&shadows.timings).ok_or_else(|| LabError::NotTimed(backend.name().to_owned()))
 }
 
 fn depth(
@@ -205,7 +208,7 @@ fn depth(
     repetitions: Repetitions,
     cpu: &mut Cpu,
     gpu: &mut Gpu,
-) -> Result<Pair, BackendError> {
+) -> Result<Pair, LabError> {
     let view = stage.view();
     let recipe = plan(&view, &Hard { map: map() })?;
     let paired = both(&view, &recipe, |t| t.cast, repetitions, cpu, gpu)?;
@@ -219,8 +222,9 @@ fn depth(
         ours: paired.ours,
         theirs: paired.theirs,
         ratio: paired.ratio,
-        bar: Some(6.0),
+        bar: bar_against(gpu, 6.0),
         runs: repetitions.runs,
+        fault: None,
     })
 }
 
@@ -231,7 +235,7 @@ fn lookup(
     repetitions: Repetitions,
     cpu: &mut Cpu,
     gpu: &mut Gpu,
-) -> Result<Pair, BackendError> {
+) -> Result<Pair, LabError> {
     let view = stage.view();
     let recipe = plan(&view, &Pcf { map: map(), radius })?;
     let paired = both(&view, &recipe, |t| t.receive, repetitions, cpu, gpu)?;
@@ -245,8 +249,9 @@ fn lookup(
         ours: paired.ours,
         theirs: paired.theirs,
         ratio: paired.ratio,
-        bar: Some(bar),
+        bar: bar_against(gpu, bar),
         runs: repetitions.runs,
+        fault: None,
     })
 }
 
@@ -255,7 +260,7 @@ fn soft(
     repetitions: Repetitions,
     cpu: &mut Cpu,
     gpu: &mut Gpu,
-) -> Result<Pair, BackendError> {
+) -> Result<Pair, LabError> {
     let view = stage.view();
     let technique = Pcss {
         map: ShadowMap {
@@ -277,8 +282,9 @@ fn soft(
         ours: paired.ours,
         theirs: paired.theirs,
         ratio: paired.ratio,
-        bar: Some(6.0),
+        bar: bar_against(gpu, 6.0),
         runs: repetitions.runs,
+        fault: None,
     })
 }
 
@@ -293,7 +299,7 @@ fn by_hand(
     stage: &SpeedScene,
     repetitions: Repetitions,
     gpu: &mut Gpu,
-) -> Result<Vec<Pair>, BackendError> {
+) -> Result<Vec<Pair>, LabError> {
     let view = stage.view();
     let technique = Pcf {
         map: map(),
@@ -322,14 +328,13 @@ fn by_hand(
     for (name, ours_time, theirs_time) in passes {
         let ours = || {
             let timings = gpu.render(&view, &recipe)?.timings;
-            ours_time(&timings)
-                .ok_or_else(|| BackendError::Validation("passes cannot be timed here".into()))
+            ours_time(&timings).ok_or_else(|| LabError::NotTimed(gpu.name().to_owned()))
         };
         let theirs = || {
             program
                 .frame()
                 .map(theirs_time)
-                .map_err(BackendError::Validation)
+                .map_err(|e| LabError::Backend(BackendError::Validation(e)))
         };
         let paired = paired(repetitions, ours, theirs)?;
         let work = format!("{name} on wgpu, {}", stage.name);
@@ -341,6 +346,7 @@ fn by_hand(
             ratio: paired.ratio,
             bar: Some(1.0 / 1.15),
             runs: repetitions.runs,
+            fault: None,
         });
     }
     Ok(pairs)

@@ -1,6 +1,6 @@
 //! The backends that are compared.
 
-use super::{CompareOptions, Environment, KeptTruth};
+use super::{CompareOptions, Environment, KeptTruth, timing::DeviceClock};
 use std::fmt;
 use umbrage_core::{Backend, BackendError};
 use umbrage_cpu::Cpu;
@@ -18,6 +18,8 @@ pub struct Backends {
     pub kept_truth: Option<KeptTruth>,
     /// Finds the receivers that truth is traced at.
     pub(crate) receivers: Cpu,
+    /// What is known of the graphics device's clock.
+    pub(crate) device_clock: DeviceClock,
 }
 
 impl fmt::Debug for Backends {
@@ -104,6 +106,7 @@ impl Backends {
             adapter: None,
             kept_truth: None,
             receivers: Cpu::new(),
+            device_clock: DeviceClock::default(),
         }
     }
 

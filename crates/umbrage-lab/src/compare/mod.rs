@@ -154,3 +154,5 @@ fn with_fit(
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod throttled_tests;

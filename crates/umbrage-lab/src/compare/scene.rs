@@ -9,7 +9,7 @@ use super::{
     planned::{Planned, PlayedSetting},
     seen::SeenByBackend,
     slug::NamedSetting,
-    timing::measure,
+    timing::{DeviceClock, measure},
 };
 use crate::{LabError, color};
 use glam::UVec2;
@@ -99,13 +99,14 @@ pub(super) fn run(
         scene_times: Vec::new(),
         seen: backends.playing.iter().map(|_| None).collect(),
     };
+    backends.device_clock = DeviceClock::default();
     for setting in settings {
         run.setting(setting, backends, on_event)?;
     }
     let truth_summary = summary(&truth, options);
     let rmse_of_lit = rmse_of_constant(1.0, &run.reference, &truth);
     let rmse_of_dark = rmse_of_constant(0.0, &run.reference, &truth);
-    let result = SceneResult {
+    let mut result = SceneResult {
         name: scene.name.clone(),
         summary: input.summary.clone(),
         section: input.section,
@@ -121,6 +122,9 @@ pub(super) fn run(
         rows: run.rows,
         controls: run.controls,
     };
+    if let Some(yardstick_ms) = backends.device_clock.least_yardstick() {
+        result.set_full_clock(yardstick_ms);
+    }
     let masks = run.masks;
     let colors = run.colors;
     let lookups = run.lookups;
@@ -491,12 +495,14 @@ impl SceneRun<'_> {
             receivers: seen,
             ..view
         };
-        let (mut shadows, times) = match measure(player, &seeing, recipe, runs, played_cost_ms) {
-            Ok(measured) => measured,
-            // The report says what is too large for a backend; other backends may still play it.
-            Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
-            Err(e) => return Err(e.into()),
-        };
+        let clock = &mut backends.device_clock;
+        let (mut shadows, times) =
+            match measure(player, &seeing, recipe, runs, played_cost_ms, clock) {
+                Ok(measured) => measured,
+                // The report says what is too large for a backend; other backends may still play it.
+                Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
+                Err(e) => return Err(e.into()),
+            };
         if times.is_some() && shadows.timings.receive.is_none() {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }

@@ -280,6 +280,34 @@ fn a_backend_is_compared_by_its_own_rounding() {
     );
 }
 
+/// Rounding decides many pixels of maps without a bias: that is reported, and no fault. With a bias it is one.
+#[test]
+fn only_maps_without_a_bias_may_hang_on_rounding() {
+    let mut comparison =
+        run("cubes", &quick(&["hard"]), &mut with_faulty_backend(|_| ())).expect("valid");
+    let rows = &mut comparison.scenes[0].rows;
+    rows.retain(|row| row.backend == "wgpu");
+    for row in rows.iter_mut() {
+        let RowOutcome::Measured(m) = &mut row.outcome else {
+            panic!("measured")
+        };
+        m.agreement.as_mut().expect("compared").undecided = 500;
+    }
+    let (without_bias, with_bias): (Vec<_>, Vec<_>) = rows
+        .iter()
+        .map(CompareRow::label)
+        .partition(|label| label.contains("bias: none"));
+    let reported = comparison.hanging_on_rounding();
+    let faults = comparison.faults();
+    assert!(!without_bias.is_empty() && !with_bias.is_empty());
+    assert_eq!(
+        (reported.len(), faults.len()),
+        (without_bias.len(), with_bias.len())
+    );
+    assert!(reported[0].contains(&without_bias[0]), "{reported:?}");
+    assert!(faults[0].contains(&with_bias[0]), "{faults:?}");
+}
+
 /// A backend may agree with the CPU on its own grid and still be wrong: a bias too small for it makes surfaces dark.
 #[test]
 fn masks_much_farther_from_truth_than_the_cpu_s_are_faults() {

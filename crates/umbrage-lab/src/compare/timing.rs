@@ -1,15 +1,21 @@
 //! Times rows in turn with a yardstick.
+//!
+//! A graphics device clocks down while the CPU traces truth or prepares a row. So before each row it renders the yardstick until that takes
+//! as little time as ever, and what counts is the row's time over the yardstick's: times the yardstick's least time on this device, that is
+//! the row's time at full clock.
 
 use super::{
-    Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats, result::stem_of,
-    scene::camera_and_light, settings_of,
+    Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats,
+    result::{has_device_clock, stem_of},
+    scene::camera_and_light,
+    settings_of,
 };
 use crate::LabError;
 use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Geometry, Receivers, Recipe, Shadows, Timings, View, Work,
 };
-use umbrage_yardstick::Yardstick;
+use umbrage_yardstick::{MAX_UNITS, MIN_UNITS, Yardstick};
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
 /// runs are given the receivers of the first, so that finding and reading them back costs no time again.
@@ -19,6 +25,7 @@ pub(super) fn measure(
     recipe: &Recipe,
     runs: Option<&Runs>,
     cost_ms: f64,
+    clock: &mut DeviceClock,
 ) -> Result<(Shadows, Option<RowTimes>), BackendError> {
     let first = backend.render(view, recipe)?;
     let Some(runs) = runs else {
@@ -33,6 +40,7 @@ pub(super) fn measure(
             first.timings
         };
         let once = Timed {
+            on_device: has_device_clock(backend.kind()),
             timings: vec![timings],
             yardsticks: Vec::new(),
         };
@@ -40,13 +48,90 @@ pub(super) fn measure(
         return Ok((first, Some(times)));
     }
     let receivers = first.receivers.as_ref().or(view.receivers);
-    let times = time(backend, view, receivers, recipe, runs, cost_ms)?.times();
+    let times = time(backend, view, receivers, recipe, runs, cost_ms, clock)?.times();
     Ok((first, Some(times)))
 }
 
-/// Times a recipe that has been played before: yardstick, row, yardstick, row, .., yardstick; without yardsticks if the row gets too few
-/// runs to be judged by them. `cost_ms` is the row's predicted
-/// time, milliseconds, which the yardstick's amount of work follows.
+/// The clock of a graphics device over the rows of a scene, which are timed with the same yardstick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DeviceClock {
+    /// The yardstick's work, units. `None` until it is chosen.
+    units: Option<f64>,
+    /// The yardstick's least time so far, milliseconds a unit; infinite at first.
+    least: f64,
+}
+
+impl Default for DeviceClock {
+    fn default() -> Self {
+        Self {
+            units: None,
+            least: f64::INFINITY,
+        }
+    }
+}
+
+/// The yardstick of a device takes at least so long at full clock, milliseconds: far longer than the steps of its timestamps.
+const DEVICE_YARDSTICK_MS: f64 = 0.5;
+/// How long a device renders yardsticks before the first row, so that it reaches its full clock.
+const FIRST_WARM_UP: Duration = Duration::from_millis(300);
+/// How long it may take to reach it again before a row.
+const MAX_WARM_UP: Duration = Duration::from_millis(100);
+/// A device is at full clock after so many yardsticks in turn near the least time.
+const STEADY_YARDSTICKS: u32 = 3;
+
+impl DeviceClock {
+    /// Returns the yardstick's least time, milliseconds a unit. `None` if no row was timed with it.
+    pub(super) fn least_yardstick(&self) -> Option<f64> {
+        self.units.map(|_| self.least)
+    }
+
+    /// Returns the yardstick for a row, after rendering it until the device is at full clock: the filler. `None` if nothing receives, or
+    /// the backend can't time it.
+    fn warm_up(
+        &mut self,
+        backend: &mut dyn Backend,
+        view: &View<'_>,
+        recipe: &Recipe,
+        receivers: &Receivers,
+    ) -> Result<Option<Yardstick>, BackendError> {
+        let is_first = self.units.is_none();
+        let mut units = self.units.unwrap_or(MIN_UNITS);
+        let mut steady = 0;
+        let start = Instant::now();
+        loop {
+            let Some(yardstick) = Yardstick::with_units(recipe, receivers, units) else {
+                return Ok(None);
+            };
+            let Some(per_unit) = time_yardstick(backend, view, Some(&yardstick))? else {
+                return Ok(None);
+            };
+            let is_short = per_unit * yardstick.units < DEVICE_YARDSTICK_MS;
+            if is_first && is_short && units < MAX_UNITS {
+                // Longer yardsticks have other times a unit.
+                units *= 2.0;
+                self.least = f64::INFINITY;
+                continue;
+            }
+            self.least = self.least.min(per_unit);
+            let is_near = per_unit <= CALM * self.least;
+            steady = if is_near { steady + 1 } else { 0 };
+            let elapsed = start.elapsed();
+            let is_done = if is_first {
+                elapsed >= FIRST_WARM_UP
+            } else {
+                steady >= STEADY_YARDSTICKS || elapsed >= MAX_WARM_UP
+            };
+            if is_done {
+                self.units = Some(units);
+                return Ok(Some(yardstick));
+            }
+        }
+    }
+}
+
+/// Times a recipe that has been rendered before: yardstick, row, yardstick, row, .., yardstick. `cost_ms` is the row's predicted time,
+/// milliseconds, which the yardstick's amount of work follows on the CPU; there are none if the row gets too few runs to be judged by them.
+/// Devices have the same yardstick in all rows, and are warm before the first run.
 fn time(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -54,14 +139,23 @@ fn time(
     recipe: &Recipe,
     runs: &Runs,
     cost_ms: f64,
+    clock: &mut DeviceClock,
 ) -> Result<Timed, BackendError> {
     let view = receivers.map_or(*view, |r| view.with_receivers(r));
-    let wanted = receivers.filter(|_| runs.suffice_for_baselines());
-    let yardstick = wanted.and_then(|r| Yardstick::new(recipe, r, cost_ms));
+    let yardstick = match receivers {
+        Some(receivers) if has_device_clock(backend.kind()) => {
+            clock.warm_up(backend, &view, recipe, receivers)?
+        }
+        Some(receivers) if runs.suffice_for_baselines() => {
+            Yardstick::new(recipe, receivers, cost_ms)
+        }
+        _ => None,
+    };
     // The first one compiles and uploads.
     time_yardstick(backend, &view, yardstick.as_ref())?;
     let before = time_yardstick(backend, &view, yardstick.as_ref())?;
     let mut out = Timed {
+        on_device: has_device_clock(backend.kind()),
         timings: Vec::new(),
         yardsticks: vec![before],
     };
@@ -71,6 +165,9 @@ fn time(
         let needs_more = !runs.suffice(count, spent);
         let may_get_calm = runs.hopes(count, spent) && !out.is_calm(runs);
         if !needs_more && !may_get_calm {
+            if has_device_clock(backend.kind()) {
+                clock.least = clock.least.min(out.min_yardstick());
+            }
             return Ok(out);
         }
         let start = Instant::now();
@@ -112,11 +209,11 @@ pub(crate) struct TimedRun {
 }
 
 impl TimedRun {
-    /// Whether neither yardstick took more than [`CALM`] times the quickest one, and both took a measurable time.
+    /// Whether neither yardstick took more than [`CALM`] times the other, or `min_yardstick`, and both took a measurable time.
     fn is_calm(&self, min_yardstick: f64) -> bool {
         let slower = self.before.max(self.after);
         let quicker = self.before.min(self.after);
-        slower <= CALM * min_yardstick && quicker > 0.0
+        slower <= CALM * quicker.min(min_yardstick) && quicker > 0.0
     }
 
     /// The run's time over the mean of the two yardsticks'.
@@ -135,6 +232,8 @@ pub(crate) fn calm(runs: &[TimedRun], min_yardstick: f64) -> Vec<f64> {
 
 /// Runs of a row in turn with a yardstick.
 struct Timed {
+    /// Whether a device with a clock of its own ran them.
+    on_device: bool,
     timings: Vec<Timings>,
     /// The yardstick's times before the first run and after each, milliseconds a unit.
     yardsticks: Vec<Option<f64>>,
@@ -148,7 +247,8 @@ impl Timed {
             receive: self.stage(|t| t.receive),
             total: self.stage(|t| Some(t.total())).unwrap_or_default(),
             yardstick: TimingStats::of(self.yardsticks.iter().copied().flatten().collect()),
-            ratio: Ranks::of(calm(&self.runs(), self.min_yardstick())),
+            ratio: Ranks::of(self.calm_ratios()),
+            full_clock: None,
         }
     }
 
@@ -179,10 +279,19 @@ impl Timed {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// Returns the ratios of calm runs. A device may have a low clock all along: its yardsticks need not be near the quickest one.
+    fn calm_ratios(&self) -> Vec<f64> {
+        let min_yardstick = if self.on_device {
+            f64::INFINITY
+        } else {
+            self.min_yardstick()
+        };
+        calm(&self.runs(), min_yardstick)
+    }
+
     /// Whether at least `runs.min` runs were calm, or the yardstick can't be timed.
     fn is_calm(&self, runs: &Runs) -> bool {
-        let timed = self.runs();
-        timed.is_empty() || calm(&timed, self.min_yardstick()).len() >= runs.min as usize
+        self.runs().is_empty() || self.calm_ratios().len() >= runs.min as usize
     }
 }
 
@@ -237,6 +346,7 @@ pub(crate) fn again(
     } else {
         unknown
     };
+    backends.device_clock = DeviceClock::default();
     let mut out = Vec::new();
     for stem in stems {
         let mut found = None;
@@ -259,6 +369,7 @@ pub(crate) fn again(
                 &recipe,
                 runs,
                 cost_ms,
+                &mut backends.device_clock,
             )?;
             found = Some(Again {
                 runs: timed.runs(),
@@ -288,6 +399,7 @@ mod tests {
 
     fn timed(timings: Vec<Timings>, yardsticks: &[Option<f64>]) -> RowTimes {
         Timed {
+            on_device: false,
             timings,
             yardsticks: yardsticks.to_vec(),
         }
@@ -337,6 +449,22 @@ mod tests {
             None,
             "never calm"
         );
+    }
+
+    /// A card that was quick once and has had a low clock since; and one whose clock changes during a run.
+    #[test]
+    fn steady_yardsticks_at_a_low_clock_count_on_devices() {
+        let ratio = |timings: Vec<Timings>, yardsticks: &[f64]| {
+            let timed = Timed {
+                on_device: true,
+                timings,
+                yardsticks: yardsticks.iter().copied().map(Some).collect(),
+            };
+            timed.times().ratio
+        };
+        let found = ratio(vec![run(6), run(24), run(24)], &[2.0, 8.0, 8.0, 8.0]);
+        assert_eq!(found, Ranks::of(vec![3.0, 3.0]));
+        assert_eq!(ratio(vec![run(6)], &[2.0, 8.0]), None);
     }
 
     #[test]

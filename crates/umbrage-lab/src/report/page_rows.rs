@@ -1,6 +1,8 @@
 //! The rows of all scenes as the page carries them: short, as there may be many thousands.
 
-use crate::compare::{CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, TimingStats};
+use crate::compare::{
+    CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, RowTimes, TimingStats,
+};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
@@ -63,6 +65,8 @@ pub(super) struct PageRow {
     scene_once: Option<f64>,
     is_kept: bool,
     yardsticks: Option<f64>,
+    /// Whether times are those of a device at an unknown clock.
+    at_unknown_clock: bool,
     bytes: Option<u64>,
     unused: Option<f64>,
     texels: Option<f64>,
@@ -99,6 +103,7 @@ impl PageRow {
             settings: row.settings.clone(),
             backend: row.backend.clone(),
             same_as: row.same_as.clone(),
+            at_unknown_clock: row.is_at_unknown_clock(),
             stem,
             has_color,
             has_lookups,
@@ -150,15 +155,18 @@ impl PageRow {
     }
 
     fn with_times(self, m: &Measured, motion: FrameMotion) -> Self {
-        let median = |stats: Option<TimingStats>| stats.map(|s| s.median);
+        let stage = |of: fn(&RowTimes) -> Option<TimingStats>| {
+            let times = m.times?;
+            of(&times).map(|stats| times.milliseconds(&stats))
+        };
         let total = m.times.map(|t| t.total);
         Self {
             frame: m.milliseconds(CostBasis::Wall, motion),
             frame_cost: m.milliseconds(CostBasis::Cost, motion),
-            cast: m.times.and_then(|t| median(t.cast)),
-            filter: m.times.and_then(|t| median(t.filter)),
-            lookup: m.times.and_then(|t| median(t.receive)),
-            total: median(total),
+            cast: stage(|t| t.cast),
+            filter: stage(|t| t.filter),
+            lookup: stage(|t| t.receive),
+            total: stage(|t| Some(t.total)),
             total_least: total.map(|t| t.min),
             total_greatest: total.map(|t| t.max),
             runs: total.map(|t| t.runs),

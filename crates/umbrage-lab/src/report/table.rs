@@ -70,8 +70,12 @@ pub struct Line {
     pub total_least_ms: Option<f64>,
     /// The slowest run.
     pub total_greatest_ms: Option<f64>,
-    /// Median of the runs over the yardstick beside them.
+    /// Median of the runs over the yardsticks before and after them.
     pub yardsticks: Option<f64>,
+    /// The yardstick's median time, milliseconds a unit.
+    pub yardstick_ms: Option<f64>,
+    /// The total at a device's full clock, milliseconds: what is charted. Empty on the CPU, and if no yardstick was steady.
+    pub full_clock_ms: Option<f64>,
     /// Bytes held.
     pub bytes: Option<u64>,
     /// Percent of the maps' texels that no lookup touches: [`MapUse::unused`](umbrage_plan::footprint::MapUse::unused).
@@ -156,6 +160,8 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Line {
         total_least_ms: m.times.map(|t| t.total.min),
         total_greatest_ms: m.times.map(|t| t.total.max),
         yardsticks: m.times.and_then(|t| t.ratio).map(|r| r.median),
+        yardstick_ms: m.times.and_then(|t| median(t.yardstick)),
+        full_clock_ms: m.times.and_then(|t| Some(t.full_clock? * t.total.median)),
         bytes: Some(m.bytes),
         map_unused: m.maps.map(|u| 100.0 * u.unused),
         texels_least: texels.map(|all| all[0]),

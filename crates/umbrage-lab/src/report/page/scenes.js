@@ -24,6 +24,7 @@ function timeTerms(list, row) {
   if (row.scene_once !== null) term(list, "once a scene", ms(row.scene_once));
   if (row.runs !== null) term(list, plural(row.runs, "run"), `${short(row.total_least)} – ${ms(row.total_greatest)}`);
   if (row.yardsticks !== null) term(list, "over the yardstick", `× ${number(row.yardsticks, 3)}`);
+  if (row.at_unknown_clock) term(list, "no steady yardstick", "times at the device's clock of that moment");
   term(list, "counted cost", ms(row.frame_cost));
 }
 

@@ -1,0 +1,182 @@
+//! `docs/cards.md`: what was measured on which adapter.
+
+use super::{Card, CardTime};
+use std::fmt::Write as _;
+
+const HEAD: &str = "# Graphics cards
+
+What umbrage does on the adapters that somebody ran it on. `cargo xtask card --page` writes this page from the files in `docs/cards`; a dash
+means that nobody measured it.
+
+Software drivers are here for comparison of pixels: their times say nothing about cards.
+
+";
+
+const TAIL: &str = "## Add your own
+
+```sh
+cargo xtask card --by 'Your Name' --out docs/cards/your-card.json
+cargo xtask card --page
+```
+
+The first takes about three minutes once it is built, and prints what it found. `WGPU_ADAPTER_NAME` or `--adapter` chooses one of several
+adapters. For a machine without a compiler or a network, `cargo xtask card --pack FOLDER` makes a folder with all that it needs.
+
+`--prices docs/cards/your-card.json` of `compare` and `plan` counts with the prices of that card.
+";
+
+/// Returns the page of cards as Markdown.
+pub fn page(cards: &[Card]) -> String {
+    let mut text = HEAD.to_owned();
+    add_adapters(&mut text, cards);
+    add_agreement(&mut text, cards);
+    for card in cards {
+        if let Some(times) = &card.times {
+            add_times(&mut text, card, times);
+        }
+    }
+    add_ratios(&mut text, cards);
+    text + TAIL
+}
+
+fn add_adapters(text: &mut String, cards: &[Card]) {
+    *text += "| adapter | driver | API | measured | vertices and depths | one rounding |\n|---|---|---|---|---|---|\n";
+    for card in cards {
+        let by = card.measured_by.as_deref().unwrap_or("-");
+        let date = card.date.as_deref().unwrap_or("-");
+        let commit = card.commit.as_deref().unwrap_or("-");
+        let fusing = card
+            .fusing
+            .map_or("-", |f| match (f.product_and_sum, f.fma) {
+                (true, true) => "`a * b + c`, `fma`",
+                (true, false) => "`a * b + c`",
+                (false, true) => "`fma`",
+                (false, false) => "nothing",
+            });
+        let row = [
+            &*card.adapter,
+            &card.driver,
+            &card.api,
+            &format!("{date}, {by}, at {commit}"),
+            card.grid.as_deref().unwrap_or("-"),
+            fusing,
+        ];
+        add_row(text, &row);
+    }
+}
+
+fn add_agreement(text: &mut String, cards: &[Card]) {
+    *text += "\n## Agreement with the CPU\n\nBits are those of masks where both backends see the same triangle: techniques without a rasteriser in their answer must have none that
+differ. A decided pixel is one that rounding does not explain.\n
+| adapter | pixels of the same triangle | bits that differ in `none`, `traced`, `exact`, `soft` | masks of all techniques | decided pixels off |
+|---|---:|---:|---:|---:|\n";
+    for card in cards {
+        let agreement = card.agreement.clone().unwrap_or_default();
+        let or_dash = |count: Option<u64>| count.map_or_else(|| "-".to_owned(), thousands);
+        let bits = ["none", "traced", "exact", "soft"]
+            .map(|technique| or_dash(agreement.differing_bits.get(technique).copied()));
+        let row = [
+            &*card.adapter,
+            &or_dash(agreement.same_triangle_pixels),
+            &bits.join(", "),
+            &or_dash(agreement.masks),
+            &or_dash(agreement.decided_pixels_off),
+        ];
+        add_row(text, &row);
+    }
+    for card in cards {
+        let findings = card.agreement.iter().flat_map(|a| &a.findings);
+        for (i, finding) in findings.enumerate() {
+            if i == 0 {
+                *text += &format!("\nFound on {}:\n\n", card.adapter);
+            }
+            *text += &format!("* {finding}\n");
+        }
+    }
+    *text += "\n";
+}
+
+/// Adds a table of milliseconds: a row a setting, a column a frame.
+fn add_times(text: &mut String, card: &Card, times: &[CardTime]) {
+    let mut frames: Vec<&str> = Vec::new();
+    let mut settings: Vec<[&str; 2]> = Vec::new();
+    for time in times {
+        if !frames.contains(&&*time.frame) {
+            frames.push(&time.frame);
+        }
+        let setting = [&*time.technique, &*time.settings];
+        if !settings.contains(&setting) {
+            settings.push(setting);
+        }
+    }
+    let clock = if card.is_software {
+        "a software driver"
+    } else {
+        "at full clock"
+    };
+    *text += &format!(
+        "## Milliseconds on {}, {clock}\n\nCasts, filters and lookup of one frame. A row without steady yardsticks is in brackets, at the clock of that moment.\n\n| technique |",
+        card.adapter
+    );
+    for frame in &frames {
+        *text += &format!(" {frame} |");
+    }
+    *text += "\n|---|";
+    *text += &"---:|".repeat(frames.len());
+    *text += "\n";
+    for [technique, setting] in settings {
+        let mut cells = vec![format!("{technique} ({setting})")];
+        for frame in &frames {
+            let time = times.iter().find(|t| {
+                t.frame == *frame && [&*t.technique, &*t.settings] == [technique, setting]
+            });
+            cells.push(match time {
+                None => "-".to_owned(),
+                Some(time) => match time.milliseconds {
+                    Some(ms) => format!("{ms:.3}"),
+                    None => format!("({:.3})", time.measured_milliseconds),
+                },
+            });
+        }
+        let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
+        add_row(text, &cells);
+    }
+    *text += "\n";
+}
+
+fn add_ratios(text: &mut String, cards: &[Card]) {
+    if cards.iter().all(|card| card.ratios.is_none()) {
+        return;
+    }
+    *text += "## Times of umbrage over times of others\n\nTaken in turn on the same adapter; below 1, umbrage is the quicker.\n\n| adapter | timed | ratio |\n|---|---|---:|\n";
+    for card in cards {
+        for (what, ratio) in card.ratios.iter().flatten() {
+            add_row(text, &[&card.adapter, what, &format!("{ratio:.2}")]);
+        }
+    }
+    *text += "\n";
+}
+
+fn add_row(text: &mut String, cells: &[&str]) {
+    *text += "|";
+    for cell in cells {
+        // A bar would end the cell.
+        let cell = cell.replace('|', "/");
+        // Writing to a string does not fail.
+        let _ = write!(text, " {cell} |");
+    }
+    *text += "\n";
+}
+
+/// Returns a number with a comma at each third digit.
+fn thousands(number: u64) -> String {
+    let digits = number.to_string();
+    let mut out = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}

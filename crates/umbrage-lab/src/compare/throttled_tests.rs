@@ -1,0 +1,170 @@
+//! Rows on a device whose clock falls when it is idle, and at random moments.
+
+use super::*;
+use std::time::{Duration, Instant};
+use umbrage_core::{
+    Backend, BackendError, Recipe, Shadows, Snapping, Timings, View, Work, glam::UVec2,
+    light_sample::hash,
+};
+use umbrage_cpu::Cpu;
+use umbrage_plan::{cost::PriceList, truth::TruthOptions};
+
+/// How much longer everything takes while the clock is low.
+const SLOWDOWN: f64 = 4.0;
+/// A device that nobody used for so long clocks down ..
+const IDLE: Duration = Duration::from_millis(2);
+/// .. and is at its full clock again after so many renders.
+const RENDERS_TO_WARM: u32 = 10;
+/// Renders of a spell at a low clock, or between two.
+const SPELL: std::ops::Range<u32> = 2..150;
+
+/// The CPU backend under wgpu's name. Its times are counted costs, times [`SLOWDOWN`] while its clock is low.
+struct ThrottledBackend {
+    cpu: Cpu,
+    prices: PriceList,
+    /// Spells so far.
+    spells: u32,
+    last_used: Instant,
+    /// Renders until it has its full clock after it was idle.
+    cold: u32,
+    /// Renders until the spell ends.
+    spell: u32,
+    is_low: bool,
+}
+
+impl ThrottledBackend {
+    fn new() -> Self {
+        Self {
+            cpu: Cpu::new(),
+            prices: PriceList::default(),
+            spells: 0,
+            last_used: Instant::now(),
+            cold: RENDERS_TO_WARM,
+            spell: 0,
+            is_low: false,
+        }
+    }
+
+    /// Returns what the next render's time is multiplied by.
+    fn slowdown(&mut self) -> f64 {
+        if self.last_used.elapsed() > IDLE {
+            self.cold = RENDERS_TO_WARM;
+        }
+        if self.spell == 0 {
+            self.spell = SPELL.start + hash(self.spells) % (SPELL.end - SPELL.start);
+            self.spells += 1;
+            self.is_low = !self.is_low;
+        }
+        let is_slow = self.is_low || self.cold > 0;
+        self.spell -= 1;
+        self.cold = self.cold.saturating_sub(1);
+        if is_slow { SLOWDOWN } else { 1.0 }
+    }
+}
+
+impl Backend for ThrottledBackend {
+    fn name(&self) -> &str {
+        "a throttled device"
+    }
+
+    fn kind(&self) -> &'static str {
+        "wgpu"
+    }
+
+    fn snapping(&self) -> Snapping {
+        Snapping::default()
+    }
+
+    fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+        let slowdown = self.slowdown();
+        let mut shadows = self.cpu.render(view, recipe)?;
+        let work = Work::of(view, recipe).played();
+        let milliseconds = slowdown * self.prices.of("wgpu").milliseconds(&work);
+        shadows.timings = Timings {
+            receive: Some(Duration::from_secs_f64(milliseconds / 1e3)),
+            ..Timings::default()
+        };
+        self.last_used = Instant::now();
+        Ok(shadows)
+    }
+}
+
+/// Returns Kendall's tau of pairs: the share of pairs of them in the same order less that in the opposite one. Equal first figures are left
+/// out (Kendall 1938, "A new measure of rank correlation").
+fn kendall_tau(pairs: &[[f64; 2]]) -> f64 {
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for (i, a) in pairs.iter().enumerate() {
+        for b in &pairs[..i] {
+            if a[0] != b[0] {
+                sum += ((a[0] - b[0]) * (a[1] - b[1])).signum();
+                count += 1.0;
+            }
+        }
+    }
+    sum / count
+}
+
+#[test]
+fn kendall_tau_counts_pairs() {
+    assert_eq!(kendall_tau(&[[1.0, 5.0], [2.0, 6.0], [3.0, 7.0]]), 1.0);
+    assert_eq!(kendall_tau(&[[1.0, 7.0], [2.0, 6.0], [3.0, 5.0]]), -1.0);
+    assert_eq!(kendall_tau(&[[1.0, 1.0], [1.0, 9.0], [2.0, 5.0]]), 0.0);
+}
+
+#[test]
+fn ranks_at_full_clock_are_those_without_throttling() {
+    let entry = umbrage_scenes::find("cubes").expect("built in");
+    let input = SceneInput::new((entry.build)(), entry.summary);
+    let options = CompareOptions {
+        techniques: ["hard", "pcf", "pcf_disc", "pcss", "vsm", "evsm", "traced"]
+            .map(str::to_owned)
+            .to_vec(),
+        map_sizes: vec![128, 256],
+        max_settings: None,
+        size: Some(UVec2::new(64, 48)),
+        truth: TruthOptions {
+            samples: 16,
+            probe_samples: 8,
+            ..TruthOptions::default()
+        },
+        ..CompareOptions::default()
+    };
+    let mut backends = Backends::of(vec![Box::new(ThrottledBackend::new())]);
+    let comparison = compare(
+        &[input],
+        &options,
+        &mut backends,
+        &mut |_, _| Ok(()),
+        &|_| (),
+    )
+    .expect("valid");
+    let scene = &comparison.scenes[0];
+    let mut plain = Vec::new();
+    let mut at_full_clock = Vec::new();
+    let mut without_yardstick = Vec::new();
+    for row in &scene.rows {
+        let Some(m) = row.measured() else { continue };
+        let truth = m.played_cost_ms.expect("counted");
+        let times = m.times.expect("asked for");
+        if times.full_clock.is_none() {
+            without_yardstick.push(row.label());
+        }
+        plain.push([truth, times.total.median]);
+        at_full_clock.push([truth, times.milliseconds(&times.total)]);
+    }
+    assert!(plain.len() >= 40, "only {} rows", plain.len());
+    // A row may have bad luck, and says so.
+    assert_eq!(scene.rows_at_unknown_clock(), without_yardstick.len());
+    assert!(
+        without_yardstick.len() <= 2,
+        "rows without a steady yardstick: {without_yardstick:?}"
+    );
+    let [plain, at_full_clock] = [plain, at_full_clock].map(|pairs| kendall_tau(&pairs));
+    println!("tau: {plain:.3} as measured, {at_full_clock:.3} at full clock");
+    assert!(
+        at_full_clock >= 0.95,
+        "tau {at_full_clock:.3} at full clock"
+    );
+    assert!(plain < 0.95, "the device was not throttled: tau {plain:.3}");
+}

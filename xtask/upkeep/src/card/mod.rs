@@ -1,0 +1,201 @@
+//! `cargo xtask card --pack`: packs what a machine with a graphics card needs to run the measurements, without a compiler or a network.
+
+use crate::{
+    adapter,
+    cli::PackOptions,
+    run::{cargo, root, run},
+};
+use anyhow::{Context as _, Result, bail};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// What runs on that machine.
+const RUN_SCRIPT: &str = include_str!("run.sh");
+
+/// Debian's packages of Vulkan's loader, and of what NVIDIA's driver loads besides: machines for computing lack them.
+const LOADER: [&str; 7] = [
+    "libvulkan1",
+    "libegl1",
+    "libglvnd0",
+    "libopengl0",
+    "libgl1",
+    "libglx0",
+    "libgles2",
+];
+
+/// Test programs that compare an adapter with the CPU.
+const TESTS: [&str; 2] = ["nets", "second_driver"];
+
+/// A program, and its name in the folder.
+type Packed = (String, PathBuf);
+
+/// Builds the programs and packs them.
+pub(crate) fn pack(options: &PackOptions) -> Result<()> {
+    let folder = &options.pack;
+    let mut programs = build()?;
+    let bevy = root().join("examples/bevy/target/release/beside_bevy");
+    if bevy.is_file() {
+        programs.push(("beside_bevy".to_owned(), bevy));
+    } else {
+        println!("without Bevy, as examples/bevy is not built: its README says how");
+    }
+    write_folder(folder, &programs)?;
+    download_loader(&folder.join("loader"))?;
+    println!(
+        "packed: {}; copy it to the machine with the card, then run `bash run.sh` in it",
+        folder.display()
+    );
+    Ok(())
+}
+
+/// Builds what is packed, and returns the programs.
+fn build() -> Result<Vec<Packed>> {
+    run(cargo().args(["build", "--release", "--package", "xtask-measure"]))?;
+    let release = target_folder()?.join("release");
+    let mut programs = vec![("xtask-measure".to_owned(), release.join("xtask-measure"))];
+    let mut command = cargo();
+    command.args([
+        "test",
+        "--all-features",
+        "--no-run",
+        "--message-format=json",
+    ]);
+    // Cargo's own lines go to standard error, where people see them.
+    command.stderr(std::process::Stdio::inherit());
+    for test in TESTS {
+        command.args(["--test", test]);
+    }
+    let output = command.output().context("cargo did not start")?;
+    if !output.status.success() {
+        bail!("the tests do not build");
+    }
+    for test in TESTS {
+        let executable = String::from_utf8_lossy(&output.stdout)
+            .lines()
+            .find_map(|line| executable_of(line, test));
+        let path = executable.with_context(|| format!("cargo built no test `{test}`"))?;
+        programs.push((test.to_owned(), path));
+    }
+    Ok(programs)
+}
+
+/// Returns the program in a line of cargo's JSON if it is the target of that name.
+fn executable_of(line: &str, target: &str) -> Option<PathBuf> {
+    let message: serde_json::Value = serde_json::from_str(line).ok()?;
+    let is_target = message["target"]["name"] == target;
+    let executable = message["executable"].as_str()?;
+    is_target.then(|| PathBuf::from(executable))
+}
+
+/// Returns cargo's target folder: this program is `target/debug/xtask-upkeep`.
+fn target_folder() -> Result<PathBuf> {
+    let program = std::env::current_exe().context("this program does not know where it is")?;
+    let folder = program.ancestors().nth(2);
+    Ok(folder.context("this program is in no folder")?.to_owned())
+}
+
+/// Writes the run script, the commit and the programs.
+fn write_folder(folder: &Path, programs: &[Packed]) -> Result<()> {
+    let bin = folder.join("bin");
+    fs::create_dir_all(&bin).with_context(|| format!("`{}`", bin.display()))?;
+    for (name, path) in programs {
+        let packed = bin.join(name);
+        fs::copy(path, &packed)
+            .with_context(|| format!("`{}` cannot be copied", path.display()))?;
+        // Smaller without symbols; as it is where `strip` is missing.
+        drop(Command::new("strip").arg(&packed).status());
+    }
+    let archive = folder.join("bin.tar.xz");
+    let mut tar = Command::new("tar");
+    tar.env("XZ_OPT", "-3 -T0").arg("-C").arg(&bin);
+    run(tar.arg("-cJf").arg(&archive).arg("."))?;
+    fs::remove_dir_all(&bin)?;
+    fs::write(folder.join("run.sh"), RUN_SCRIPT)?;
+    fs::write(folder.join("commit"), commit())?;
+    Ok(())
+}
+
+/// Returns the commit that is packed, with `+` if files were changed since; empty outside a repository.
+fn commit() -> String {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git")
+            .current_dir(root())
+            .args(arguments)
+            .output();
+        output.map_or_else(
+            |_| String::new(),
+            |output| String::from_utf8_lossy(&output.stdout).trim().to_owned(),
+        )
+    };
+    let hash = git(&["rev-parse", "--short=12", "HEAD"]);
+    let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
+    if changes.is_empty() { hash } else { hash + "+" }
+}
+
+/// Downloads Vulkan's loader, which machines for computing lack.
+fn download_loader(folder: &Path) -> Result<()> {
+    if !adapter::is_debian() {
+        println!("without Vulkan's loader, which is packed on Debian and Ubuntu alone");
+        return Ok(());
+    }
+    fs::create_dir_all(folder)?;
+    let mut download = adapter::apt_get(&[]);
+    run(download.current_dir(folder).arg("download").args(LOADER))
+        .context("Vulkan's loader cannot be downloaded: run `apt-get update` as root first")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn programs_are_found_in_what_cargo_prints() {
+        let line =
+            r#"{"reason":"compiler-artifact","target":{"name":"nets"},"executable":"/t/nets-1"}"#;
+        assert_eq!(
+            executable_of(line, "nets"),
+            Some(PathBuf::from("/t/nets-1"))
+        );
+        assert_eq!(executable_of(line, "suite"), None);
+        assert_eq!(executable_of("Compiling", "nets"), None);
+    }
+
+    /// Packs the program that `cargo test` has built, and runs its first part as on a machine with a card.
+    #[cfg(unix)]
+    #[test]
+    fn the_adapter_part_runs_from_a_packed_folder() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let folder = dir.path().join("packed");
+        // This test is `target/debug/deps/..`.
+        let this = std::env::current_exe().expect("it has a place");
+        let debug = this.ancestors().nth(2).expect("two folders");
+        let program = debug.join("xtask-measure");
+        assert!(
+            program.is_file(),
+            "build it first: cargo build --package xtask-measure"
+        );
+        write_folder(&folder, &[("xtask-measure".to_owned(), program)]).expect("it packs");
+        let mut script = Command::new("bash");
+        script.arg(folder.join("run.sh")).arg("adapter");
+        let output = adapter::with_runtime_dir(&mut script)
+            .expect("a folder")
+            .current_dir(dir.path())
+            .output()
+            .expect("bash is there");
+        let printed = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{printed}");
+        let card = fs::read_to_string(folder.join("results/card.json")).expect("figures");
+        let card: serde_json::Value = serde_json::from_str(&card).expect("JSON");
+        for known in ["adapter", "driver", "grid", "fusing", "limits"] {
+            assert!(!card[known].is_null(), "{known}: {printed}");
+        }
+        assert_eq!(card["commit"], commit());
+        assert!(
+            card["times"].is_null() && card["prices"].is_null(),
+            "{card}"
+        );
+    }
+}
