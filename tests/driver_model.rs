@@ -17,6 +17,26 @@ use umbrage_wgpu::ShaderRewriter;
 /// Environment variable that names the model which all devices of a test program follow.
 pub const VARIABLE: &str = "UMBRAGE_DRIVER_MODEL";
 
+/// Environment variable that makes random tests run a fixed tenth of their cases: `tenth`.
+pub const CASES_VARIABLE: &str = "UMBRAGE_TEST_CASES";
+
+/// Whether random tests run all their cases, rather than a fixed tenth.
+///
+/// # Panics
+/// Panics if the environment asks for another share.
+pub fn runs_all_cases() -> bool {
+    match env::var(CASES_VARIABLE).as_deref() {
+        Err(_) => true,
+        Ok("tenth") => false,
+        Ok(other) => panic!("{CASES_VARIABLE} is `{other}`: set it to `tenth`, or leave it unset"),
+    }
+}
+
+/// Whether the random case with this number runs.
+pub fn is_chosen(case: u32) -> bool {
+    case.is_multiple_of(10) || runs_all_cases()
+}
+
 /// How a driver rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriverModel {

@@ -39,7 +39,7 @@ const SCENES: &[&str] = &[
 ];
 
 /// Greatest width, pixels.
-const WIDTH: u32 = 320;
+const WIDTH: u32 = 200;
 
 struct Stage {
     scene: Scene,

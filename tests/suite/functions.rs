@@ -1,5 +1,6 @@
 //! Net 1: twin functions, both halves on the same inputs.
 
+use std::thread;
 use umbrage_core::{
     Module, Twin, bvh, cut_out, displacement, hashed_alpha, light_sample, math, resolve,
 };
@@ -79,12 +80,43 @@ fn what_decides_gives_the_same_bits_on_every_driver() {
 
 #[test]
 fn every_changed_operator_is_caught() {
-    let mut ran = 0;
-    let mut missed = Vec::new();
     let twins = all();
-    for twin in &twins {
+    // Mutants differ widely in number, so threads take turns.
+    let caught: Vec<Caught> = thread::scope(|scope| {
+        let check = |first: usize| {
+            let twins = &twins;
+            scope.spawn(move || {
+                let of_thread = twins.iter().skip(first).step_by(MUTANT_THREADS);
+                let mut caught = Caught::default();
+                of_thread.for_each(|twin| caught.check_mutants(twin, twins));
+                caught
+            })
+        };
+        let threads: Vec<_> = (0..MUTANT_THREADS).map(check).collect();
+        let join = |thread: thread::ScopedJoinHandle<'_, Caught>| thread.join().expect("no panic");
+        threads.into_iter().map(join).collect()
+    });
+    let missed: Vec<String> = caught.iter().flat_map(|c| c.missed.clone()).collect();
+    assert!(missed.is_empty(), "not caught:\n{}", missed.join("\n"));
+    let compiled: usize = caught.iter().map(|c| c.compiled).sum();
+    assert!(compiled > 60, "only {compiled} spoilt twins compiled");
+}
+
+const MUTANT_THREADS: usize = 2;
+
+/// What became of spoilt twins.
+#[derive(Default)]
+struct Caught {
+    /// How many compiled and were caught.
+    compiled: usize,
+    /// Those that were not caught.
+    missed: Vec<String>,
+}
+
+impl Caught {
+    fn check_mutants(&mut self, twin: &Twin, all: &[Twin]) {
         let inputs = draw(twin);
-        let in_module = twins.iter().filter(|t| t.module.name == twin.module.name);
+        let in_module = all.iter().filter(|t| t.module.name == twin.module.name);
         let others: Vec<&str> = in_module.map(|t| t.name).collect();
         for (mutant, line) in mutants(twin, &others) {
             // What corrects quotients and roots shows only on a device that has them wrong.
@@ -92,15 +124,15 @@ fn every_changed_operator_is_caught() {
                 check_under(device(), &mutant, &inputs, Some(DriverModel::Inaccurate))
             });
             match verdict {
-                Err(Fault::Differs { .. }) => ran += 1,
+                Err(Fault::Differs { .. }) => self.compiled += 1,
                 // Some slips don't compile (a matrix column plus a scalar): those are caught as well.
                 Err(Fault::Wgsl { .. }) => {}
-                verdict => missed.push(format!("{}: {line} ({verdict:?})", twin.name)),
+                verdict => self
+                    .missed
+                    .push(format!("{}: {line} ({verdict:?})", twin.name)),
             }
         }
     }
-    assert!(missed.is_empty(), "not caught:\n{}", missed.join("\n"));
-    assert!(ran > 60, "only {ran} spoilt twins compiled");
 }
 
 fn spoilt(text: &'static str) -> Twin {

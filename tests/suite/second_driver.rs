@@ -9,11 +9,12 @@ use umbrage_lab::{
     stability,
 };
 use umbrage_plan::truth::TruthOptions;
-use umbrage_tests::gpu::named;
+use umbrage_tests::{driver_model::DriverModel, gpu::named};
 use umbrage_wgpu::Gpu;
 
 /// The CPU and the driver.
 fn backends() -> Backends {
+    DriverModel::install();
     let adapter = named().expect(
         "these tests are for an adapter by name: run `cargo xtask test`, or set WGPU_ADAPTER_NAME",
     );

@@ -7,16 +7,31 @@ use proptest::{
     strategy::ValueTree as _,
     test_runner::{Config, RngAlgorithm, TestRng, TestRunner},
 };
+use std::{
+    collections::HashMap,
+    sync::{Arc, LazyLock, Mutex, PoisonError},
+};
 use umbrage_core::Twin;
 
 /// How many inputs each pair is run on; a multiple of the wrapper's workgroup size.
 pub const COUNT: usize = 65_536;
 
-/// The words of [`COUNT`] inputs, one after the other. The same twin gets the same inputs in every run.
-///
-/// # Panics
-/// Panics never: no strategy here rejects a value.
-pub fn draw(twin: &Twin) -> Vec<u32> {
+/// Inputs that were drawn, by the types of their parameters.
+type Drawn = HashMap<Vec<&'static str>, Arc<[u32]>>;
+
+/// Returns the words of [`COUNT`] inputs, one after the other. Twins of the same parameters get the same inputs in every run; they are drawn
+/// once, as that takes a second.
+pub fn draw(twin: &Twin) -> Arc<[u32]> {
+    static DRAWN: LazyLock<Mutex<Drawn>> = LazyLock::new(Mutex::default);
+    // A test that failed while it held the lock says so itself.
+    let mut drawn = DRAWN.lock().unwrap_or_else(PoisonError::into_inner);
+    drawn
+        .entry(twin.parameters.to_vec())
+        .or_insert_with(|| draw_anew(twin))
+        .clone()
+}
+
+fn draw_anew(twin: &Twin) -> Arc<[u32]> {
     let scalars: Vec<_> = twin
         .parameters
         .iter()

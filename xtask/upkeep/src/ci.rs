@@ -1,7 +1,7 @@
 //! Everything that a change has to pass.
 
 use crate::{
-    cli::{CiOptions, TestOptions},
+    cli::{CiOptions, DriverTests, TestOptions},
     run::{cargo, root, run},
     test, tidy,
 };
@@ -58,6 +58,7 @@ fn steps(options: &CiOptions) -> Vec<Step> {
         test::test(&TestOptions {
             install_driver,
             pinned_driver,
+            drivers: DriverTests::Tenth,
             arguments: Vec::new(),
         })
     };

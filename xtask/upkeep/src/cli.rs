@@ -40,12 +40,16 @@ pub(crate) enum Command {
 #[command(after_help = "Examples:
   cargo xtask test                                  where there is a graphics adapter
   cargo xtask test --install-driver                 where there may be none, as in a container
+  cargo xtask test --drivers all                    all that compares an adapter with the CPU, under each model of a driver
   cargo xtask test -- -p umbrage-core light_space   further arguments go to `cargo test`")]
 pub(crate) struct TestOptions {
     /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or with sudo); and fetch a second
     /// one, SwiftShader, into cargo's target folder (Debian)
     #[arg(long)]
     pub(crate) install_driver: bool,
+    /// How much runs under each model of a driver that rounds otherwise
+    #[arg(long, value_name = "HOW", value_enum, default_value = "tenth")]
+    pub(crate) drivers: DriverTests,
     /// Fail unless the adapter is the software driver on which the backends promise the same bits; else other drivers are
     /// compared by decided pixels
     #[arg(long)]
@@ -53,6 +57,15 @@ pub(crate) struct TestOptions {
     /// Further arguments of `cargo test`
     #[arg(last = true, value_name = "ARGUMENT")]
     pub(crate) arguments: Vec<String>,
+}
+
+/// What runs under models of drivers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum DriverTests {
+    /// A fixed tenth of the random cases, small scenes, and all that failed once
+    Tenth,
+    /// All tests that compare an adapter with the CPU
+    All,
 }
 
 #[derive(Args, Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 
 use crate::{
     adapter,
-    cli::TestOptions,
+    cli::{DriverTests, TestOptions},
     run::{cargo, run, spell},
     swiftshader::{self, SwiftShader},
 };
@@ -54,13 +54,7 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     }
     if plays_second_driver(options) {
         for model in DRIVER_MODELS {
-            println!("testing shaders as a driver would run them that is {model}");
-            let start = Instant::now();
-            let mut command = cargo();
-            command.args(ON_EVERY_DRIVER).env(DRIVER_MODEL, model);
-            let totals = run_tests(&mut command)?;
-            failed += told(&totals, start, &format!("{adapter}, {model}"));
-            failed += usize::from(totals.passed == 0);
+            failed += test_under(model, options.drivers, &adapter)?;
         }
     }
     if failed == 0 {
@@ -110,11 +104,43 @@ const SECOND: [&str; 11] = [
 const DRIVER_MODEL: &str = "UMBRAGE_DRIVER_MODEL";
 const DRIVER_MODELS: [&str; 3] = ["fused", "reassociated", "inaccurate"];
 
-/// The tests that run once more with shaders rewritten so.
+/// Environment variable that makes random tests run a tenth of their cases: see `tests/driver_model.rs`.
+const TEST_CASES: [&str; 2] = ["UMBRAGE_TEST_CASES", "tenth"];
+
+/// The tests that run once more with shaders rewritten so: those that say most for their time, and all that compare an adapter with the CPU.
 #[rustfmt::skip]
-const ON_EVERY_DRIVER: [&str; 6] = [
-    "test", "--all-features", "--no-fail-fast", "--test=nets", "--", "every_driver::",
+const TENTH_ON_EVERY_DRIVER: [&str; 12] = [
+    "test", "--all-features", "--no-fail-fast", "--test=nets", "--", "every_driver::", "agreement::random_scenes", "both_halves_agree",
+    "lists::lamps_amid_triangles", "random_scenes_are_listed", "shadow_volumes_are_exact", "both_backends_agree_on_holes",
 ];
+#[rustfmt::skip]
+const ALL_ON_EVERY_DRIVER: [&str; 15] = [
+    "test", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--", "every_driver::", "agreement::", "lists::",
+    "exact::", "soft::", "cascades::", "light_set::", "cut_outs::", "on_the_second_driver",
+];
+
+/// Runs tests with shaders rewritten as a model of drivers says. Returns how many failed.
+fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
+    println!("testing shaders as a driver would run them that is {model}");
+    let start = Instant::now();
+    let mut command = cargo();
+    command.env(DRIVER_MODEL, model);
+    match tests {
+        DriverTests::Tenth => {
+            let [variable, value] = TEST_CASES;
+            command.args(TENTH_ON_EVERY_DRIVER).env(variable, value);
+        }
+        DriverTests::All => {
+            // Tests of a second driver run on an adapter by name: the same one.
+            let name = adapter.split(" (").next().unwrap_or(adapter);
+            command.args(ALL_ON_EVERY_DRIVER);
+            command.env("WGPU_ADAPTER_NAME", name);
+        }
+    }
+    let totals = run_tests(&mut command)?;
+    let failed = told(&totals, start, &format!("{adapter}, {model}"));
+    Ok(failed + usize::from(totals.passed == 0))
+}
 
 /// Returns the driver on which some tests run once more. Where it is missing a message says so. None for tests that the user
 /// chose.

@@ -24,6 +24,7 @@ use super::{
 };
 use crate::{LabError, compare::Backends};
 use glam::Vec3;
+use std::sync::Arc;
 use umbrage_core::{Backend, Camera, Geometry, Invalid, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
 use umbrage_plan::{
@@ -47,9 +48,9 @@ pub struct MotionFrame {
 
 /// A moving case, ready to be played.
 #[derive(Clone, Debug)]
-pub struct Moving<'a> {
+pub struct Moving {
     /// Truth about its first frame.
-    pub case_truth: &'a CaseTruth,
+    pub case_truth: Arc<CaseTruth>,
     /// All frames, the first among them.
     pub frames: Vec<MotionFrame>,
     /// True visibility at the first frame's receivers, frame by frame.
@@ -60,13 +61,13 @@ pub struct Moving<'a> {
     pub motion: Motion,
 }
 
-impl<'a> Moving<'a> {
+impl Moving {
     /// Moves the case's camera or light through `count` frames, and traces truth.
     ///
     /// # Errors
     /// Errors if the scene holds numbers that can't be used.
     pub fn new(
-        case_truth: &'a CaseTruth,
+        case_truth: &Arc<CaseTruth>,
         motion: Motion,
         count: u32,
         options: &TruthOptions,
@@ -102,7 +103,7 @@ impl<'a> Moving<'a> {
             .map(|i| is_marked(case_truth, &frames, i))
             .collect();
         Ok(Self {
-            case_truth,
+            case_truth: case_truth.clone(),
             frames,
             truth,
             marked,
@@ -117,7 +118,7 @@ impl<'a> Moving<'a> {
         match measure {
             Measure::ChangeError => change_error(masks, &self.truth, &self.marked, width),
             Measure::Shimmer => shimmer(masks, &self.truth, &self.marked),
-            of_one_mask => of_one_mask.figure(self.case_truth, &masks[0]),
+            of_one_mask => of_one_mask.figure(&self.case_truth, &masks[0]),
         }
     }
 
@@ -156,7 +157,7 @@ impl<'a> Moving<'a> {
         let mut out = cell(technique, CellOutcome::of(judgements));
         out.disagreeing = played.disagreeing;
         if out.verdict() > Some(Verdict::NotMeasured) {
-            let strip = pictures::strip(self.case_truth, &played.masks, &self.marked)?;
+            let strip = pictures::strip(&self.case_truth, &played.masks, &self.marked)?;
             out.picture = Some(strip);
         }
         Ok(out)

@@ -13,6 +13,13 @@ use super::{
 };
 use crate::{LabError, compare::Backends};
 use glam::UVec2;
+use std::{
+    sync::{
+        Arc,
+        mpsc::{SyncSender, sync_channel},
+    },
+    thread,
+};
 use umbrage_core::{Backend, Invalid};
 use umbrage_plan::truth::TruthOptions;
 use umbrage_techniques::{ConfiguredTechniques, Techniques};
@@ -154,25 +161,100 @@ pub fn run(
         frames: options.frames,
         ..Stability::default()
     };
-    let mut last: Option<(&StabilityCase, CaseTruth)> = None;
-    for (index, (row, case)) in wanted.iter().copied().enumerate() {
-        on_event(StabilityEvent::Case {
-            name: case.name,
-            index,
-            of: wanted.len(),
-        });
+    let wanted = &wanted;
+    thread::scope(|scope| {
+        // The receiver ends with this closure, after an error, too: then the other thread stops.
+        let (sender, receiver) = sync_channel(CASES_AHEAD);
+        // Truth takes all cores for a while, and what a device renders takes one: so the next cases are prepared meanwhile.
+        scope.spawn(move || prepare_all(wanted, options, &sender));
+        for (index, (row, case)) in wanted.iter().copied().enumerate() {
+            on_event(StabilityEvent::Case {
+                name: case.name,
+                index,
+                of: wanted.len(),
+            });
+            // The other thread has ended if it panicked, which the scope then passes on.
+            let Ok(prepared) = receiver.recv() else {
+                break;
+            };
+            let result = play_case(row, case, &prepared?, options, backends)?;
+            on_event(StabilityEvent::Done { result: &result });
+            out.faults.extend(faults(&result));
+            out.cases.push(result);
+        }
+        Ok(out)
+    })
+}
+
+/// Cases that are prepared before the one that is played has ended.
+const CASES_AHEAD: usize = 1;
+
+/// A case with all that is traced for it.
+struct Prepared {
+    case_truth: Arc<CaseTruth>,
+    /// Where limits come from, if that is another scene.
+    elsewhere: Option<CaseTruth>,
+    /// The same scene at scale 1, for [`Measure::ScaleDrift`].
+    reference: Option<CaseTruth>,
+    /// Its frames, if anything moves.
+    moving: Option<Moving>,
+}
+
+/// Prepares cases in their order, until one can't be or nobody waits for more.
+fn prepare_all(
+    cases: &[(&StabilityRow, &StabilityCase)],
+    options: &StabilityOptions,
+    sender: &SyncSender<Result<Prepared, LabError>>,
+) {
+    let mut last: Option<(&StabilityCase, Arc<CaseTruth>)> = None;
+    for &(_, case) in cases {
         // Neighbours in the list often share a scene; its truth is traced once.
-        let case_truth = match last.take() {
-            Some((before, case_truth)) if has_same_truth(before, case) => case_truth,
-            _ => case_truth(case, case.scene, options)?,
-        };
-        let result = play_case(row, case, &case_truth, options, backends)?;
-        on_event(StabilityEvent::Done { result: &result });
-        out.faults.extend(faults(&result));
-        out.cases.push(result);
-        last = Some((case, case_truth));
+        let known = last
+            .take()
+            .filter(|(before, _)| has_same_truth(before, case))
+            .map(|(_, case_truth)| case_truth);
+        let prepared = prepare(case, known, options);
+        if let Ok(prepared) = &prepared {
+            last = Some((case, prepared.case_truth.clone()));
+        }
+        let is_last = prepared.is_err();
+        if sender.send(prepared).is_err() || is_last {
+            return;
+        }
     }
-    Ok(out)
+}
+
+fn prepare(
+    case: &StabilityCase,
+    known: Option<Arc<CaseTruth>>,
+    options: &StabilityOptions,
+) -> Result<Prepared, LabError> {
+    let case_truth = match known {
+        Some(case_truth) => case_truth,
+        None => Arc::new(self::case_truth(case, case.scene, options)?),
+    };
+    let elsewhere = match case.limits_from {
+        Some(scene) => Some(self::case_truth(case, scene, options)?),
+        None => None,
+    };
+    let is_moving = case.motion != Motion::Still;
+    let moving = if is_moving {
+        let frames = options.frames;
+        Some(Moving::new(
+            &case_truth,
+            case.motion,
+            frames,
+            &options.truth,
+        )?)
+    } else {
+        None
+    };
+    Ok(Prepared {
+        reference: reference(case, options)?,
+        case_truth,
+        elsewhere,
+        moving,
+    })
 }
 
 /// Whether two cases begin with the same view of the same scene: only a widening motion changes the first camera
@@ -210,39 +292,34 @@ pub fn case_truth(
 fn play_case(
     row: &StabilityRow,
     case: &StabilityCase,
-    case_truth: &CaseTruth,
+    prepared: &Prepared,
     options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
+    let case_truth = &*prepared.case_truth;
     let techniques = techniques_of(case, options);
-    let elsewhere = match case.limits_from {
-        Some(scene) => Some(self::case_truth(case, scene, options)?),
-        None => None,
-    };
-    let still_limits = |measure: Measure| match &elsewhere {
+    let still_limits = |measure: Measure| match &prepared.elsewhere {
         Some(elsewhere) => measure.limits_from(case_truth, elsewhere),
         None => measure.limits(case_truth),
     };
     let criteria;
     let mut cells = Vec::new();
-    if case.motion == Motion::Still {
-        criteria = Criterion::of_case(case.measure, case_truth, still_limits);
-        let reference = reference(case, options)?;
-        let still = Still {
-            case_truth,
-            reference: reference.as_ref(),
-            criteria: &criteria,
-        };
-        for technique in &techniques {
-            cells.push(still.cell(&**technique, backends)?);
-        }
-    } else {
-        let moving = Moving::new(case_truth, case.motion, options.frames, &options.truth)?;
+    if let Some(moving) = &prepared.moving {
         criteria = Criterion::of_case(case.measure, case_truth, |measure| {
             moving.limits(measure, still_limits(measure))
         });
         for technique in &techniques {
             cells.push(moving.cell(&**technique, &criteria, backends)?);
+        }
+    } else {
+        criteria = Criterion::of_case(case.measure, case_truth, still_limits);
+        let still = Still {
+            case_truth,
+            reference: prepared.reference.as_ref(),
+            criteria: &criteria,
+        };
+        for technique in &techniques {
+            cells.push(still.cell(&**technique, backends)?);
         }
     }
     Ok(CaseResult {

@@ -1,6 +1,7 @@
 //! Moving rows: what crawls, what follows, and what can't be told.
 
 use super::*;
+use std::sync::Arc;
 
 /// A tight fit crawls under a panning camera; stable fits take the crawl away, to the bit; rays have no map that could.
 #[test]
@@ -66,7 +67,7 @@ fn patterns_shimmer_and_what_cannot_change_is_not_measured() {
 fn truth_moves_with_light_and_casters_alone() {
     let options = small();
     for (_, case) in cases().filter(|(_, c)| c.motion != Motion::Still) {
-        let case_truth = case_truth_of(case, &options);
+        let case_truth = Arc::new(case_truth_of(case, &options));
         let moving = Moving::new(&case_truth, case.motion, options.frames, &options.truth)
             .expect("a built-in scene");
         let change = measures::shimmer::change(&moving.truth, &moving.marked);
@@ -120,7 +121,7 @@ fn what_stands_still_under_a_turning_sun_fails() {
 fn limits_of_slow_movement_are_below_standing_still() {
     let options = small();
     let case = case("hills-sun");
-    let case_truth = case_truth_of(case, &options);
+    let case_truth = Arc::new(case_truth_of(case, &options));
     let mut moving = Moving::new(&case_truth, case.motion, options.frames, &options.truth)
         .expect("a built-in scene");
     // Truth that moves a hundred times more slowly.
