@@ -80,10 +80,11 @@ fn shadow_quotient(a: f32, b: f32) -> f32 {
     let rough = a / b;
     let x = shadow_significand(a_bits);
     let y = shadow_significand(b_bits);
-    // The quotient is in least..2 * least, where numbers are a unit apart. The device's may be less, where they are half as far apart.
+    // The quotient is in least..2 * least, where numbers are a unit apart. The device's may be less, where they are half as far apart. It is
+    // at most 2 * least, a unit from the greatest quotient: that is 2 - unit at y = 1, and the next number after 2 is too far off.
     let least = select(0.5, 1.0, x >= y);
     let unit = 1.1920929e-7 * least;
-    let start = clamp(x / y, least, 2.0 * least);
+    let start = max(x / y, least);
     let q = shadow_nearer_quotient(shadow_nearer_quotient(start, x, y, unit), x, y, unit);
     let exponent = (a_bits & 0x7f800000u) - (b_bits & 0x7f800000u);
     let sign = (a_bits ^ b_bits) & 0x80000000u;

@@ -25,8 +25,8 @@ const SEEDS: [u8; 4] = [1, 2, 3, 8];
 /// Scenes a seed: so many that a thousand are rendered with maps in all. Some lights are not supported, and some cases are
 /// ray-traced.
 const SCENES: u32 = 410;
-/// Seeds and numbers of cases that failed on a driver once. They always run.
-const FAILED_ONCE: [(u8, u32); 0] = [];
+/// Seeds and numbers of cases that failed on a driver once, and always run: the first has one decided pixel off on an H100 and an H200.
+const FAILED_ONCE: [(u8, u32); 1] = [(1, 203)];
 /// Scenes that each technique must have rendered at the least; planar shadows refuse most.
 const LEAST_EACH: u32 = 25;
 

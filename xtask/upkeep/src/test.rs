@@ -200,7 +200,7 @@ impl Totals {
 }
 
 /// Tests at a time, for each core. Many wait for the one graphics device, and leave their core idle.
-const TESTS_A_CORE: usize = 2;
+const TESTS_A_CORE: usize = 3;
 
 /// Runs tests, passing on what they print.
 fn run_tests(command: &mut Command) -> Result<Totals> {
