@@ -11,7 +11,8 @@ use umbrage_wgpu::Gpu;
 pub fn check_agreement(
     gpu: &Gpu,
     label: &str,
-    (view, recipe): (&View<'_>, &Recipe),
+    view: &View<'_>,
+    recipe: &Recipe,
     of_cpu: &Shadows,
     of_gpu: &Shadows,
 ) -> Result<Agreement, String> {

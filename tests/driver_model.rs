@@ -17,24 +17,31 @@ use umbrage_wgpu::ShaderRewriter;
 /// Environment variable that names the model which all devices of a test program follow.
 pub const VARIABLE: &str = "UMBRAGE_DRIVER_MODEL";
 
-/// Environment variable that makes random tests run a fixed tenth of their cases: `tenth`.
-pub const CASES_VARIABLE: &str = "UMBRAGE_TEST_CASES";
+/// Environment variable that makes tests of many cases run each Nth of them: a whole number, 1 or more.
+pub const NTH_VARIABLE: &str = "UMBRAGE_EVERY_NTH_CASE";
 
-/// Whether random tests run all their cases, rather than a fixed tenth.
+/// Returns N of "each Nth case": 1 unless the environment says otherwise.
 ///
 /// # Panics
-/// Panics if the environment asks for another share.
-pub fn runs_all_cases() -> bool {
-    match env::var(CASES_VARIABLE).as_deref() {
-        Err(_) => true,
-        Ok("tenth") => false,
-        Ok(other) => panic!("{CASES_VARIABLE} is `{other}`: set it to `tenth`, or leave it unset"),
+/// Panics if the environment names no such number.
+pub fn nth_case() -> usize {
+    let Ok(text) = env::var(NTH_VARIABLE) else {
+        return 1;
+    };
+    match text.parse() {
+        Ok(nth) if nth > 0 => nth,
+        _ => panic!("{NTH_VARIABLE} is `{text}`: set it to a whole number, 1 or more"),
     }
 }
 
-/// Whether the random case with this number runs.
-pub fn is_chosen(case: u32) -> bool {
-    case.is_multiple_of(10) || runs_all_cases()
+/// Whether tests run all their cases.
+pub fn runs_all_cases() -> bool {
+    nth_case() == 1
+}
+
+/// Whether the case with this number runs.
+pub fn is_chosen(case: usize) -> bool {
+    case.is_multiple_of(nth_case())
 }
 
 /// How a driver rounds.

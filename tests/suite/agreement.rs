@@ -26,7 +26,7 @@ const SEEDS: [u8; 4] = [1, 2, 3, 8];
 /// ray-traced.
 const SCENES: u32 = 410;
 /// Seeds and numbers of cases that failed on a driver once, and always run: the first has one decided pixel off on an H100 and an H200.
-const FAILED_ONCE: [(u8, u32); 1] = [(1, 203)];
+const FAILED_ONCE: [(u8, usize); 1] = [(1, 203)];
 /// Scenes that each technique must have rendered at the least; planar shadows refuse most.
 const LEAST_EACH: u32 = 25;
 
@@ -53,7 +53,7 @@ fn random_scenes_agree() {
         Ok(())
     };
     for seed in SEEDS {
-        let number = Cell::new(0);
+        let number = Cell::new(0_usize);
         let failed = Cell::new(None);
         let outcome = runner(seed).run(&cases(), |case| {
             let this = number.replace(number.get() + 1);
@@ -151,7 +151,7 @@ fn agree(case: &Case) -> Result<Option<Played>, String> {
         same_receivers(mine.ok_or("no receivers")?, theirs.ok_or("no receivers")?)?;
     }
     let label = format!("{} {}", case.technique.name(), case.technique.settings());
-    let agreement = check_agreement(&gpu, &label, (&view, &recipe), &cpu, &other)?;
+    let agreement = check_agreement(&gpu, &label, &view, &recipe, &cpu, &other)?;
     Ok(Some(Played {
         dark: cpu.mask.iter().any(|&v| v < 1.0),
         agreement,

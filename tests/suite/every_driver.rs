@@ -25,25 +25,23 @@ fn masks_are_equal_where_triangles_are() {
     let mut faults = Vec::new();
     let mut gpu = gpu();
     let snapping = gpu.snapping();
-    compare_bits(
-        &mut *gpu,
-        &mut |scene, technique, view, recipe, [mine, theirs]| {
-            let label = format!("{technique} in {scene}");
-            if model == Some(DriverModel::Reassociated) {
-                let agreement = compare::agree(view, recipe, mine, theirs, snapping);
-                let agreement = agreement.expect("masks of one size");
-                if !agreement.holds() {
-                    faults.push(format!("{label}: {agreement:?}"));
-                }
-                return;
+    compare_bits(&mut *gpu, &mut |pair| {
+        let label = format!("{} in {}", pair.technique, pair.scene);
+        let [mine, theirs] = [&pair.of_cpu, &pair.of_device];
+        if model == Some(DriverModel::Reassociated) {
+            let agreement = compare::agree(&pair.view, pair.recipe, mine, theirs, snapping);
+            let agreement = agreement.expect("masks of one size");
+            if !agreement.holds() {
+                faults.push(format!("{label}: {agreement:?}"));
             }
-            let counts = BitCounts::of(mine, theirs);
-            if counts.other_bits > 0 {
-                faults.push(format!("{label}: {counts:?}"));
-            }
-            same_triangle += counts.same_triangle;
-        },
-    )
+            return;
+        }
+        let counts = BitCounts::of(mine, theirs);
+        if counts.other_bits > 0 {
+            faults.push(format!("{label}: {counts:?}"));
+        }
+        same_triangle += counts.same_triangle;
+    })
     .expect("both render");
     println!("{model:?}: {same_triangle} pixels of the same triangle");
     assert!(faults.is_empty(), "{faults:#?}");

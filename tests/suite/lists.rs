@@ -12,7 +12,11 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_scenes::Kind;
 use umbrage_techniques::{Exact, Traced};
-use umbrage_tests::{gpu::gpu, random_scene};
+use umbrage_tests::{
+    driver_model::{is_chosen, runs_all_cases},
+    gpu::gpu,
+    random_scene,
+};
 
 /// Greatest width, pixels.
 const WIDTH: u32 = 480;
@@ -310,7 +314,9 @@ fn soup_with_holes(mut mesh: Mesh) -> Scene {
 #[test]
 fn lamps_amid_triangles_have_the_answers_of_rays() {
     let mut shadowed = 0;
-    for (seed, metres) in (0..24).zip([0.0, 0.0, 1e3, 1e5, 1e6].into_iter().cycle()) {
+    let soups = (0..24_u32).zip([0.0, 0.0, 1e3, 1e5, 1e6].into_iter().cycle());
+    // Those that are played on the adapter, too, come first in each four.
+    for (seed, metres) in soups.filter(|(seed, _)| is_chosen(*seed as usize / 4)) {
         let shift = Vec3::new(1.0, 0.0, -0.7) * metres;
         let scene = soup(seed, shift, seed % 8 >= 4);
         let geometry = Geometry::bake(&scene).expect("valid");
@@ -341,7 +347,8 @@ fn lamps_amid_triangles_have_the_answers_of_rays() {
             }
         }
     }
-    assert!(shadowed > 30, "only {shadowed} pictures have shadows");
+    let least = if runs_all_cases() { 30 } else { 3 };
+    assert!(shadowed > least, "only {shadowed} pictures have shadows");
 }
 
 /// Many casters that the CPU was not asked for lately are answered without lists; for those that stay, lists are made.

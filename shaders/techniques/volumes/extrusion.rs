@@ -94,7 +94,8 @@ pub(crate) fn beyond_all(
 }
 
 /// Returns the distance from the origin to a triangle whose corners lie on the unit sphere.
-fn distance_to_triangle([a, b, c]: [DVec3; 3]) -> f64 {
+fn distance_to_triangle(corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
     let edges = [(a, b), (b, c), (c, a)];
     // The origin lies over the triangle if the normal points into the cone of its corners.

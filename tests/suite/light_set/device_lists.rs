@@ -11,7 +11,7 @@ use umbrage_core::{
 };
 use umbrage_techniques::{Exact, ExactUniforms};
 use umbrage_tests::{
-    driver_model::runs_all_cases,
+    driver_model::{is_chosen, nth_case},
     gpu::gpu,
     light_program::Forward,
     light_stage::{Stage, spot},
@@ -131,7 +131,7 @@ fn allowed(pixels: usize) -> usize {
 
 #[test]
 fn lists_made_by_the_device_answer_as_rays_do() {
-    for name in SCENES {
+    for (_, name) in SCENES.iter().enumerate().filter(|(i, _)| is_chosen(*i)) {
         let world = World::new(name);
         let mut set = world.set();
         for &light in &world.scene.lights {
@@ -146,7 +146,7 @@ fn lists_made_by_the_device_answer_as_rays_do() {
 #[test]
 fn random_scenes_are_listed_as_rays_see_them() {
     let config = ProptestConfig {
-        cases: if runs_all_cases() { 150 } else { 15 },
+        cases: 150 / nth_case() as u32,
         max_shrink_iters: 100,
         rng_seed: RngSeed::Fixed(11),
         failure_persistence: None,
@@ -163,7 +163,7 @@ fn random_scenes_are_listed_as_rays_see_them() {
         in_shadow.set(in_shadow.get() + shadowed);
     });
     let in_shadow = in_shadow.get();
-    let least = if runs_all_cases() { 50_000 } else { 3_000 };
+    let least = 50_000 / nth_case();
     assert!(in_shadow > least, "only {in_shadow} in shadow");
 }
 

@@ -47,7 +47,7 @@ pub(crate) struct TestOptions {
     /// one, SwiftShader, into cargo's target folder (Debian)
     #[arg(long)]
     pub(crate) install_driver: bool,
-    /// How much runs under each model of a driver that rounds otherwise
+    /// How much runs under each model of a driver that rounds otherwise, and on SwiftShader
     #[arg(long, value_name = "HOW", value_enum, default_value = "tenth")]
     pub(crate) drivers: DriverTests,
     /// Fail unless the adapter is the software driver on which the backends promise the same bits; else other drivers are
@@ -62,7 +62,7 @@ pub(crate) struct TestOptions {
 /// What runs under models of drivers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum DriverTests {
-    /// A fixed tenth of the random cases, small scenes, and all that failed once
+    /// A fixed tenth of the cases, and all that failed once; on SwiftShader half of them
     Tenth,
     /// All tests that compare an adapter with the CPU
     All,

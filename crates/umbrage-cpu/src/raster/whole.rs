@@ -128,7 +128,8 @@ impl Whole {
     }
 }
 
-fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+fn normal(corners: [DVec3; 3]) -> DVec3 {
+    let [a, b, c] = corners;
     (b - a).cross(c - a)
 }
 

@@ -74,13 +74,30 @@ impl BitCounts {
     }
 }
 
-/// Renders [`BIT_SCENES`] by [`exact_techniques`] on the CPU and on a backend, and passes each pair to `on_pair` with its scene and technique.
+/// What two backends rendered of one recipe.
+#[derive(Debug)]
+pub struct BitPair<'a> {
+    /// The scene's name.
+    pub scene: &'a str,
+    /// The technique's name.
+    pub technique: &'a str,
+    /// What is seen.
+    pub view: View<'a>,
+    /// What was rendered.
+    pub recipe: &'a Recipe,
+    /// What the CPU rendered.
+    pub of_cpu: Shadows,
+    /// What the other backend rendered.
+    pub of_device: Shadows,
+}
+
+/// Renders [`BIT_SCENES`] by [`exact_techniques`] on the CPU and on a backend, and passes each pair to `on_pair`.
 ///
 /// # Errors
 /// Errors if a backend fails.
 pub fn compare_bits(
     backend: &mut dyn Backend,
-    on_pair: &mut dyn FnMut(&str, &str, &View<'_>, &Recipe, &[Shadows; 2]),
+    on_pair: &mut dyn FnMut(BitPair<'_>),
 ) -> Result<(), LabError> {
     for name in BIT_SCENES {
         let Some(scene) = small_scene(name) else {
@@ -93,9 +110,14 @@ pub fn compare_bits(
             let Ok(recipe) = technique.recipe(&view) else {
                 continue;
             };
-            let mine = Cpu::new().render(&view, &recipe)?;
-            let theirs = backend.render(&view, &recipe)?;
-            on_pair(name, technique.name(), &view, &recipe, &[mine, theirs]);
+            on_pair(BitPair {
+                scene: name,
+                technique: technique.name(),
+                view,
+                recipe: &recipe,
+                of_cpu: Cpu::new().render(&view, &recipe)?,
+                of_device: backend.render(&view, &recipe)?,
+            });
         }
     }
     Ok(())
@@ -121,11 +143,13 @@ pub fn measure_agreement(backends: &mut Backends) -> Result<CardAgreement, LabEr
     }
     let mut total = BitCounts::default();
     if let Some(device) = backends.playing.iter_mut().find(|b| b.kind() != "cpu") {
-        compare_bits(&mut **device, &mut |_, technique, _, _, [mine, theirs]| {
-            let counts = BitCounts::of(mine, theirs);
+        compare_bits(&mut **device, &mut |pair| {
+            let counts = BitCounts::of(&pair.of_cpu, &pair.of_device);
             total.same_triangle += counts.same_triangle;
             total.other_triangle += counts.other_triangle;
-            *out.differing_bits.entry(technique.to_owned()).or_default() += counts.other_bits;
+            *out.differing_bits
+                .entry(pair.technique.to_owned())
+                .or_default() += counts.other_bits;
         })?;
     }
     out.same_triangle_pixels = Some(total.same_triangle);

@@ -7,7 +7,9 @@ mod file;
 mod page;
 mod times;
 
-pub use agreement::{BIT_SCENES, BitCounts, compare_bits, exact_techniques, measure_agreement};
+pub use agreement::{
+    BIT_SCENES, BitCounts, BitPair, compare_bits, exact_techniques, measure_agreement,
+};
 pub use file::{read, read_all, read_prices, write};
 pub use page::page;
 pub use times::{FRAMES, measure_times};

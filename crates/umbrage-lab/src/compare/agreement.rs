@@ -6,7 +6,7 @@
 //! fewer.
 
 use crate::LabError;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use umbrage_core::{
     Backend, Cast, CastMode, Receivers, Recipe, Shadows, Snapping, View,
     metrics::{AGREEMENT_TOLERANCE, Agreement, Doubt},
@@ -40,7 +40,8 @@ const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 /// Pixels where the two see different triangles are set apart. Others that differ by more than is allowed are *undecided*
 /// when the CPU's answer changes, too, as something moves by what rounding may come to; else they are violations. What moves:
 /// casts sideways, by half a step of the grid; casts in depth, by 2^-20; each triangle in depth, by the bound of its plane's
-/// error, which is great for slivers; the unit of polygon offset, by a factor of two; receivers, by 2^-21 of their coordinates.
+/// error, which is great for slivers; the unit of polygon offset, by a factor of two; receivers, by 2^-21 of their coordinates. Casts are
+/// moved sideways and in depth at once, too.
 /// Equal masks need no such nudges, so none are rendered for them.
 ///
 /// # Errors
@@ -127,14 +128,23 @@ enum Nudge {
     Behind(f32),
     /// Of receivers along their normals: a fraction of their greatest coordinate.
     Receivers(f32),
+    /// Of every cast sideways (texels) and in depth, at once.
+    Casts(Vec2, f32),
+    /// Of receivers in this direction, by [`NUDGE_POSITION`] of their greatest coordinate.
+    ReceiversAlong(Vec3),
 }
 
 /// What to try on a recipe. Half a step of the device's grid is as far as rounding moves a vertex; a device that rounds
 /// another way (down, say) moves it as much further.
 fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     let receivers = [NUDGE_POSITION, -NUDGE_POSITION].map(Nudge::Receivers);
+    let along = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| [axis, -axis]);
+    let along = along
+        .as_flattened()
+        .iter()
+        .map(|d| Nudge::ReceiversAlong(*d));
     if recipe.casts.is_empty() {
-        return receivers.to_vec();
+        return receivers.into_iter().chain(along).collect();
     }
     let t = 0.5 * snapping.step();
     let sideways =
@@ -149,6 +159,14 @@ fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
         out.push(Nudge::Behind(-NUDGE_SECOND));
         out.extend(LAST_BITS.map(Nudge::Depth));
     }
+    // All of it is rounded at once, and less than at most: a tap crosses the edge of a texel while what it is compared with moves.
+    for part in [1.0, 0.25] {
+        for (x, y) in [(t, t), (-t, t), (t, -t), (-t, -t)] {
+            let texels = part * Vec2::new(x, y);
+            out.extend([part, -part].map(|depth| Nudge::Casts(texels, depth)));
+        }
+    }
+    out.extend(along);
     out
 }
 
@@ -186,10 +204,20 @@ impl Nudge {
                 let by = |cast: &Cast| (Vec2::ZERO, if is_behind(cast) { depth } else { 0.0 });
                 cpu.render(&known, &nudged(recipe, by))?
             }
-            Self::Receivers(fraction) => match seen.map(|r| moved(r, fraction)) {
+            Self::Casts(texels, part) => {
+                let by = |_: &Cast| (texels, part * NUDGE_DEPTH);
+                cpu.render(&known, &nudged(recipe, by))?
+            }
+            Self::Receivers(fraction) => match seen.map(|r| moved(r, |n| n * fraction)) {
                 Some(moved) => cpu.render(&view.with_receivers(&moved), recipe)?,
                 None => expected.clone(),
             },
+            Self::ReceiversAlong(direction) => {
+                match seen.map(|r| moved(r, |_| direction * NUDGE_POSITION)) {
+                    Some(moved) => cpu.render(&view.with_receivers(&moved), recipe)?,
+                    None => expected.clone(),
+                }
+            }
         })
     }
 }
@@ -210,12 +238,12 @@ fn nudged(recipe: &Recipe, by: impl Fn(&Cast) -> (Vec2, f32)) -> Recipe {
     nudged
 }
 
-/// Receivers moved along their normals by a fraction of their greatest coordinate.
-fn moved(receivers: &Receivers, fraction: f32) -> Receivers {
+/// Returns receivers moved by what `by` makes of their normals, times their greatest coordinate.
+fn moved(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
     let mut out = receivers.clone();
     for i in 0..out.len() {
         let p = out.position(i);
-        let q = p + out.normal(i) * (p.abs().max_element() * fraction);
+        let q = p + by(out.normal(i)) * p.abs().max_element();
         (out.x[i], out.y[i], out.z[i]) = (q.x, q.y, q.z);
     }
     out
