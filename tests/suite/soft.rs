@@ -382,11 +382,7 @@ fn lit_corners_stay_lit() {
 /// On the measured driver to the bit, as everywhere; random scenes seldom have such lights amid such casters.
 #[test]
 fn both_halves_agree() {
-    for (_, case) in cases()
-        .into_iter()
-        .enumerate()
-        .filter(|(i, _)| is_chosen(*i))
-    {
+    for (_, case) in cases().iter().enumerate().filter(|(i, _)| is_chosen(*i)) {
         let technique = Pcss::default();
         let cpu = case.mask(&technique);
         let recipe = technique
