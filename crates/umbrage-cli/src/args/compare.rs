@@ -48,7 +48,7 @@ pub(crate) struct CompareArguments {
     /// all; else 512, 1024 and 2048 (1024 and 2048, with --full 4096, too, for frames of real size), or one with --quick
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
-    /// Prices of work, as `bench --costs --write` measures them; else the built-in ones
+    /// Prices of work, as `bench --costs --write` or `card` (.json) measures them; else the built-in ones
     #[arg(long, value_name = "FILE")]
     pub(crate) prices: Option<PathBuf>,
     /// Truth's rays a pixel for lights with an extent

@@ -92,7 +92,7 @@ pub(crate) struct PlanArguments {
     /// Whose prices count, and what plays what is timed
     #[arg(long, value_name = "NAME", default_value = "cpu")]
     pub(crate) backend: PlanBackend,
-    /// Prices of work, as `bench --costs --write` measures them; else the built-in ones
+    /// Prices of work, as `bench --costs --write` or `card` (.json) measures them; else the built-in ones
     #[arg(long, value_name = "FILE")]
     pub(crate) prices: Option<PathBuf>,
     /// Which of the scene's lights, from 1; with --regret all of them

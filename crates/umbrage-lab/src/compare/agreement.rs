@@ -31,7 +31,7 @@ const PLANES: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1
 /// SwiftShader takes the greatest difference from one corner's, which may be half as much, and 1.01 steps of 16 bits for one.
 const UNITS: [f32; 2] = [0.5, 2.0];
 
-/// How far receivers are moved: a fraction of their greatest coordinate, 2^-21.
+/// How far receivers are moved: a fraction of the greatest coordinate of any, 2^-21.
 const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 
 /// Compares a backend's mask with the one that the CPU makes when it rounds vertices so, too. `of_cpu` is what it makes of
@@ -40,7 +40,7 @@ const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 /// Pixels where the two see different triangles are set apart. Others that differ by more than is allowed are *undecided*
 /// when the CPU's answer changes, too, as something moves by what rounding may come to; else they are violations. What moves:
 /// casts sideways, by half a step of the grid; casts in depth, by 2^-20; each triangle in depth, by the bound of its plane's
-/// error, which is great for slivers; the unit of polygon offset, by a factor of two; receivers, by 2^-21 of their coordinates. Casts are
+/// error, which is great for slivers; the unit of polygon offset, by a factor of two; receivers, by 2^-21 of the greatest coordinate. Casts are
 /// moved sideways and in depth at once, too.
 /// Equal masks need no such nudges, so none are rendered for them.
 ///
@@ -126,11 +126,11 @@ enum Nudge {
     /// Of the light spaces of those casts that keep what lies behind another image, in depth. Two surfaces that meet are as far
     /// apart as they are rounded, and the second of them may count or not. (Moved the other way, all lay behind themselves.)
     Behind(f32),
-    /// Of receivers along their normals: a fraction of their greatest coordinate.
+    /// Of receivers along their normals: a fraction of the greatest coordinate.
     Receivers(f32),
     /// Of every cast sideways (texels) and in depth, at once.
     Casts(Vec2, f32),
-    /// Of receivers in this direction, by [`NUDGE_POSITION`] of their greatest coordinate.
+    /// Of receivers in this direction, by [`NUDGE_POSITION`] of the greatest coordinate.
     ReceiversAlong(Vec3),
 }
 
@@ -238,12 +238,18 @@ fn nudged(recipe: &Recipe, by: impl Fn(&Cast) -> (Vec2, f32)) -> Recipe {
     nudged
 }
 
-/// Returns receivers moved by what `by` makes of their normals, times their greatest coordinate.
+/// Returns receivers moved by what `by` makes of their normals, times the greatest coordinate of any of them: the matrix that takes a receiver
+/// near the origin to the light's space has a term of that size, too, and rounds as much.
 fn moved(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
     let mut out = receivers.clone();
+    let is_seen = |i: &usize| receivers.receives[*i];
+    let sizes = (0..receivers.len()).filter(is_seen);
+    let greatest = sizes
+        .map(|i| receivers.position(i).abs().max_element())
+        .fold(0.0, f32::max);
     for i in 0..out.len() {
         let p = out.position(i);
-        let q = p + by(out.normal(i)) * p.abs().max_element();
+        let q = p + by(out.normal(i)) * greatest;
         (out.x[i], out.y[i], out.z[i]) = (q.x, q.y, q.z);
     }
     out
