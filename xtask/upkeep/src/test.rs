@@ -116,10 +116,10 @@ const NTH_ON_MODELS: &str = "10";
 
 /// The tests that run once more with shaders rewritten so: some of each kind, and all that compare an adapter with the CPU.
 #[rustfmt::skip]
-const TENTH_ON_EVERY_DRIVER: [&str; 13] = [
-    "test", "--all-features", "--no-fail-fast", "--test=nets", "--", "every_driver::", "agreement::random_scenes",
+const TENTH_ON_EVERY_DRIVER: [&str; 15] = [
+    "test", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--", "every_driver::", "agreement::random_scenes",
     "cascades::both_halves_agree", "soft::both_halves_agree", "lists::lamps_amid_triangles", "random_scenes_are_listed",
-    "shadow_volumes_are_exact", "gives_the_bits_that_it_gives_alone",
+    "shadow_volumes_are_exact", "gives_the_bits_that_it_gives_alone", "the_suite_agrees",
 ];
 #[rustfmt::skip]
 const ALL_ON_EVERY_DRIVER: [&str; 15] = [
