@@ -197,7 +197,7 @@ const MIN_RATIO: f64 = 1e-3;
 const MIN_TARGET: f64 = 0.05;
 
 /// A setting that has been timed for so long is not timed again: some 600 settings then take less than a minute.
-const ENOUGH: Duration = Duration::from_millis(50);
+const ENOUGH: Duration = Duration::from_millis(40);
 
 /// The least time that is divided by, milliseconds: a step of the clock.
 const MIN_MILLISECONDS: f64 = 1e-6;
