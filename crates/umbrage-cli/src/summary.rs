@@ -44,7 +44,7 @@ pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>
     out
 }
 
-/// Returns a line about rows whose answer hangs on rounding by nature. `None` if there are none.
+/// Returns a line about rows of which rounding decides many pixels. `None` if there are none.
 fn hanging_on_rounding(comparison: &Comparison) -> Option<String> {
     let rows = comparison.hanging_on_rounding();
     let (first, rest) = rows.split_first()?;

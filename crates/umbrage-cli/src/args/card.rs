@@ -14,10 +14,10 @@ pub(crate) struct CardArguments {
     /// Graphics adapter by part of its name, such as nvidia; else the best one
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    /// What to measure; else all parts
+    /// Parts to measure; all if none is named
     #[arg(long, value_name = "PART", value_delimiter = ',', value_enum)]
     pub(crate) parts: Vec<CardPart>,
-    /// File for the figures (JSON), written anew after each part; else target/card/card.json in the repository. Parts that are not measured
+    /// File for the figures (JSON), rewritten after each part; else target/card/card.json in the repository. Parts that are not measured
     /// keep what the file has of the same adapter and commit
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,

@@ -53,7 +53,7 @@ pub struct Pair {
     pub bar: Option<f64>,
     /// Pairs counted.
     pub runs: usize,
-    /// What is wrong with our answers. `None` if nothing is.
+    /// Fault of our answers. `None` if they are right.
     pub fault: Option<String>,
 }
 

@@ -1,6 +1,7 @@
 //! `docs/cards.md`: what was measured on which adapter.
 
 use super::{Card, CardTime};
+use crate::compare::thousands;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Graphics cards
@@ -166,17 +167,4 @@ fn add_row(text: &mut String, cells: &[&str]) {
         let _ = write!(text, " {cell} |");
     }
     *text += "\n";
-}
-
-/// Returns a number with a comma at each third digit.
-fn thousands(number: u64) -> String {
-    let digits = number.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
 }

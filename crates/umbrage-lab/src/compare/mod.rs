@@ -21,6 +21,7 @@ mod timing;
 
 pub use agreement::agree;
 pub use backends::Backends;
+pub(crate) use choice::thousands;
 pub use choice::{Choice, SettingGroup, percent, setting_groups, times};
 pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};

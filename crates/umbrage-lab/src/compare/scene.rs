@@ -499,7 +499,7 @@ impl SceneRun<'_> {
         let (mut shadows, times) =
             match measure(player, &seeing, recipe, runs, played_cost_ms, clock) {
                 Ok(measured) => measured,
-                // The report says what is too large for a backend; other backends may still play it.
+                // The report says what is too large for a backend; other backends may still execute it.
                 Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
                 Err(e) => return Err(e.into()),
             };

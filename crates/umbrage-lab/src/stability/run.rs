@@ -186,7 +186,7 @@ pub fn run(
     })
 }
 
-/// Cases that are prepared before the one that is played has ended.
+/// Cases that are prepared ahead of the one that runs.
 const CASES_AHEAD: usize = 1;
 
 /// A case with all that is traced for it.

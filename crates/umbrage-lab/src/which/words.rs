@@ -7,7 +7,7 @@ use super::{
     pictures::Shown,
 };
 use crate::{
-    compare::{CostBasis, FrameMotion, Measured, Relative, percent, times},
+    compare::{CostBasis, FrameMotion, Measured, Relative, percent, thousands, times},
     report::{MeasuredScene, StabilitySource},
 };
 use umbrage_techniques::ShadowMap;
@@ -440,17 +440,4 @@ fn digits(ratio: f64) -> String {
     } else {
         format!("{ratio:.0}")
     }
-}
-
-/// Returns a count with commas between thousands.
-fn thousands(count: u64) -> String {
-    let digits = count.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
 }
