@@ -6,23 +6,41 @@ use crate::{
     compare::{Comparison, compare},
 };
 use glam::UVec2;
-use std::{cell::Cell, rc::Rc, time::Duration};
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
 use umbrage_core::{Backend, BackendError, Recipe, Shadows, Timings, View};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
 
 /// What the clock says of a play: the row of this map size takes so many times its usual time.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct Clock {
     slow_map: u32,
-    /// Set from outside; how often the row was played since.
-    factor: Rc<Cell<f64>>,
-    plays: Rc<Cell<u32>>,
+    factor: f64,
+    /// How often the row was rendered since the factor was set.
+    renders: u32,
+}
+
+impl Clock {
+    /// Sets the factor, and counts the row's renderings from here.
+    fn set(&mut self, factor: f64) {
+        self.factor = factor;
+        self.renders = 0;
+    }
+}
+
+/// A clock that a backend and its test share.
+type SharedClock = Arc<Mutex<Clock>>;
+
+fn lock(clock: &SharedClock) -> std::sync::MutexGuard<'_, Clock> {
+    clock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 struct Clocked {
     cpu: Cpu,
-    clock: Clock,
+    clock: SharedClock,
 }
 
 impl Backend for Clocked {
@@ -36,14 +54,15 @@ impl Backend for Clocked {
         let mut shadows = self.cpu.render(view, recipe)?;
         let uniforms = recipe.receive.kernel.uniforms();
         let is_yardstick = uniforms.is_some_and(|u| u.uniform_layout().name == "YardstickUniforms");
+        let mut clock = lock(&self.clock);
         let is_slow = recipe
             .images
             .first()
-            .is_some_and(|image| image.size.x == self.clock.slow_map);
+            .is_some_and(|image| image.size.x == clock.slow_map);
         let mut milliseconds = 3.0;
         if is_slow && !is_yardstick {
-            milliseconds *= self.clock.factor.get();
-            self.clock.plays.set(self.clock.plays.get() + 1);
+            milliseconds *= clock.factor;
+            clock.renders += 1;
         }
         let took = Some(Duration::from_secs_f64(milliseconds * 1e-3));
         shadows.timings = Timings {
@@ -58,16 +77,16 @@ struct Stage {
     inputs: Vec<SceneInput>,
     options: CompareOptions,
     backends: Backends,
-    clock: Clock,
+    clock: SharedClock,
 }
 
 /// Hard shadows from maps of three sizes, on two scenes.
 fn stage() -> Stage {
-    let clock = Clock {
+    let clock = Arc::new(Mutex::new(Clock {
         slow_map: 48,
-        factor: Rc::new(Cell::new(1.0)),
-        plays: Rc::default(),
-    };
+        factor: 1.0,
+        renders: 0,
+    }));
     let input = |name: &str| {
         let scene = (umbrage_scenes::find(name).expect("built in").build)();
         SceneInput::new(scene, "")
@@ -87,9 +106,9 @@ fn stage() -> Stage {
         color: false,
         ..CompareOptions::default()
     };
-    let player: Box<dyn Backend> = Box::new(Clocked {
+    let player: Box<dyn Backend + Send> = Box::new(Clocked {
         cpu: Cpu::new(),
-        clock: clock.clone(),
+        clock: Arc::clone(&clock),
     });
     Stage {
         inputs: vec![input("figure"), input("cubes")],
@@ -114,14 +133,13 @@ impl Stage {
     /// What the guard says of a run in which the row takes `first` times as long as in the baseline, and `later` times when
     /// it is timed again.
     fn guard(&mut self, first: f64, later: f64) -> crate::baseline::Changes {
-        self.clock.factor.set(1.0);
+        lock(&self.clock).set(1.0);
         let old = self.compare();
-        self.clock.factor.set(first);
+        lock(&self.clock).set(first);
         let new = self.compare();
         let mut found = changes(&old, &new, &Except::default());
         assert!(found.worse.is_empty() && found.timed == 6, "{found:?}");
-        self.clock.factor.set(later);
-        self.clock.plays.set(0);
+        lock(&self.clock).set(later);
         time_again(&mut found, &self.inputs, &self.options, &mut self.backends).expect("valid");
         assert!(
             found.suspects.is_empty(),
@@ -155,9 +173,9 @@ fn what_is_as_quick_as_before_when_timed_again_is_no_alarm() {
     );
     // One round clears it: a run that warms up and nine to fifteen that count, in each scene.
     assert!(
-        (20..=32).contains(&stage.clock.plays.get()),
+        (20..=32).contains(&lock(&stage.clock).renders),
         "{}",
-        stage.clock.plays.get()
+        lock(&stage.clock).renders
     );
 }
 
@@ -166,7 +184,7 @@ fn unchanged_rows_are_not_timed_again() {
     let mut stage = stage();
     let found = stage.guard(1.0, 1.0);
     assert!(
-        found.worse.is_empty() && found.notes.is_empty() && stage.clock.plays.get() == 0,
+        found.worse.is_empty() && found.notes.is_empty() && lock(&stage.clock).renders == 0,
         "{found:?}"
     );
 }

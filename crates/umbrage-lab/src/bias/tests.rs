@@ -42,7 +42,7 @@ fn sums_count_what_is_good_and_name_what_is_not() {
     );
 }
 
-fn stairs_on(backend: Box<dyn Backend>) -> Vec<BiasRow> {
+fn stairs_on(backend: Box<dyn Backend + Send>) -> Vec<BiasRow> {
     let scene = (umbrage_scenes::find("stairs").expect("built in").build)();
     let staged = staged(scene, false).expect("valid");
     let options = BiasOptions {

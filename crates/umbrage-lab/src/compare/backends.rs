@@ -9,7 +9,7 @@ use umbrage_wgpu::{AdapterChoice, Gpu};
 /// Backends, ready to play.
 pub struct Backends {
     /// Those compared; the CPU comes first where it takes part.
-    pub playing: Vec<Box<dyn Backend>>,
+    pub playing: Vec<Box<dyn Backend + Send>>,
     /// What the reader of the results must know about the choice.
     pub notices: Vec<String>,
     /// The graphics adapter and its driver, if one takes part.
@@ -99,7 +99,7 @@ impl Backends {
     }
 
     /// Returns the caller's own backends. Agreement is measured against the first if its kind is `cpu`.
-    pub fn of(playing: Vec<Box<dyn Backend>>) -> Self {
+    pub fn of(playing: Vec<Box<dyn Backend + Send>>) -> Self {
         Self {
             playing,
             notices: Vec::new(),

@@ -37,7 +37,7 @@ fn lit_by(light: Light) -> Scene {
     }
 }
 
-fn compared(scene: Scene, options: &CompareOptions, player: Box<dyn Backend>) -> Comparison {
+fn compared(scene: Scene, options: &CompareOptions, player: Box<dyn Backend + Send>) -> Comparison {
     let input = SceneInput::new(scene, "");
     compare(
         &[input],
@@ -134,7 +134,7 @@ impl<F: FnMut(&mut Shadows, &View<'_>)> Backend for Spoilt<F> {
 fn spoilt(
     casters: bool,
     scene: Scene,
-    spoil: impl FnMut(&mut Shadows, &View<'_>) + 'static,
+    spoil: impl FnMut(&mut Shadows, &View<'_>) + Send + 'static,
 ) -> Vec<Control> {
     let player = Spoilt {
         cpu: Cpu::new(),

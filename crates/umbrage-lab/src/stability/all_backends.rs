@@ -15,7 +15,7 @@ pub(super) struct RenderedOnAll {
 /// Renders a recipe on each of these backends. Without the first there is no figure; others that don't serve the recipe are
 /// left out.
 pub(super) fn render(
-    playing: &mut [Box<dyn Backend>],
+    playing: &mut [Box<dyn Backend + Send>],
     view: &View<'_>,
     recipe: &Recipe,
 ) -> Result<RenderedOnAll, NoMask> {
@@ -43,7 +43,10 @@ pub(super) fn render(
 }
 
 /// Returns all backends, or the first alone.
-pub(super) fn select(playing: &mut [Box<dyn Backend>], all: bool) -> &mut [Box<dyn Backend>] {
+pub(super) fn select(
+    playing: &mut [Box<dyn Backend + Send>],
+    all: bool,
+) -> &mut [Box<dyn Backend + Send>] {
     let count = if all {
         playing.len()
     } else {

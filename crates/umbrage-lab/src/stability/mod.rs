@@ -33,6 +33,7 @@ mod setting_verdicts;
 mod settings;
 pub mod sweeps;
 pub mod texels;
+mod threads;
 mod verdict;
 mod window;
 

@@ -21,11 +21,12 @@ use super::{
     measures::shimmer::{change, change_error, shimmer},
     pictures,
     play::{cell, no_mask},
+    threads::SharedBackends,
 };
-use crate::{LabError, compare::Backends};
+use crate::LabError;
 use glam::Vec3;
 use std::sync::Arc;
-use umbrage_core::{Backend, Camera, Geometry, Invalid, Light, Receivers, ShadowTechnique, View};
+use umbrage_core::{Camera, Geometry, Invalid, Light, Receivers, Recipe, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
 use umbrage_plan::{
     motion::{draws_the_picture, pixel_shift},
@@ -136,7 +137,7 @@ impl Moving {
         &self,
         technique: &dyn ShadowTechnique,
         criteria: &[Criterion],
-        backends: &mut Backends,
+        backends: &SharedBackends<'_>,
     ) -> Result<Cell, LabError> {
         let played = match self.play(technique, backends) {
             Ok(played) => played,
@@ -167,7 +168,7 @@ impl Moving {
     fn play(
         &self,
         technique: &dyn ShadowTechnique,
-        backends: &mut Backends,
+        backends: &SharedBackends<'_>,
     ) -> Result<PlayedFrames, NoMask> {
         let mut out = PlayedFrames {
             masks: Vec::new(),
@@ -177,8 +178,7 @@ impl Moving {
         };
         for index in 0..self.frames.len() {
             let is_end = index == 0 || index + 1 == self.frames.len();
-            let playing = all_backends::select(&mut backends.playing, is_end);
-            let played = self.play_frame(index, technique, playing)?;
+            let played = self.play_frame(index, technique, backends, is_end)?;
             out.masks.push(played.rendered.mask);
             out.draws_the_picture |= played.draws_the_picture;
             out.casts |= played.casts;
@@ -187,13 +187,19 @@ impl Moving {
         Ok(out)
     }
 
-    /// Renders the mask of frame `index` at the first frame's receivers.
+    /// Renders the mask of frame `index` at the first frame's receivers, on the first backend or on all.
     fn play_frame(
         &self,
         index: usize,
         technique: &dyn ShadowTechnique,
-        playing: &mut [Box<dyn Backend>],
+        backends: &SharedBackends<'_>,
+        on_all: bool,
     ) -> Result<PlayedFrame, NoMask> {
+        let render = |view: &View<'_>, recipe: &Recipe| {
+            let mut backends = backends.lock();
+            let playing = all_backends::select(&mut backends.playing, on_all);
+            all_backends::render(playing, view, recipe)
+        };
         let frame = &self.frames[index];
         let geometry = &frame.geometry;
         let frame_view = View::new(&frame.camera, &frame.light, geometry);
@@ -208,7 +214,7 @@ impl Moving {
             let at_first = first_view.with_receivers(receivers);
             let recipe = guard::plan(technique, &at_first)?;
             return Ok(PlayedFrame {
-                rendered: all_backends::render(playing, &at_first, &recipe)?,
+                rendered: render(&at_first, &recipe)?,
                 draws_the_picture: true,
                 casts,
             });
@@ -216,7 +222,7 @@ impl Moving {
         let pixels = if self.motion.moves_pixels() { index } else { 0 };
         let asked_beside = pixel_shift::to_the_right(receivers, pixels);
         let at_pixels = first_view.with_receivers(&asked_beside);
-        let mut rendered = all_backends::render(playing, &at_pixels, &recipe)?;
+        let mut rendered = render(&at_pixels, &recipe)?;
         pixel_shift::back(&mut rendered.mask, receivers.size.x, pixels);
         Ok(PlayedFrame {
             rendered,

@@ -7,8 +7,9 @@ use super::{
     measure::{Measure, SCREEN, rmse},
     measures::cascade_seams,
     pictures,
+    threads::SharedBackends,
 };
-use crate::{LabError, compare::Backends};
+use crate::LabError;
 use umbrage_core::{Light, Receivers, Recipe, ShadowTechnique, View, Work};
 use umbrage_plan::motion::draws_the_picture;
 
@@ -43,7 +44,7 @@ impl Still<'_> {
     pub(super) fn cell(
         &self,
         technique: &dyn ShadowTechnique,
-        backends: &mut Backends,
+        backends: &SharedBackends<'_>,
     ) -> Result<Cell, LabError> {
         let played = match play(self.case_truth, technique, backends) {
             Ok(played) => played,
@@ -93,7 +94,7 @@ impl Still<'_> {
         measure: Measure,
         played: &RenderedOnAll,
         technique: &dyn ShadowTechnique,
-        backends: &mut Backends,
+        backends: &SharedBackends<'_>,
     ) -> Result<f64, NoMask> {
         match (measure, self.reference) {
             (Measure::Fill, _) => Ok(played.fill),
@@ -131,7 +132,7 @@ pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
 fn play(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
-    backends: &mut Backends,
+    backends: &SharedBackends<'_>,
 ) -> Result<RenderedOnAll, NoMask> {
     let mut all: Option<RenderedOnAll> = None;
     for light in &case_truth.lights {
@@ -167,11 +168,11 @@ fn under(
     light: &Light,
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
-    backends: &mut Backends,
+    backends: &SharedBackends<'_>,
 ) -> Result<RenderedOnAll, NoMask> {
     let view = case_truth.view(light);
     let recipe = guard::plan(technique, &view.with_receivers(&case_truth.truth.receivers))?;
-    let rendered = all_backends::render(&mut backends.playing, &view, &recipe)?;
+    let rendered = all_backends::render(&mut backends.lock().playing, &view, &recipe)?;
     Ok(RenderedOnAll {
         mask: rendered.mask,
         fill: fill(&recipe, &view),

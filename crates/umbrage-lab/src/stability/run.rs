@@ -1,7 +1,7 @@
 //! Plays all rows with all techniques.
 
 use super::{
-    CaseResult, CellOutcome, Criterion, Motion, Stability,
+    CaseResult, Cell, CellOutcome, Criterion, Motion, Stability,
     case_truth::CaseTruth,
     guard,
     measure::Measure,
@@ -10,6 +10,7 @@ use super::{
     row::{StabilityCase, StabilityRow},
     rows::{cases, rows},
     settings::settings,
+    threads::{self, SharedBackends},
 };
 use crate::{LabError, compare::Backends};
 use glam::UVec2;
@@ -303,14 +304,15 @@ fn play_case(
         None => measure.limits(case_truth),
     };
     let criteria;
-    let mut cells = Vec::new();
+    let backends = SharedBackends::new(backends);
+    let cells: Vec<Result<Cell, LabError>>;
     if let Some(moving) = &prepared.moving {
         criteria = Criterion::of_case(case.measure, case_truth, |measure| {
             moving.limits(measure, still_limits(measure))
         });
-        for technique in &techniques {
-            cells.push(moving.cell(&**technique, &criteria, backends)?);
-        }
+        cells = threads::map(&techniques, |technique| {
+            moving.cell(&**technique, &criteria, &backends)
+        });
     } else {
         criteria = Criterion::of_case(case.measure, case_truth, still_limits);
         let still = Still {
@@ -318,9 +320,7 @@ fn play_case(
             reference: prepared.reference.as_ref(),
             criteria: &criteria,
         };
-        for technique in &techniques {
-            cells.push(still.cell(&**technique, backends)?);
-        }
+        cells = threads::map(&techniques, |technique| still.cell(&**technique, &backends));
     }
     Ok(CaseResult {
         row: row.number,
@@ -333,7 +333,7 @@ fn play_case(
         fit: case.fit.label(),
         is_sanity: !case_truth.truth.has_shadow(),
         criteria: criteria.iter().map(|c| c.result(case_truth)).collect(),
-        cells,
+        cells: cells.into_iter().collect::<Result<_, _>>()?,
     })
 }
 
@@ -399,8 +399,8 @@ fn faults(result: &CaseResult) -> Vec<String> {
 /// # Errors
 /// Errors if the picture can't be played.
 pub fn check_state(
-    used: &mut [Box<dyn Backend>],
-    fresh: &mut [Box<dyn Backend>],
+    used: &mut [Box<dyn Backend + Send>],
+    fresh: &mut [Box<dyn Backend + Send>],
 ) -> Result<Vec<String>, LabError> {
     let mut out = Vec::new();
     for used in used {

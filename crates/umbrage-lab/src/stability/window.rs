@@ -11,10 +11,11 @@ use super::{
     guard::NoMask,
     run::{case_truth, some_backend},
     sweeps::{not_played, play},
+    threads::{self, SharedBackends},
 };
 use crate::{LabError, compare::Backends};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use umbrage_core::ShadowTechnique;
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 
@@ -147,30 +148,36 @@ fn short(amount: f64) -> String {
 pub fn windows(
     options: &StabilityOptions,
     backends: &mut Backends,
-    on_technique: &mut dyn FnMut(&str),
+    on_technique: &mut (dyn FnMut(&str) + Send),
 ) -> Result<Vec<BiasWindow>, LabError> {
     some_backend(backends)?;
     let mut stages = Vec::new();
     for case in &CASES {
         stages.push(Stage::new(case, options)?);
     }
-    let mut by_technique = Vec::new();
+    let mut presets = Vec::new();
     for entry in options.registry.select(&options.techniques)? {
         let preset = (entry.preset)();
         let Some(map) = preset.map().copied() else {
             continue;
         };
-        on_technique(entry.name);
         let map = ShadowMap {
             size: options.map_size,
             ..map
         };
+        presets.push((entry.name, preset, map));
+    }
+    let backends = SharedBackends::new(backends);
+    let on_technique = Mutex::new(on_technique);
+    let windows = threads::map(&presets, |(name, preset, map)| {
+        on_technique.lock().unwrap_or_else(PoisonError::into_inner)(name);
         let mut both = Vec::new();
         for base in [Base::Own, Base::Bare] {
-            both.extend(window(&preset, map, base, &stages, backends)?);
+            both.extend(window(preset, *map, base, &stages, &backends)?);
         }
-        by_technique.push(both);
-    }
+        Ok::<_, LabError>(both)
+    });
+    let mut by_technique = windows.into_iter().collect::<Result<Vec<_>, _>>()?;
     let own_width = |windows: &Vec<BiasWindow>| windows.first().map_or(0.0, BiasWindow::width);
     by_technique.sort_by(|a, b| own_width(b).total_cmp(&own_width(a)));
     Ok(by_technique.concat())
@@ -233,7 +240,7 @@ fn window(
     map: ShadowMap,
     base: Base,
     stages: &[Stage],
-    backends: &mut Backends,
+    backends: &SharedBackends<'_>,
 ) -> Result<Option<BiasWindow>, LabError> {
     let mut trial = Trial {
         preset,
@@ -292,7 +299,7 @@ impl Trial<'_> {
         amount: f64,
         i: usize,
         count: usize,
-        backends: &mut Backends,
+        backends: &SharedBackends<'_>,
     ) -> Result<Option<bool>, LabError> {
         let technique = self.technique(amount);
         for stage in self.stages {
@@ -318,7 +325,7 @@ impl Trial<'_> {
         &mut self,
         passing: f64,
         failing: Option<f64>,
-        backends: &mut Backends,
+        backends: &SharedBackends<'_>,
     ) -> Result<f64, LabError> {
         let Some(mut failing) = failing else {
             return Ok(passing);

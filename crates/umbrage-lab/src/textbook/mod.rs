@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn no_cure_is_worse_than_its_fault_unless_the_page_says_why() {
-        let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
+        let mut backends: Vec<Box<dyn Backend + Send>> = vec![Box::new(Cpu::new())];
         for effect in all() {
             let played =
                 play(effect, &mut backends).unwrap_or_else(|e| panic!("{}: {e}", effect.name));

@@ -35,7 +35,10 @@ pub struct Side {
 ///
 /// # Errors
 /// Errors if a preset's scene is missing or its technique doesn't serve it, or a backend fails.
-pub fn play(effect: &Effect, backends: &mut [Box<dyn Backend>]) -> Result<PlayedEffect, LabError> {
+pub fn play(
+    effect: &Effect,
+    backends: &mut [Box<dyn Backend + Send>],
+) -> Result<PlayedEffect, LabError> {
     Ok(PlayedEffect {
         fault: side(&effect.fault, backends)?,
         cure: side(&effect.cure, backends)?,
@@ -43,7 +46,7 @@ pub fn play(effect: &Effect, backends: &mut [Box<dyn Backend>]) -> Result<Played
 }
 
 /// Plays one half on all backends.
-fn side(preset: &Preset, backends: &mut [Box<dyn Backend>]) -> Result<Side, LabError> {
+fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Side, LabError> {
     let scene = (preset.scene)();
     let fit = umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit);
     let stage = color::Stage::new(&scene, fit)?;

@@ -6,12 +6,12 @@
 use super::{Curve, Sweep, not_played, play};
 use crate::{
     LabError,
-    compare::Backends,
     stability::{
         CaseTruth, Measure, PLATE, StabilityCase, StabilityOptions,
         all_backends::{self, RenderedOnAll},
         case_truth,
         guard::NoMask,
+        threads::{self, SharedBackends},
     },
 };
 use umbrage_core::RasterBias;
@@ -112,7 +112,7 @@ pub(super) const ALL: &[Kind] = &[
 pub(super) fn sweep(
     kind: &Kind,
     options: &StabilityOptions,
-    backends: &mut Backends,
+    backends: &SharedBackends<'_>,
 ) -> Result<Sweep, LabError> {
     let case_truth = case_truth(
         &StabilityCase::still(kind.scene, kind.loss),
@@ -178,24 +178,22 @@ fn masks(
     values: &[f32],
     case_truth: &CaseTruth,
     options: &StabilityOptions,
-    backends: &mut Backends,
+    backends: &SharedBackends<'_>,
 ) -> Result<Vec<RenderedOnAll>, LabError> {
-    let mut out = Vec::new();
-    for (i, value) in values.iter().enumerate() {
+    let places: Vec<usize> = (0..values.len()).collect();
+    let played = threads::map(&places, |&i| {
         let map = ShadowMap {
             size: options.map_size,
-            bias: (kind.bias)(*value),
+            bias: (kind.bias)(values[i]),
             ..ShadowMap::default()
         };
-        match play(case_truth, &Hard { map }, backends, i, values.len()) {
-            Ok(played) => out.push(played),
-            // Without a mask there is no figure. Leaving the point out would hide that the setting can't be played.
-            Err(NoMask::Unsupported(why) | NoMask::Fault(why)) => {
-                return Err(not_played(case_truth, &Hard { map }, &why));
-            }
-        }
-    }
-    Ok(out)
+        let played = play(case_truth, &Hard { map }, backends, i, values.len());
+        // Without a mask there is no figure. Leaving the point out would hide that the setting can't be played.
+        played.map_err(|(NoMask::Unsupported(why) | NoMask::Fault(why))| {
+            not_played(case_truth, &Hard { map }, &why)
+        })
+    });
+    played.into_iter().collect()
 }
 
 /// Returns the x at which the highest of the curves is lowest; the least such x.
@@ -213,16 +211,19 @@ fn highest(curves: &[Curve], i: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::faulty_backend::{FaultyBackend, darken_one};
+    use crate::{
+        compare::Backends,
+        faulty_backend::{FaultyBackend, darken_one},
+    };
     use umbrage_core::{Backend, BackendError, Invalid, Recipe, Shadows, View};
     use umbrage_cpu::Cpu;
 
     /// Plays the first sweep on these backends.
-    fn on(playing: Vec<Box<dyn Backend>>) -> Result<Sweep, LabError> {
+    fn on(playing: Vec<Box<dyn Backend + Send>>) -> Result<Sweep, LabError> {
         sweep(
             &ALL[0],
             &StabilityOptions::quick(),
-            &mut Backends::of(playing),
+            &SharedBackends::new(&mut Backends::of(playing)),
         )
     }
 

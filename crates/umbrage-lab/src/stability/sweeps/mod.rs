@@ -12,6 +12,7 @@ use super::{
     all_backends::{self, RenderedOnAll},
     guard::{self, NoMask},
     run::some_backend,
+    threads::SharedBackends,
 };
 use crate::{LabError, compare::Backends, output::csv};
 use serde::{Deserialize, Serialize};
@@ -59,6 +60,7 @@ pub fn sweeps(
     on_sweep: &mut dyn FnMut(&str),
 ) -> Result<Vec<Sweep>, LabError> {
     some_backend(backends)?;
+    let backends = &SharedBackends::new(backends);
     let mut out = Vec::new();
     for kind in bias::ALL {
         on_sweep(kind.name);
@@ -105,7 +107,7 @@ impl Sweep {
 pub(super) fn play(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
-    backends: &mut Backends,
+    backends: &SharedBackends<'_>,
     i: usize,
     count: usize,
 ) -> Result<RenderedOnAll, NoMask> {
@@ -115,6 +117,7 @@ pub(super) fn play(
     let recipe = guard::plan(technique, &view)?;
     // Other backends play the curve's ends and its middle.
     let is_checked = i == 0 || i == count / 2 || i == count - 1;
+    let mut backends = backends.lock();
     let playing = all_backends::select(&mut backends.playing, is_checked);
     all_backends::render(playing, &view, &recipe)
 }

@@ -4,8 +4,10 @@
 use super::{Curve, Sweep, moved, not_played, play, scaled, under_sun};
 use crate::{
     LabError,
-    compare::Backends,
-    stability::{CaseTruth, Measure, StabilityOptions, all_backends, guard::NoMask, settings},
+    stability::{
+        CaseTruth, Measure, StabilityOptions, all_backends, guard::NoMask, settings,
+        threads::SharedBackends,
+    },
 };
 use glam::Vec3;
 use umbrage_core::{Fit, Scene, ShadowTechnique};
@@ -96,7 +98,7 @@ const TECHNIQUES: [&str; 4] = ["hard", "pcf", "second_depth", "volumes"];
 pub(super) fn sweep(
     kind: &Kind,
     options: &StabilityOptions,
-    backends: &mut Backends,
+    backends: &SharedBackends<'_>,
 ) -> Result<Sweep, LabError> {
     let scene = umbrage_scenes::find(kind.scene)
         .map(|entry| (entry.build)())

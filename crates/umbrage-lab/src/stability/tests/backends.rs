@@ -78,9 +78,9 @@ fn backends_that_serve_nothing_are_left_out() {
         techniques: vec!["hard".to_owned()],
         ..small()
     };
-    let cpu = || Box::new(Cpu::new()) as Box<dyn Backend>;
-    let faulty = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend>;
-    let cells = |playing: Vec<Box<dyn Backend>>| -> Vec<Cell> {
+    let cpu = || Box::new(Cpu::new()) as Box<dyn Backend + Send>;
+    let faulty = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend + Send>;
+    let cells = |playing: Vec<Box<dyn Backend + Send>>| -> Vec<Cell> {
         let mut backends = Backends::of(playing);
         let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
         stability.cases.into_iter().flat_map(|c| c.cells).collect()

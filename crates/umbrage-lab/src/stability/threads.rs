@@ -1,0 +1,72 @@
+//! Runs one function on many inputs by several threads, where all share the backends.
+
+use crate::compare::Backends;
+use std::{
+    num::NonZero,
+    sync::{Mutex, MutexGuard, PoisonError},
+    thread,
+};
+
+/// Backends that several threads use in turn.
+///
+/// A thread of rayon's pool must never wait for them: the thread that holds them may itself wait for the pool, since the CPU
+/// backend renders there. So [`map`] starts threads of its own.
+pub(super) struct SharedBackends<'a>(Mutex<&'a mut Backends>);
+
+impl<'a> SharedBackends<'a> {
+    pub(super) fn new(backends: &'a mut Backends) -> Self {
+        Self(Mutex::new(backends))
+    }
+
+    /// Waits until no other thread uses the backends.
+    pub(super) fn lock(&self) -> MutexGuard<'_, &'a mut Backends> {
+        // A rendering that panics is caught (`guard::render`), and its backend goes on.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Returns `f` of each input, in the inputs' order. As many threads as the machine has cores take the next input whenever they
+/// have finished one.
+pub(super) fn map<T: Sync, R: Send>(inputs: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
+    let next = Mutex::new(inputs.iter().enumerate());
+    let done = Mutex::new(Vec::new());
+    thread::scope(|scope| {
+        for _ in 0..cores.min(inputs.len()) {
+            scope.spawn(|| {
+                loop {
+                    let taken = next.lock().unwrap_or_else(PoisonError::into_inner).next();
+                    let Some((index, input)) = taken else {
+                        break;
+                    };
+                    let result = f(input);
+                    done.lock()
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .push((index, result));
+                }
+            });
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn results_have_the_order_of_the_inputs() {
+        // The first inputs take longest.
+        let inputs: Vec<u64> = (0..40).collect();
+        let doubled = map(&inputs, |&input| {
+            thread::sleep(Duration::from_micros(200 * (40 - input)));
+            2 * input
+        });
+        let expected: Vec<u64> = inputs.iter().map(|input| 2 * input).collect();
+        assert_eq!(doubled, expected);
+        assert!(map(&[], |&input: &u64| input).is_empty());
+    }
+}
