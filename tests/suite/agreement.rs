@@ -21,14 +21,14 @@ use umbrage_tests::{
 };
 
 /// Each gives other cases.
-const SEEDS: [u8; 4] = [1, 2, 3, 8];
-/// Scenes a seed: so many that a thousand are rendered with maps in all. Some lights are not supported, and some cases are
+const SEEDS: [u8; 2] = [1, 2];
+/// Scenes a seed: so many that five hundred are rendered with maps in all. Some lights are not supported, and some cases are
 /// ray-traced.
 const SCENES: u32 = 410;
 /// Seeds and numbers of cases that failed on a driver once, and always run: the first has one decided pixel off on an H100 and an H200.
 const FAILED_ONCE: [(u8, usize); 1] = [(1, 203)];
 /// Scenes that each technique must have rendered at the least; planar shadows refuse most.
-const LEAST_EACH: u32 = 25;
+const LEAST_EACH: u32 = 12;
 
 #[test]
 fn random_scenes_agree() {
@@ -88,7 +88,7 @@ fn random_scenes_agree() {
         .sum();
     // Lamps have no cascades, and suns no cubes.
     assert!(
-        mapped >= 850,
+        mapped >= 425,
         "only {mapped} scenes were rendered with maps: {rendered:?}"
     );
     for entry in umbrage_techniques::all() {
@@ -100,12 +100,12 @@ fn random_scenes_agree() {
         );
     }
     assert!(
-        shadowed.get() >= 400,
+        shadowed.get() >= 200,
         "only {} scenes had a shadow in them: the others prove little",
         shadowed.get()
     );
     assert!(
-        holed.get() >= 50,
+        holed.get() >= 25,
         "only {} scenes with holes had a shadow in them",
         holed.get()
     );

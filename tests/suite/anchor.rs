@@ -14,7 +14,7 @@ use umbrage_tests::{gpu::gpu, random_scene::scenes};
 /// A map of one comparison, one of many, and what has no map.
 const TECHNIQUES: [&str; 6] = ["hard", "pcf", "pcss", "exact", "traced", "soft"];
 /// Random scenes of each test.
-const SCENES: u32 = 48;
+const SCENES: u32 = 24;
 /// Positions of the scenes are multiples of this, metres: 32 bits hold them around the origin, 64 bits hold them 8,000 km away.
 const GRID: f32 = 1.0 / (1 << 20) as f32;
 /// Steps between anchors from the origin: 1,000,448 m along an axis.
@@ -156,7 +156,7 @@ fn shadows_are_those_at_the_origin() {
     let seen = compare(1, away, |eye| Anchor::near(eye).expect("finite"));
     for name in TECHNIQUES {
         let seen = seen[name];
-        assert!(seen.shadowed >= 20, "{name}: {seen:?}");
+        assert!(seen.shadowed >= 10, "{name}: {seen:?}");
         assert_eq!(seen.others, [0, 0], "{name}: {seen:?}");
     }
 }
@@ -169,7 +169,7 @@ fn without_an_anchor_shadows_differ() {
         let seen = seen[name];
         let fewest = seen.others.into_iter().min().expect("two backends");
         assert!(
-            seen.shadowed >= 20 && 10 * fewest >= 9 * seen.shadowed,
+            seen.shadowed >= 10 && 10 * fewest >= 9 * seen.shadowed,
             "{name}: {seen:?}"
         );
     }

@@ -110,7 +110,7 @@ const DRIVER_MODELS: [&str; 3] = ["fused", "reassociated", "inaccurate"];
 /// Environment variable that makes tests run each Nth of their cases: see `tests/driver_model.rs`.
 const NTH_CASE: &str = "UMBRAGE_EVERY_NTH_CASE";
 /// Of the cases of each test, this one in so many runs on the second driver: it takes three times as long as the first.
-const NTH_ON_SECOND: &str = "2";
+const NTH_ON_SECOND: &str = "4";
 /// The same under each model of a driver.
 const NTH_ON_MODELS: &str = "10";
 
