@@ -5,8 +5,8 @@
 //! parameters, results, structures and signs.
 
 use naga::{
-    BinaryOperator, Block, Expression, Function, Handle, Literal, MathFunction, Module, ScalarKind,
-    Statement, TypeInner, UnaryOperator,
+    BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, MathFunction,
+    Module, ScalarKind, ShaderStage, Statement, TypeInner, UnaryOperator,
     front::wgsl::parse_str,
     valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator},
 };
@@ -61,6 +61,99 @@ pub fn liberties(wgsl: &str) -> Result<BTreeSet<(String, Liberty)>, String> {
         }
     }
     Ok(out)
+}
+
+/// Returns the functions among `roots`, and the fragment and compute entry points, in which a product may
+/// be guarded by a variable of this name before the variable is stored to: compilers know its first value.
+///
+/// # Errors
+/// Errors if the text is not valid WGSL, or names none of `roots`.
+pub fn unset_guards(wgsl: &str, guard: &str, roots: &[&str]) -> Result<Vec<String>, String> {
+    let module = parse_str(wgsl).map_err(|e| e.emit_to_string(wgsl))?;
+    let mut globals = module.global_variables.iter();
+    let Some((guard, _)) = globals.find(|(_, global)| global.name.as_deref() == Some(guard)) else {
+        return Ok(Vec::new());
+    };
+    let mut checked: Vec<(&str, &Function)> = Vec::new();
+    for &root in roots {
+        let mut functions = module.functions.iter();
+        let found = functions.find(|(_, function)| function.name.as_deref() == Some(root));
+        let (_, function) = found.ok_or_else(|| format!("there is no function `{root}`"))?;
+        checked.push((root, function));
+    }
+    let entries = module.entry_points.iter();
+    let shaded = entries.filter(|entry| entry.stage != ShaderStage::Vertex);
+    checked.extend(shaded.map(|entry| (entry.name.as_str(), &entry.function)));
+    let order = Order {
+        module: &module,
+        guard,
+    };
+    let unset = checked
+        .into_iter()
+        .filter(|(_, function)| order.loads_first(function, &function.body, &mut false));
+    Ok(unset.map(|(name, _)| name.to_owned()).collect())
+}
+
+/// The order in which functions load and store a variable.
+struct Order<'a> {
+    module: &'a Module,
+    guard: Handle<GlobalVariable>,
+}
+
+impl Order<'_> {
+    fn is_guard(&self, function: &Function, pointer: Handle<Expression>) -> bool {
+        matches!(*root(function, pointer), Expression::GlobalVariable(global) if global == self.guard)
+    }
+
+    /// Returns whether a block may load the variable before it is stored to. `is_set` is whether it was
+    /// stored to before the block, and then whether it was on all ways through it.
+    fn loads_first(&self, function: &Function, block: &Block, is_set: &mut bool) -> bool {
+        for statement in block.iter() {
+            if *is_set {
+                return false;
+            }
+            let in_block =
+                |block: &Block, is_set: &mut bool| self.loads_first(function, block, is_set);
+            let loads = match statement {
+                Statement::Emit(range) => range.clone().any(|expression| {
+                    matches!(
+                        function.expressions[expression],
+                        Expression::Load { pointer } if self.is_guard(function, pointer)
+                    )
+                }),
+                Statement::Store { pointer, .. } => {
+                    *is_set = self.is_guard(function, *pointer);
+                    false
+                }
+                Statement::Call {
+                    function: callee, ..
+                } => {
+                    let callee = &self.module.functions[*callee];
+                    self.loads_first(callee, &callee.body, is_set)
+                }
+                Statement::Block(block) => in_block(block, is_set),
+                Statement::If { accept, reject, .. } => {
+                    let [mut after_accept, mut after_reject] = [false; 2];
+                    let loads =
+                        in_block(accept, &mut after_accept) || in_block(reject, &mut after_reject);
+                    *is_set = after_accept && after_reject;
+                    loads
+                }
+                // Cases may be left out, and loops may end early: what they store does not count.
+                Statement::Switch { cases, .. } => {
+                    cases.iter().any(|case| in_block(&case.body, &mut false))
+                }
+                Statement::Loop {
+                    body, continuing, ..
+                } => in_block(body, &mut false) || in_block(continuing, &mut false),
+                _ => false,
+            };
+            if loads {
+                return true;
+            }
+        }
+        false
+    }
 }
 
 /// A function, or an entry point by its number.

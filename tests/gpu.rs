@@ -1,32 +1,81 @@
 //! The wgpu backends that the tests share.
 
 use crate::{adapter::HELP, driver_model::DriverModel};
-use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::{
+    ops::{Deref, DerefMut},
+    sync::{Condvar, Mutex, MutexGuard, PoisonError},
+};
 use umbrage_core::BackendError;
 use umbrage_wgpu::{AdapterChoice, Gpu, Software};
 
 /// Tests of one program share this many devices: enough to keep two cores busy. Each device compiles its own pipelines.
 const DEVICES: usize = 2;
 
-/// Returns a shared backend that no other test uses now, or waits until one is free.
+/// The shared backends.
+struct Pool {
+    /// Those that no test uses now.
+    free: Vec<Gpu>,
+    /// How many there are, [`DEVICES`] at most.
+    opened: usize,
+}
+
+static POOL: Mutex<Pool> = Mutex::new(Pool {
+    free: Vec::new(),
+    opened: 0,
+});
+/// Notified when a test returns a backend.
+static RETURNED: Condvar = Condvar::new();
+
+fn lock_pool() -> MutexGuard<'static, Pool> {
+    // A test that failed while it held the lock reports that itself; the others go on.
+    POOL.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A backend that one test uses alone. Dropping this returns it.
+#[derive(Debug)]
+pub struct SharedGpu(Option<Gpu>);
+
+/// Returns a shared backend that no other test uses. Waits until one is free.
+///
+/// A test drops its backend before it takes another one: two tests that each hold one and wait for a second would wait forever.
 ///
 /// # Panics
 /// Panics if there is no adapter: a test that needs one fails, it is never skipped.
-pub fn gpu() -> MutexGuard<'static, Gpu> {
-    static GPUS: [LazyLock<Mutex<Gpu>>; DEVICES] = [const { LazyLock::new(open_or_panic) }; DEVICES];
-    let free = GPUS.iter().find_map(|gpu| match gpu.try_lock() {
-        Ok(gpu) => Some(gpu),
-        // A test that failed while it held the lock reports that itself; the others go on.
-        Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
-        Err(TryLockError::WouldBlock) => None,
-    });
-    free.unwrap_or_else(|| GPUS[0].lock().unwrap_or_else(PoisonError::into_inner))
+pub fn gpu() -> SharedGpu {
+    let mut pool = lock_pool();
+    loop {
+        if let Some(gpu) = pool.free.pop() {
+            return SharedGpu(Some(gpu));
+        }
+        if pool.opened < DEVICES {
+            let gpu = open().unwrap_or_else(|why| {
+                panic!("no graphics adapter for the tests ({why}); {HELP}");
+            });
+            pool.opened += 1;
+            return SharedGpu(Some(gpu));
+        }
+        pool = RETURNED.wait(pool).unwrap_or_else(PoisonError::into_inner);
+    }
 }
 
-fn open_or_panic() -> Mutex<Gpu> {
-    match open() {
-        Ok(gpu) => Mutex::new(gpu),
-        Err(why) => panic!("no graphics adapter for the tests ({why}); {HELP}"),
+impl Deref for SharedGpu {
+    type Target = Gpu;
+
+    fn deref(&self) -> &Gpu {
+        self.0.as_ref().expect("only dropping takes it")
+    }
+}
+
+impl DerefMut for SharedGpu {
+    fn deref_mut(&mut self) -> &mut Gpu {
+        self.0.as_mut().expect("only dropping takes it")
+    }
+}
+
+impl Drop for SharedGpu {
+    fn drop(&mut self) {
+        lock_pool().free.extend(self.0.take());
+        RETURNED.notify_one();
     }
 }
 

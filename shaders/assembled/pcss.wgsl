@@ -16,10 +16,12 @@ fn shadow_size_1() -> vec2i { return vec2i(textureDimensions(shadow_image_1)); }
 // ---- math.wgsl
 // Twin of math.rs: every sum is written out, from left to right.
 //
-// WGSL lets drivers fuse a product with the sum that it goes into, and miss quotients and roots by some units in the last place. What
-// decides whether a point is lit is written with the functions below, which every driver rounds alike.
+// WGSL lets drivers fuse a product with the sum that it goes into, and miss quotients and roots by
+// some units in the last place. What decides whether a point is lit is written with the functions
+// below. Every driver rounds them alike, unless an operand or the result is not a normal number.
 
-// Always 0, but no compiler knows. Shaders set it from a bit of their uniforms that is never set.
+// Always 0, but no compiler knows. Every entry point sets it first, from a bit of its uniforms that
+// is never set: before that, product() does not prevent fusing.
 var<private> shadow_opaque_zero: u32;
 
 // a * b, rounded before it goes into a sum: no compiler fuses through the xor.
@@ -44,8 +46,9 @@ fn shadow_leading_bits(x: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) & 0xfffff000u);
 }
 
-// a - b * c without error, for a near b * c and factors in 0.5..4: all products are of two numbers of 12 bits, so that fusing changes
-// nothing (Dekker 1971, "A floating-point technique for extending the available precision").
+// a - b * c without error, for a near b * c and factors in 0.5..4: all products are of two numbers of
+// 12 bits, so that fusing changes nothing (Dekker 1971, "A floating-point technique for extending the
+// available precision").
 fn shadow_residual(a: f32, b: f32, c: f32) -> f32 {
     let b_high = shadow_leading_bits(b);
     let c_high = shadow_leading_bits(c);
@@ -69,23 +72,26 @@ fn shadow_with_sign_of(size: f32, x: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(size) | (bitcast<u32>(x) & 0x80000000u));
 }
 
-// Returns a quotient of numbers in 1..2, one unit in the last place nearer to x / y unless it is the nearest.
+// Returns a quotient of numbers in 1..2, one unit in the last place nearer to x / y unless it is the
+// nearest.
 fn shadow_nearer_quotient(q: f32, x: f32, y: f32, unit: f32) -> f32 {
     let rest = shadow_residual(x, q, y);
     // The nearest number leaves at most half a unit.
     return q + select(0.0, shadow_with_sign_of(unit, rest), 2.0 * abs(rest) > unit * y);
 }
 
-// a / b, rounded to nearest: the residual of the device's own quotient tells how far that is off (Markstein 1990, "Computation of
-// elementary functions on the IBM RISC System/6000 processor"). WGSL allows 2.5 units in the last place, so it is at most two numbers off.
+// a / b, rounded to nearest, by the residual of the device's own quotient (Markstein 1990,
+// "Computation of elementary functions on the IBM RISC System/6000 processor"). WGSL allows an error
+// of 2.5 units in the last place: at most two numbers off.
 fn shadow_quotient(a: f32, b: f32) -> f32 {
     let a_bits = bitcast<u32>(a);
     let b_bits = bitcast<u32>(b);
     let rough = a / b;
     let x = shadow_significand(a_bits);
     let y = shadow_significand(b_bits);
-    // The quotient is in least..2 * least, where numbers are a unit apart. The device's may be less, where they are half as far apart. It is
-    // at most 2 * least, a unit from the greatest quotient: that is 2 - unit at y = 1, and the next number after 2 is too far off.
+    // The quotient is in least..2 * least, where numbers are a unit apart. The device's may be less,
+    // where they are half as far apart. It is at most 2 * least, a unit from the greatest quotient:
+    // that is 2 - unit at y = 1, and the next number after 2 is too far off.
     let least = select(0.5, 1.0, x >= y);
     let unit = 1.1920929e-7 * least;
     let start = max(x / y, least);
@@ -100,21 +106,24 @@ fn shadow_quotient(a: f32, b: f32) -> f32 {
 fn shadow_nearer_root(s: f32, y: f32) -> f32 {
     let unit = 1.1920929e-7;
     let rest = shadow_residual(y, s, s);
-    // Half a unit away the square differs by the product of s and the unit, and a quarter of the unit's square. Residuals are
-    // multiples of that square.
+    // Half a unit away the square differs by the product of s and the unit, and a quarter of the
+    // unit's square. Residuals are multiples of that square.
     let is_low = rest > unit * s;
     let is_high = rest <= -unit * s;
     return s + select(select(0.0, -unit, is_high), unit, is_low);
 }
 
-// The square root of x, rounded to nearest, likewise.
+// The square root of x, rounded to nearest. The device's own inherits its error from
+// 1 / inverseSqrt(x): 2 units in the last place, and 2.5 of the quotient. After a step of Newton's
+// method it is at most one number off.
 fn shadow_root(x: f32) -> f32 {
     let x_bits = bitcast<u32>(x);
     // x is y times a power of 4, and y is in 1..4.
     let is_odd = (x_bits & 0x00800000u) == 0u;
     let y = shadow_significand(x_bits) * select(1.0, 2.0, is_odd);
-    let start = max(sqrt(y), 1.0);
-    let s = shadow_nearer_root(shadow_nearer_root(start, y), y);
+    let rough = max(sqrt(y), 1.0);
+    let start = max(rough + shadow_residual(y, rough, rough) * 0.5 / rough, 1.0);
+    let s = shadow_nearer_root(start, y);
     let half_exponent = ((bitcast<i32>(x_bits) >> 23u) - select(127, 128, is_odd)) / 2;
     let nearest = bitcast<f32>(bitcast<u32>(s) + (bitcast<u32>(half_exponent) << 23u));
     let is_positive = (x_bits & 0x80000000u) == 0u;
@@ -320,8 +329,6 @@ fn shadow_tap(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
 
 // The answer of one layer.
 fn shadow_visibility_in(layer: i32, r: shadow_Receiver) -> f32 {
-    // w is 0 or 1: its sign is never set.
-    shadow_opaque_zero = bitcast<u32>(shadow_kernel.lookup.light.w) >> 31u;
     let l = shadow_shadow_coord_in(layer, shadow_kernel.lookup, r.position, r.normal);
     if !l.seen {
         return shadow_full_light(r);
@@ -331,6 +338,8 @@ fn shadow_visibility_in(layer: i32, r: shadow_Receiver) -> f32 {
 
 // Where each receiver has one layer.
 fn shadow_receive_from_one(r: shadow_Receiver) -> f32 {
+    // w is 0 or 1: its sign is never set.
+    shadow_opaque_zero = bitcast<u32>(shadow_kernel.lookup.light.w) >> 31u;
     return shadow_visibility_in(shadow_layer_at(shadow_kernel.lookup.light, r.position), r);
 }
 

@@ -3,8 +3,6 @@
 
 // The answer of one layer.
 fn visibility_in(layer: i32, r: Receiver) -> f32 {
-    // w is 0 or 1: its sign is never set.
-    opaque_zero = bitcast<u32>(kernel.lookup.light.w) >> 31u;
     let l = shadow_coord_in(layer, kernel.lookup, r.position, r.normal);
     if !l.seen {
         return full_light(r);
@@ -14,5 +12,7 @@ fn visibility_in(layer: i32, r: Receiver) -> f32 {
 
 // Where each receiver has one layer.
 fn receive_from_one(r: Receiver) -> f32 {
+    // w is 0 or 1: its sign is never set.
+    opaque_zero = bitcast<u32>(kernel.lookup.light.w) >> 31u;
     return visibility_in(layer_at(kernel.lookup.light, r.position), r);
 }

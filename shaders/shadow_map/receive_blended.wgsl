@@ -1,6 +1,8 @@
 // Twin of `blend_layers` in batch.rs: where a cascade's map ends, its answers blend into those of the next.
 
 fn receive_from_two(r: Receiver) -> f32 {
+    // As in receive_from_one.
+    opaque_zero = bitcast<u32>(kernel.lookup.light.w) >> 31u;
     let layer = layer_at(kernel.lookup.light, r.position);
     let own = visibility_in(layer, r);
     let share = share_of_layer(layer, r.position);

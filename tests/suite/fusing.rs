@@ -1,8 +1,9 @@
 //! Shaders that decide whether a point is lit leave nothing to drivers, but for what a list allows with reasons.
 
+use umbrage_core::{Cascades, Layout};
 use umbrage_core::{Geometry, MATH, ShadowTechnique, View, join};
-use umbrage_techniques::{Exact, Planar, ShadowVolumes, Soft, Traced, Unshadowed};
-use umbrage_tests::fusible::{Liberty, liberties};
+use umbrage_techniques::{Exact, Planar, ShadowMap, ShadowVolumes, Soft, Traced, Unshadowed};
+use umbrage_tests::fusible::{Liberty, liberties, unset_guards};
 use umbrage_wgpu::receive_wgsl;
 
 /// Functions that may leave something to drivers, and why.
@@ -64,6 +65,70 @@ fn what_decides_leaves_nothing_to_drivers() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Compilers know what a private variable starts with: products before the first store may be fused.
+#[test]
+fn every_technique_guards_its_products_from_the_start() {
+    let mut checked = 0;
+    let mut faults = Vec::new();
+    for name in ["cubes", "lamp-in-room", "far-range"] {
+        let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
+        scene.cameras[0].size = umbrage_core::glam::UVec2::splat(16);
+        let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+        for entry in umbrage_techniques::all() {
+            let preset = (entry.preset)();
+            let blended = Layout::Cascades(Cascades {
+                blend: 4.0,
+                ..Cascades::default()
+            });
+            let with_cascades = preset.map().map(|map| {
+                preset.with_map(ShadowMap {
+                    layout: blended,
+                    ..*map
+                })
+            });
+            for preset in [Some(preset), with_cascades].into_iter().flatten() {
+                let Ok(recipe) = preset.technique().recipe(&view) else {
+                    continue;
+                };
+                let text = receive_wgsl(&recipe, 0, "").expect("no prefix");
+                let unset = unset_guards(&text, "opaque_zero", &["receive"]).expect("valid WGSL");
+                checked += 1;
+                faults.extend((!unset.is_empty()).then(|| format!("{} in {name}", entry.name)));
+            }
+        }
+    }
+    assert!(checked > 60, "only {checked} texts were checked");
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn products_before_their_guard_is_set_are_found() {
+    for (body, is_found) in [
+        ("guard = seed; return guarded(a);", false),
+        ("let p = guarded(a); guard = seed; return p;", true),
+        ("return guarded(a);", true),
+        ("return a;", false),
+        ("if a > 0.0 { guard = seed; } return guarded(a);", true),
+        (
+            "if a > 0.0 { guard = seed; } else { guard = seed; } return guarded(a);",
+            false,
+        ),
+        ("loop { guard = seed; break; } return guarded(a);", true),
+        ("start(); return guarded(a);", false),
+    ] {
+        let text = format!(
+            "var<private> guard: u32;
+            var<private> seed: u32;
+            fn start() {{ guard = seed; }}
+            fn guarded(a: f32) -> f32 {{ return bitcast<f32>(bitcast<u32>(a * a) ^ guard); }}
+            fn f(a: f32) -> f32 {{ {body} }}"
+        );
+        let found = unset_guards(&text, "guard", &["f"]).expect("valid WGSL");
+        assert_eq!(!found.is_empty(), is_found, "{body}");
+    }
 }
 
 /// The check finds each pattern, and no others.

@@ -213,11 +213,11 @@ fn the_page_of_cards_shows_what_is_committed() {
     // What README states of bits needs a card where none differed.
     let has_equal_bits = |card: &card::Card| {
         let agreement = card.agreement.as_ref();
-        let techniques = ["none", "traced", "exact", "soft"];
+        let techniques = card::exact_techniques();
         agreement.is_some_and(|a| {
             techniques
                 .iter()
-                .all(|t| a.differing_bits.get(*t) == Some(&0))
+                .all(|t| a.differing_bits.get(t.name()) == Some(&0))
         })
     };
     assert!(cards.iter().any(|c| !c.is_software && has_equal_bits(c)));

@@ -15,9 +15,11 @@ use std::{
     path::{Path, PathBuf},
     time::Instant,
 };
-use umbrage_lab::{card::*, compare::Backends};
+use umbrage_lab::{
+    card::{Card, CardTime, FRAMES, measure_agreement, measure_times, page, read, read_all, write},
+    compare::Backends,
+};
 use umbrage_plan::cost::fit;
-use umbrage_wgpu::Gpu;
 
 /// Runs of each recipe whose work is priced, at most.
 const PRICED_RUNS: u32 = 20;
@@ -42,7 +44,13 @@ fn write_page(folder: &Path) -> Result<()> {
         let why = format!("--page: no card is in `{}`", folder.display());
         bail!(Usage(why));
     }
-    let file = folder.with_extension("md");
+    let Some(name) = folder.file_name() else {
+        let why = format!("--page: `{}` has no name for a page", folder.display());
+        bail!(Usage(why + "; name a folder such as docs/cards"));
+    };
+    let mut name = name.to_owned();
+    name.push(".md");
+    let file = folder.with_file_name(name);
     fs::write(&file, page(&cards)).with_context(|| format!("`{}`", file.display()))?;
     println!("page: {} ({} adapters)", file.display(), cards.len());
     Ok(())
@@ -51,16 +59,15 @@ fn write_page(folder: &Path) -> Result<()> {
 /// Measures the parts, and keeps the figures after each.
 fn measure(program: &Program, arguments: &CardArguments) -> Result<()> {
     let start = Instant::now();
-    let adapter = inputs::adapter(arguments.adapter.as_ref());
-    let gpu = Gpu::new(&adapter)?;
+    let gpu = inputs::gpu(arguments.adapter.as_ref())?;
     let mut card = Card::of_adapter(&gpu)?;
     drop(gpu);
-    if let Some(commit) = &arguments.commit {
+    if let Some(commit) = arguments.commit.as_ref().filter(|c| !c.is_empty()) {
         card.commit = Some(commit.clone());
     }
     card.measured_by.clone_from(&arguments.by);
     let file = file_of(program, arguments)?;
-    keep_other_parts(&mut card, &file);
+    keep_other_parts(&mut card, &file, arguments.out.is_some())?;
     println!("on {} ({}; {})", card.adapter, card.api, card.driver);
     let parts = match &*arguments.parts {
         [] => CardPart::value_variants(),
@@ -71,11 +78,8 @@ fn measure(program: &Program, arguments: &CardArguments) -> Result<()> {
         write(&file, &card)?;
     }
     println!("\n{}", table(&card));
-    if let Some(agreement) = &card.agreement {
-        agreement
-            .findings
-            .iter()
-            .for_each(|line| println!("{line}"));
+    for line in card.findings() {
+        println!("{line}");
     }
     let seconds = start.elapsed().as_secs_f64();
     println!("card: {} ({seconds:.0} s)", file.display());
@@ -134,15 +138,36 @@ fn file_of(program: &Program, arguments: &CardArguments) -> Result<PathBuf> {
     Ok(file)
 }
 
-/// Takes over what an earlier run measured on the same adapter, driver and commit.
-fn keep_other_parts(card: &mut Card, file: &Path) {
-    let Ok(before) = read(file) else {
-        return;
-    };
-    let subject = |card: &Card| [&card.adapter, &card.driver, &card.api].map(String::clone);
-    if subject(&before) != subject(card) || before.commit != card.commit {
-        return;
+/// Takes over what an earlier run measured on the same adapter, driver and commit. All else is replaced, unless somebody named the file.
+fn keep_other_parts(card: &mut Card, file: &Path, is_named: bool) -> Result<()> {
+    if !file.exists() {
+        return Ok(());
     }
+    let subject = |card: &Card| {
+        let commit = card.commit.as_deref().unwrap_or("no known commit");
+        format!(
+            "{} ({}; {}) at {commit}",
+            card.adapter, card.api, card.driver
+        )
+    };
+    let before = match read(file) {
+        Ok(before) if subject(&before) == subject(card) => before,
+        other => {
+            let found = other.map_or_else(
+                |e| format!("no card of this version ({})", e.why),
+                |c| subject(&c),
+            );
+            if is_named {
+                let why = format!(
+                    "--out: `{}` holds {found}; name another file",
+                    file.display()
+                );
+                bail!(Usage(why));
+            }
+            println!("replaced: {}, which held {found}", file.display());
+            return Ok(());
+        }
+    };
     card.agreement = before.agreement;
     card.times = before.times;
     card.ratios = before.ratios;
@@ -150,6 +175,7 @@ fn keep_other_parts(card: &mut Card, file: &Path) {
     if card.measured_by.is_none() {
         card.measured_by = before.measured_by;
     }
+    Ok(())
 }
 
 /// Returns what was found, a line each.
@@ -169,6 +195,12 @@ fn table(card: &Card) -> Table {
             yes_or_no(fusing.product_and_sum),
         );
         add("one rounding for fma", yes_or_no(fusing.fma));
+        if fusing.guarded_product {
+            add(
+                "one rounding for product(a, b) + c",
+                "yes, a fault".to_owned(),
+            );
+        }
     }
     if let Some(agreement) = &card.agreement {
         let count = |count: Option<u64>| count.map_or_else(|| "-".to_owned(), |n| n.to_string());
@@ -216,4 +248,56 @@ fn table(card: &Card) -> Table {
 
 fn yes_or_no(is_so: bool) -> String {
     if is_so { "yes" } else { "no" }.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn card(adapter: &str) -> Card {
+        Card {
+            schema: umbrage_lab::card::SCHEMA,
+            adapter: adapter.to_owned(),
+            commit: Some("292d276c".to_owned()),
+            ..Card::default()
+        }
+    }
+
+    #[test]
+    fn a_named_file_of_another_card_is_kept() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("card.json");
+        let mut mine = card("mine");
+        keep_other_parts(&mut mine, &file, true).expect("there is none");
+        let before = Card {
+            ratios: Some([("light set".to_owned(), 1.25)].into()),
+            ..card("mine")
+        };
+        write(&file, &before).expect("written");
+        keep_other_parts(&mut mine, &file, true).expect("the same card");
+        assert_eq!(mine, before);
+        let mut other = card("other");
+        let error = keep_other_parts(&mut other, &file, true).expect_err("another card");
+        let text = error.to_string();
+        assert!(error.is::<Usage>() && text.contains("holds mine"), "{text}");
+        assert!(text.ends_with("at 292d276c; name another file"), "{text}");
+        fs::write(&file, "no card").expect("written");
+        keep_other_parts(&mut other, &file, true).expect_err("no card");
+        keep_other_parts(&mut other, &file, false).expect("the usual file is replaced");
+        assert_eq!(other, card("other"));
+    }
+
+    #[test]
+    fn pages_are_called_as_their_folders() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let folder = dir.path().join("my.cards");
+        fs::create_dir(&folder).expect("a folder");
+        write(&folder.join("a.json"), &card("mine")).expect("written");
+        write_page(&folder).expect("a page");
+        assert!(dir.path().join("my.cards.md").is_file());
+        let cards_here = folder.join("..");
+        fs::copy(folder.join("a.json"), dir.path().join("a.json")).expect("copied");
+        let error = write_page(&cards_here).expect_err("no name");
+        assert!(error.to_string().contains("has no name"), "{error}");
+    }
 }

@@ -8,23 +8,33 @@ use umbrage_core::{BackendError, Scene};
 use umbrage_lab::compare::Backends;
 use umbrage_plan::cost::PriceList;
 use umbrage_scenes::SceneError;
-use umbrage_wgpu::AdapterChoice;
+use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Opens backends, wgpu on the adapter named.
 pub(crate) fn open(backend: Backend, adapter: Option<&String>) -> Result<Backends> {
-    let is_named = adapter.is_some();
-    let adapter = self::adapter(adapter);
+    let choice = self::adapter(adapter);
     let opened = match backend {
-        Backend::Available => Backends::available(&adapter),
+        Backend::Available => Backends::available(&choice),
         Backend::Cpu => Ok(Backends::cpu()),
-        Backend::Wgpu => Backends::wgpu(&adapter),
-        Backend::Both => Backends::both(&adapter),
+        Backend::Wgpu => Backends::wgpu(&choice),
+        Backend::Both => Backends::both(&choice),
     };
-    opened.map_err(|e| match e {
+    opened.map_err(|e| of_adapter(e, adapter))
+}
+
+/// Opens the adapter named.
+pub(crate) fn gpu(adapter: Option<&String>) -> Result<Gpu> {
+    Gpu::new(&self::adapter(adapter)).map_err(|e| of_adapter(e, adapter))
+}
+
+fn of_adapter(error: BackendError, name: Option<&String>) -> anyhow::Error {
+    match error {
         // The name is wrong, rather than the machine.
-        BackendError::NoAdapter { .. } if is_named => Usage(format!("--adapter: {e}")).into(),
+        e @ BackendError::NoAdapter { .. } if name.is_some() => {
+            Usage(format!("--adapter: {e}")).into()
+        }
         e => e.into(),
-    })
+    }
 }
 
 /// The adapter named, else what the environment asks for.

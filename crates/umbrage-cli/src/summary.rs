@@ -12,8 +12,9 @@ use umbrage_plan::statistics::Sorted;
 /// Lines about settings, over all groups.
 const LINES: usize = 8;
 
-/// Returns a heading and about [`LINES`] lines, the settings that matter most for each kind of light and each backend (one at least),
-/// and how well counted costs rank rows; nothing where nothing can be told.
+/// Returns a heading and about [`LINES`] lines, the settings that matter most for each kind of
+/// light and each backend (one at least), and how well counted costs rank rows; nothing where
+/// nothing can be told.
 pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>) -> Vec<String> {
     let groups = setting_groups(comparison);
     let Some(first) = groups.first() else {
@@ -37,25 +38,29 @@ pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>
     let unknown: usize = scenes.map(SceneResult::rows_at_unknown_clock).sum();
     if unknown > 0 {
         out.push(format!(
-            "{unknown} rows had no steady yardstick: their times are at the clock that the device happened to have"
+            "{unknown} rows have times at a reduced or unknown device clock: \
+             no run of theirs had a steady reference workload before and after it"
         ));
     }
-    out.extend(hanging_on_rounding(comparison));
+    out.extend(rows_sensitive_to_rounding(comparison));
     out
 }
 
-/// Returns a line about rows of which rounding decides many pixels. `None` if there are none.
-fn hanging_on_rounding(comparison: &Comparison) -> Option<String> {
-    let rows = comparison.hanging_on_rounding();
+/// Returns a line about rows of which rounding alone changes many pixels. `None` if there are none.
+fn rows_sensitive_to_rounding(comparison: &Comparison) -> Option<String> {
+    let rows = comparison.rows_sensitive_to_rounding();
     let (first, rest) = rows.split_first()?;
     let others = match rest.len() {
         0 => String::new(),
         count => format!("; and {count} more rows"),
     };
-    Some(format!("rounding decides more than usual: {first}{others}"))
+    Some(format!(
+        "rounding alone changes many pixels, which is expected here: {first}{others}"
+    ))
 }
 
-/// Returns a line about how well counted costs rank the rows of each scene and backend as the clock does; none without times.
+/// Returns a line about how well counted costs rank the rows of each scene and backend as the clock
+/// does; none without times.
 fn cost_ranks(comparison: &Comparison) -> Option<String> {
     let mut worst: Option<(f64, String)> = None;
     let mut all = Vec::new();
@@ -108,7 +113,7 @@ mod tests {
         };
         let times = RowTimes {
             total,
-            full_clock: Some(1.0),
+            full_clock_factor: Some(1.0),
             ..RowTimes::default()
         };
         let errors = umbrage_core::metrics::Errors {
@@ -169,6 +174,35 @@ mod tests {
             lines(&comparison(&["a", "b", "c", "d", "e"]), None).len(),
             12
         );
+    }
+
+    #[test]
+    fn rows_at_an_unknown_clock_are_counted_once() {
+        let mut all = comparison(&["wgpu"]);
+        all.scenes.truncate(1);
+        let rows = &mut all.scenes[0].rows;
+        for row in rows.iter_mut() {
+            let RowOutcome::Measured(m) = &mut row.outcome else {
+                panic!("measured")
+            };
+            m.times.as_mut().expect("timed").full_clock_factor = None;
+        }
+        let count = |all: &Comparison| {
+            let line = lines(all, None)
+                .into_iter()
+                .find(|line| line.contains("unknown device clock"));
+            line.map(|line| line[..1].to_owned())
+        };
+        assert_eq!(count(&all), None, "timed once, without a yardstick");
+        let rows = &mut all.scenes[0].rows;
+        for row in &mut rows[..3] {
+            let RowOutcome::Measured(m) = &mut row.outcome else {
+                panic!("measured")
+            };
+            m.times.as_mut().expect("timed").yardstick = Some(TimingStats::default());
+        }
+        rows[1].same_as = Some("hard ()".into());
+        assert_eq!(count(&all).as_deref(), Some("2"));
     }
 
     #[test]

@@ -11,7 +11,8 @@ pub struct Fusing {
     /// Whether `fma(a, b, c)` is rounded once.
     pub fma: bool,
     /// Whether the sum of `product(a, b)` of `math.wgsl` and `c` is rounded once. This must be false: what decides whether a point is
-    /// lit relies on it.
+    /// lit relies on it. Files from before it was kept are read as false.
+    #[serde(default)]
     pub guarded_product: bool,
 }
 

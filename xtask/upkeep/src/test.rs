@@ -129,7 +129,7 @@ const ALL_ON_EVERY_DRIVER: [&str; 15] = [
 
 /// Runs tests with shaders rewritten as a model of drivers says. Returns how many failed.
 fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
-    println!("testing shaders as a driver would run them that is {model}");
+    println!("testing with shaders rewritten to model a driver: {model} arithmetic");
     let start = Instant::now();
     let mut command = cargo();
     command.env(DRIVER_MODEL, model);
@@ -207,7 +207,8 @@ impl Totals {
     }
 }
 
-/// Tests at a time, for each core. Many wait for the one graphics device, and leave their core idle.
+/// Tests at a time, for each core. Many wait for a shared graphics device or for its driver's threads, and
+/// leave their core idle.
 const TESTS_A_CORE: usize = 3;
 
 /// Runs tests, passing on what they print.

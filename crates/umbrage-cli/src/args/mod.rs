@@ -80,7 +80,20 @@ pub(crate) fn parse(invocation: &'static str) -> Command {
 fn command(invocation: &'static str) -> clap::Command {
     let whole = Cli::command().name(invocation).bin_name(invocation);
     let whole = with_own_examples(whole, invocation);
-    whole.mut_subcommands(|subcommand| with_own_examples(subcommand, invocation))
+    let whole = whole.mut_subcommands(|subcommand| with_own_examples(subcommand, invocation));
+    if invocation == INVOCATION {
+        return whole;
+    }
+    whole.mut_subcommand("card", without_pack)
+}
+
+/// Returns `card` without `--pack` in its help, which builds programs of umbrage's repository alone.
+fn without_pack(card: clap::Command) -> clap::Command {
+    let examples = card.get_after_help().map(ToString::to_string);
+    let examples = examples.unwrap_or_default();
+    let kept: Vec<&str> = examples.lines().filter(|l| !l.contains("--pack")).collect();
+    card.mut_arg("pack", |pack| pack.hide(true))
+        .after_help(kept.join("\n"))
 }
 
 fn with_own_examples(command: clap::Command, invocation: &str) -> clap::Command {
@@ -133,6 +146,7 @@ mod tests {
             let help = subcommand.clone().render_long_help().to_string();
             let example = format!("Examples:\n  umbrage {}", subcommand.get_name());
             assert!(help.contains(&example), "{help}");
+            assert!(!help.contains("--pack"), "of the repository alone: {help}");
         }
     }
 

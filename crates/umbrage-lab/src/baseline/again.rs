@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     LabError,
-    compare::{Again, Backends, CompareOptions, Ranks, Runs, SceneInput, again, calm},
+    compare::{Again, Backends, CompareOptions, Ranks, Runs, SceneInput, again},
 };
 use std::collections::BTreeMap;
 
@@ -47,11 +47,11 @@ pub fn time_again(
         if round >= ROUNDS {
             wanted.retain(|suspect| suspect.lacks_calm_runs(&known(suspect, &fresh)));
         }
-        for (scene, stems) in stems_by_scene(&wanted) {
+        for (scene, (stems, device_units)) in stems_by_scene(&wanted) {
             let Some(input) = inputs.get(scene) else {
                 continue;
             };
-            let found = again(input, &stems, options, &RUNS, backends)?;
+            let found = again(input, &stems, device_units, options, &RUNS, backends)?;
             for (stem, more) in stems.into_iter().zip(found) {
                 if let Some(more) = more {
                     fresh.entry((scene, stem)).or_default().add(more);
@@ -84,11 +84,13 @@ pub fn time_again(
     Ok(())
 }
 
-/// Returns the stems of the suspects' rows by the place of their scene, each row once.
-fn stems_by_scene(suspects: &[&Suspect]) -> BTreeMap<usize, Vec<String>> {
-    let mut out: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+/// Returns the stems of the suspects' rows by the place of their scene, each row once, and the units
+/// of that scene's yardstick on a device.
+fn stems_by_scene(suspects: &[&Suspect]) -> BTreeMap<usize, (Vec<String>, Option<f64>)> {
+    let mut out: BTreeMap<usize, (Vec<String>, Option<f64>)> = BTreeMap::new();
     for row in suspects.iter().flat_map(|suspect| &suspect.rows) {
-        let stems = out.entry(row.scene).or_default();
+        let (stems, device_units) = out.entry(row.scene).or_default();
+        *device_units = device_units.or(row.then.device_units);
         if !stems.contains(&row.stem) {
             stems.push(row.stem.clone());
         }
@@ -110,11 +112,12 @@ fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
 
 fn sample(again: &Again) -> RatioSample {
     // Without calm runs yet, there are quantiles of 0 runs.
-    let ratio = Ranks::of(calm(&again.runs, again.yardstick)).unwrap_or_default();
+    let ratio = Ranks::of(again.calm_ratios()).unwrap_or_default();
     RatioSample {
         ratio,
         least_ms: again.least_ms,
         yardstick: again.yardstick,
+        device_units: again.device_units,
     }
 }
 

@@ -10,8 +10,8 @@
 //! * **Cost** (counted work, at today's prices) and **bytes** are deterministic, too: any growth beyond rounding counts.
 //! * **Time** counts only on the same processor, threads, system and adapter. Rows are compared as multiples of the
 //!   yardstick that was timed in turn with them; [`mod@times`] says when one is slower, and how seldom that is said in
-//!   vain. What looks slower is [timed again](time_again) before it counts. Results of schema 4 and before have no
-//!   yardstick: their times are not compared.
+//!   vain. What looks slower is [timed again](time_again) before it counts. Times of results before
+//!   schema 7 are not compared: their yardsticks had other lengths, or they had none.
 //!
 //! A row that was measured and is now refused counts as less accurate. What the baseline has and the new results lack, and
 //! scenes that can't be compared since they changed, count as faults, too, unless they are [excepted](Except) by name: a
@@ -33,6 +33,9 @@ use times::Suspect;
 
 /// Relative growth up to this counts as none: sums over pixels may be added up in another order.
 pub const ROUNDING: f64 = 1e-9;
+
+/// The first schema whose times are compared: yardsticks had other lengths before it.
+const FIRST_TIMED: u32 = 7;
 
 /// What has changed since the baseline, a line for each change.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,6 +95,18 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     for pair in &pairs {
         pair.compare(&mut out, &mut lost, &mut timings);
     }
+    let (timings, other): (Vec<_>, Vec<_>) = timings
+        .into_iter()
+        .partition(|t| t.then.device_units == t.now.device_units);
+    if let Some(timing) = other.first() {
+        out.notes.push(format!(
+            "The times of {} rows are not compared, since their yardstick on the device is not as \
+             long as the baseline's (the first: {}: {}): run it again, or make the baseline anew.",
+            other.len(),
+            timing.scene.1,
+            timing.row.label()
+        ));
+    }
     out.timed = timings.len();
     let judged = times::judge(&timings);
     out.better.extend(judged.quicker);
@@ -143,10 +158,11 @@ fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> Same
         Some("the baseline has none".to_owned())
     } else if times(new).next().is_none() {
         Some("this run has none".to_owned())
-    } else if !times(old).any(|times| times.yardstick.is_some()) {
+    } else if old.schema < FIRST_TIMED || !times(old).any(|times| times.yardstick.is_some()) {
         let schema = old.schema;
         Some(format!(
-            "the baseline (schema {schema}) has no yardsticks beside them; make it anew to compare times"
+            "the baseline (schema {schema}) has no yardsticks like those of this version beside \
+             them; make it anew to compare times"
         ))
     } else {
         None
@@ -303,6 +319,7 @@ fn sample(times: Option<RowTimes>) -> Option<times::RatioSample> {
         ratio: times.ratio?,
         least_ms: times.total.min,
         yardstick: times.yardstick?.min,
+        device_units: times.device_units,
     })
 }
 

@@ -222,6 +222,37 @@ fn without_yardsticks_accuracy_counts_and_times_do_not() {
     assert!(changes(&old, &comparison()).notes[0].contains("the baseline has none"));
 }
 
+/// Yardsticks had other lengths up to schema 6.
+#[test]
+fn times_of_schema_6_are_not_compared() {
+    let old = Comparison {
+        schema: 6,
+        ..comparison()
+    };
+    let found = changes(&old, &comparison());
+    assert_eq!((found.compared, found.timed), (2, 0));
+    assert!(found.notes[0].contains("schema 6"), "{found:?}");
+}
+
+#[test]
+fn times_beside_yardsticks_of_other_lengths_are_not_compared() {
+    let with_units = |units: f64| {
+        let mut out = comparison();
+        let times = measured(&mut out, 1).times.as_mut().expect("made so");
+        times.device_units = Some(units);
+        out
+    };
+    let mut new = with_units(8.0);
+    slowed(measured(&mut new, 1), 2.0);
+    let found = changes(&with_units(4.0), &new);
+    assert_eq!((found.timed, found.suspects.len()), (1, 0), "{found:?}");
+    assert!(
+        found.notes[0].contains("cubes: pcf (3x3) on wgpu"),
+        "{found:?}"
+    );
+    assert_eq!(changes(&with_units(8.0), &new).suspects.len(), 1);
+}
+
 #[test]
 fn another_adapter_may_round_otherwise() {
     let with = |growth: f64| {
@@ -422,6 +453,7 @@ fn older_baselines_are_still_read() {
         (",\"maps\":null", ""),
         (",\"yardstick\":null", ""),
         (",\"ratio\":null", ""),
+        (",\"device_units\":null", ""),
         (",\"nothing_compared\":null", ""),
         ("wrong_without", "dark_without"),
     ];

@@ -17,8 +17,11 @@
 //!   yardstick may be slow beside all of a row's runs, while the row fits between two turns of the scheduler. So only runs
 //!   count beside which no yardstick took more than [`CALM`] times the quickest of that row, and rows
 //!   of which even that one took more than [`CALM`] times what it can are not judged, as are those of
-//!   fewer than [`MIN_RUNS`] such runs. Under the load above, of all rows the bound lay below what the row takes in 3 %; of
-//!   those whose yardstick's median was calm, in 1 of 2,393.
+//!   fewer than [`MIN_RUNS`] such runs. Under the load above, of all rows the bound lay below what the
+//!   row takes in 3 %; of those whose yardstick's median was calm, in 1 of 2,393.
+//!
+//!   On devices the clock changes, too, and ratios are the same at each clock. So there a run counts if
+//!   neither yardstick beside it took more than [`CALM`] times the other, and ratios alone decide.
 //! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than
 //!   [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median (1.253 sigma / sqrt n, sigma from the median
 //!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that
@@ -76,6 +79,8 @@ pub struct RatioSample {
     pub least_ms: f64,
     /// The quickest yardstick, milliseconds a unit.
     pub yardstick: f64,
+    /// The yardstick's units on a device with a clock of its own. `None` on the CPU.
+    pub device_units: Option<f64>,
 }
 
 impl RatioSample {
@@ -196,9 +201,10 @@ fn bound(then: &Ranks) -> Option<f64> {
     (then.runs >= MIN_RUNS).then_some(APART * usual)
 }
 
-/// Whether the baseline's yardstick was as quick as it can be, as far as is known.
+/// Whether the baseline's yardstick was as quick as it can be, as far as is known. On a device it
+/// need not be: ratios are the same at each clock.
 fn is_calm(then: &RatioSample, now: &RatioSample) -> bool {
-    then.yardstick <= CALM * now.yardstick
+    then.device_units.is_some() || then.yardstick <= CALM * now.yardstick
 }
 
 /// Returns by how much a row changed: the logarithm of its medians' ratio; none if that is not finite.
@@ -297,9 +303,10 @@ impl Suspect {
     }
 }
 
-/// Whether a run is as quick as the baseline's quickest, or slower by less than a factor.
+/// Whether a run is as quick as the baseline's quickest, or slower by less than a factor. Never so
+/// on a device, where milliseconds depend on its clock.
 fn as_quick(then: &RatioSample, now: &RatioSample, factor: f64) -> bool {
-    now.least_ms < factor * then.least_ms
+    then.device_units.is_none() && now.least_ms < factor * then.least_ms
 }
 
 #[cfg(test)]

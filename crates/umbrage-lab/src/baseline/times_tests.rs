@@ -57,6 +57,7 @@ fn sample(ratios: Vec<f64>, least_ms: f64) -> RatioSample {
         ratio: Ranks::of(ratios).expect("some"),
         least_ms,
         yardstick: 1.0,
+        device_units: None,
     }
 }
 
@@ -180,6 +181,25 @@ fn a_row_that_takes_twice_as_long_is_caught() {
     assert!(found.suspects.is_empty() && found.rough == 1, "{found:?}");
     assert_eq!(judged.suspects[0].verdict(&[Some(quicker)]), None);
     assert!(judged.suspects[0].is_cleared(&[Some(quicker)]));
+    // A device that had a quarter of its clock beside the baseline: it is at full clock now.
+    let then = RatioSample {
+        device_units: Some(8.0),
+        ..quiet
+    };
+    let now = RatioSample {
+        least_ms: slower.least_ms / 4.0,
+        yardstick: 0.25,
+        device_units: Some(8.0),
+        ..slower
+    };
+    let found = judge(&[Timing {
+        then,
+        now,
+        ..timing
+    }]);
+    assert!(found.suspects.len() == 1 && found.rough == 0, "{found:?}");
+    assert!(!found.suspects[0].is_cleared(&[Some(now)]));
+    assert!(found.suspects[0].verdict(&[Some(now)]).is_some());
     // Too few fresh runs that nothing held up, or none.
     for runs in [0, MANY - 1] {
         let few = RatioSample {

@@ -1,12 +1,15 @@
 //! Whether an adapter's masks are the CPU's.
 
-use super::CardAgreement;
+use super::{CardAgreement, built_in};
 use crate::{
     LabError,
     compare::{Backends, CompareOptions, SceneInput, compare},
 };
 use glam::UVec2;
-use umbrage_core::{Backend, Geometry, Recipe, Scene, ShadowTechnique, Shadows, View};
+use std::collections::BTreeMap;
+use umbrage_core::{
+    Backend, Geometry, Invalid, Recipe, RecipeError, Scene, ShadowTechnique, Shadows, View,
+};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
 use umbrage_techniques::{Exact, Soft, Traced, Unshadowed};
@@ -94,21 +97,21 @@ pub struct BitPair<'a> {
 /// Renders [`BIT_SCENES`] by [`exact_techniques`] on the CPU and on a backend, and passes each pair to `on_pair`.
 ///
 /// # Errors
-/// Errors if a backend fails.
+/// Errors if a backend or a technique fails.
 pub fn compare_bits(
     backend: &mut dyn Backend,
     on_pair: &mut dyn FnMut(BitPair<'_>),
 ) -> Result<(), LabError> {
     for name in BIT_SCENES {
-        let Some(scene) = small_scene(name) else {
-            continue;
-        };
+        let scene = small_scene(name)?;
         let geometry = Geometry::bake(&scene)?;
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
         for technique in exact_techniques() {
-            // Ideal lights have no soft shadows, and wide ones no exact.
-            let Ok(recipe) = technique.recipe(&view) else {
-                continue;
+            let recipe = match technique.recipe(&view) {
+                Ok(recipe) => recipe,
+                // Ideal lights have no soft shadows, and wide ones no exact.
+                Err(RecipeError::Unsupported(_)) => continue,
+                Err(e) => return Err(e.into()),
             };
             on_pair(BitPair {
                 scene: name,
@@ -124,44 +127,48 @@ pub fn compare_bits(
 }
 
 /// Returns a built-in scene with a camera of [`WIDTH`] pixels.
-fn small_scene(name: &str) -> Option<Scene> {
-    let mut scene = (umbrage_scenes::find(name)?.build)();
-    let camera = scene.cameras.first_mut()?;
-    let height = (WIDTH * camera.size.y / camera.size.x).max(1);
-    *camera = camera.resized(UVec2::new(WIDTH, height));
-    Some(scene)
+fn small_scene(name: &str) -> Result<Scene, Invalid> {
+    let mut scene = (built_in(name)?.build)();
+    for camera in &mut scene.cameras {
+        let height = (WIDTH * camera.size.y / camera.size.x).max(1);
+        *camera = camera.resized(UVec2::new(WIDTH, height));
+    }
+    Ok(scene)
 }
 
 /// Compares an adapter's masks with the CPU's: bits of exact techniques, and decided pixels of all. `backends` are the CPU and the adapter.
 ///
 /// # Errors
-/// Errors if a backend fails.
+/// Errors if a backend fails, or if there is no adapter among them.
 pub fn measure_agreement(backends: &mut Backends) -> Result<CardAgreement, LabError> {
     let mut out = CardAgreement::default();
-    for technique in exact_techniques() {
-        out.differing_bits.insert(technique.name().to_owned(), 0);
-    }
-    let mut total = BitCounts::default();
-    if let Some(device) = backends.playing.iter_mut().find(|b| b.kind() != "cpu") {
-        compare_bits(&mut **device, &mut |pair| {
-            let counts = BitCounts::of(&pair.of_cpu, &pair.of_device);
-            total.same_triangle += counts.same_triangle;
-            total.other_triangle += counts.other_triangle;
-            *out.differing_bits
-                .entry(pair.technique.to_owned())
-                .or_default() += counts.other_bits;
-        })?;
-    }
-    out.same_triangle_pixels = Some(total.same_triangle);
-    out.other_triangle_pixels = Some(total.other_triangle);
-    let inputs: Vec<SceneInput> = BIT_SCENES
-        .iter()
-        .filter_map(|name| umbrage_scenes::find(name))
-        .map(|entry| SceneInput {
+    let mut other_triangle = 0;
+    let mut compared: BTreeMap<String, u64> = BTreeMap::new();
+    let Some(device) = backends.playing.iter_mut().find(|b| b.kind() != "cpu") else {
+        let help = "open them with `Backends::both`";
+        return Err(Invalid::new("backends", "have no graphics adapter", help).into());
+    };
+    compare_bits(&mut **device, &mut |pair| {
+        let counts = BitCounts::of(&pair.of_cpu, &pair.of_device);
+        other_triangle += counts.other_triangle;
+        // 0 of no pixels would look like agreement.
+        if counts.same_triangle > 0 {
+            let technique = || pair.technique.to_owned();
+            *compared.entry(technique()).or_default() += counts.same_triangle;
+            *out.differing_bits.entry(technique()).or_default() += counts.other_bits;
+        }
+    })?;
+    out.same_triangle_pixels = Some(compared.values().sum());
+    out.other_triangle_pixels = Some(other_triangle);
+    out.compared_pixels = Some(compared);
+    let mut inputs = Vec::new();
+    for name in BIT_SCENES {
+        let entry = built_in(name)?;
+        inputs.push(SceneInput {
             fit: entry.fit,
             ..SceneInput::new((entry.build)(), "")
-        })
-        .collect();
+        });
+    }
     let options = CompareOptions {
         // Errors are not reported, agreement is.
         truth: TruthOptions {
@@ -181,7 +188,7 @@ pub fn measure_agreement(backends: &mut Backends) -> Result<CardAgreement, LabEr
         (masks + 1, off + agreement.violations)
     });
     out.masks = Some(masks);
-    out.decided_pixels_off = Some(off);
+    out.decided_pixels_off = (masks > 0).then_some(off);
     out.findings = comparison.faults();
     Ok(out)
 }

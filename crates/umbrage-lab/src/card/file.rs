@@ -1,8 +1,9 @@
 //! Cards as files.
 
-use super::Card;
+use super::{Card, SCHEMA};
 use crate::LabError;
-use std::{fs, path::Path};
+use serde::Deserialize;
+use std::{fs, io, path::Path};
 use umbrage_core::Invalid;
 use umbrage_plan::cost::PriceList;
 
@@ -10,11 +11,15 @@ use umbrage_plan::cost::PriceList;
 ///
 /// # Errors
 /// Errors if the folder can't be read or a file is no card.
-pub fn read_all(folder: &Path) -> Result<Vec<Card>, LabError> {
+pub fn read_all(folder: &Path) -> Result<Vec<Card>, Invalid> {
+    let unreadable = |e: io::Error| {
+        let what = format!("folder of cards `{}`", folder.display());
+        let help = "name a folder of files that `cargo xtask card` wrote";
+        Invalid::new(what, format!("cannot be read: {e}"), help)
+    };
     let mut cards = Vec::new();
-    let entries = fs::read_dir(folder).map_err(|e| LabError::write(folder, e))?;
-    for entry in entries {
-        let path = entry.map_err(|e| LabError::write(folder, e))?.path();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
         if path
             .extension()
             .is_some_and(|extension| extension == "json")
@@ -29,28 +34,43 @@ pub fn read_all(folder: &Path) -> Result<Vec<Card>, LabError> {
     Ok(cards)
 }
 
+/// The schema alone: cards of other versions have other fields.
+#[derive(Deserialize)]
+struct Version {
+    schema: u32,
+}
+
 /// Reads a card.
 ///
 /// # Errors
-/// Errors if the file can't be read or is no card.
-pub fn read(path: &Path) -> Result<Card, LabError> {
-    let text = fs::read_to_string(path).map_err(|e| LabError::write(path, e))?;
-    serde_json::from_str(&text).map_err(|e| {
-        let why = format!("`{}` cannot be read: {e}", path.display());
-        Invalid::new("card", why, "write it again with `cargo xtask card`").into()
-    })
+/// Errors if the file can't be read, is no card, or has another schema than this program's.
+pub fn read(path: &Path) -> Result<Card, Invalid> {
+    let again = "write it again with `cargo xtask card`";
+    let refuse =
+        |why: String, help: &str| Invalid::new(format!("card `{}`", path.display()), why, help);
+    let text = fs::read_to_string(path).map_err(|e| {
+        let help = "give a file that `cargo xtask card` wrote";
+        refuse(format!("cannot be read: {e}"), help)
+    })?;
+    let Version { schema } =
+        serde_json::from_str(&text).map_err(|e| refuse(format!("is none: {e}"), again))?;
+    if schema != SCHEMA {
+        let why = format!("has schema {schema}, this program's is {SCHEMA}");
+        return Err(refuse(why, "write it again with this version"));
+    }
+    serde_json::from_str(&text).map_err(|e| refuse(format!("is damaged: {e}"), again))
 }
 
 /// Reads the prices in a card's file: its adapter's, and the built-in ones of the CPU.
 ///
 /// # Errors
 /// Errors if the file is no card, or has no prices.
-pub fn read_prices(path: &Path) -> Result<PriceList, LabError> {
+pub fn read_prices(path: &Path) -> Result<PriceList, Invalid> {
     let card = read(path)?;
     let Some(wgpu) = card.prices else {
-        let why = format!("`{}` has no prices", path.display());
+        let what = format!("card `{}`", path.display());
         let help = "measure them with `cargo xtask card`";
-        return Err(Invalid::new("card", why, help).into());
+        return Err(Invalid::new(what, "has no prices", help));
     };
     Ok(PriceList {
         measured_on: card.adapter,

@@ -17,8 +17,9 @@ pub use times::{FRAMES, measure_times};
 use crate::compare::Environment;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use umbrage_core::{Backend as _, BackendError};
+use umbrage_core::{Backend as _, BackendError, Fusing, Invalid};
 use umbrage_plan::cost::CostModel;
+use umbrage_scenes::SceneEntry;
 use umbrage_wgpu::{Gpu, wgpu::DeviceType};
 
 /// Version of this data's format.
@@ -51,7 +52,7 @@ pub struct Card {
     /// How it rounds vertices and depths, in words.
     pub grid: Option<String>,
     /// What it computes with one rounding.
-    pub fusing: Option<CardFusing>,
+    pub fusing: Option<Fusing>,
     /// How its masks compare with the CPU's.
     pub agreement: Option<CardAgreement>,
     /// Times of the settings that stand for each technique, warm.
@@ -73,15 +74,6 @@ pub struct CardLimits {
     pub table_bytes: u64,
 }
 
-/// What an adapter computes with one rounding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct CardFusing {
-    /// `a * b + c`.
-    pub product_and_sum: bool,
-    /// `fma(a, b, c)`.
-    pub fma: bool,
-}
-
 /// How an adapter's masks compare with the CPU's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CardAgreement {
@@ -89,7 +81,9 @@ pub struct CardAgreement {
     pub same_triangle_pixels: Option<u64>,
     /// Pixels, over scenes and techniques, where they see different ones.
     pub other_triangle_pixels: Option<u64>,
-    /// Of the former, those whose bits differ, by technique.
+    /// The former by technique. `None` in files from before it was kept.
+    pub compared_pixels: Option<BTreeMap<String, u64>>,
+    /// Of these, those whose bits differ, by technique. Techniques without such pixels are left out.
     pub differing_bits: BTreeMap<String, u64>,
     /// Masks of all techniques that were compared.
     pub masks: Option<u64>,
@@ -144,13 +138,26 @@ impl Card {
                 table_bytes: limits.table_bytes,
             }),
             grid: Some(gpu.snapping().to_string()),
-            fusing: Some(CardFusing {
-                product_and_sum: fusing.product_and_sum,
-                fma: fusing.fma,
-            }),
+            fusing: Some(fusing),
             ..Self::default()
         })
     }
+
+    /// Returns what is wrong with the adapter or its masks, a line each.
+    pub fn findings(&self) -> Vec<String> {
+        let fusing = self.fusing.filter(|fusing| fusing.guarded_product);
+        let fused = fusing.map(|fusing| format!("masks may be wrong: {fusing}"));
+        let found = self.agreement.iter().flat_map(|a| &a.findings);
+        fused.into_iter().chain(found.cloned()).collect()
+    }
+}
+
+/// Returns a built-in scene.
+fn built_in(name: &str) -> Result<&'static SceneEntry, Invalid> {
+    umbrage_scenes::find(name).ok_or_else(|| {
+        let help = "use a name that `cargo xtask compare --list` prints";
+        Invalid::new(format!("scene `{name}`"), "is not built in", help)
+    })
 }
 
 #[cfg(test)]

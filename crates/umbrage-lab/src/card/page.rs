@@ -1,8 +1,9 @@
 //! `docs/cards.md`: what was measured on which adapter.
 
-use super::{Card, CardTime};
+use super::{Card, CardTime, exact_techniques};
 use crate::compare::thousands;
 use std::fmt::Write as _;
+use umbrage_core::Fusing;
 
 const HEAD: &str = "# Graphics cards
 
@@ -46,36 +47,52 @@ fn add_adapters(text: &mut String, cards: &[Card]) {
         let by = card.measured_by.as_deref().unwrap_or("-");
         let date = card.date.as_deref().unwrap_or("-");
         let commit = card.commit.as_deref().unwrap_or("-");
-        let fusing = card
-            .fusing
-            .map_or("-", |f| match (f.product_and_sum, f.fma) {
-                (true, true) => "`a * b + c`, `fma`",
-                (true, false) => "`a * b + c`",
-                (false, true) => "`fma`",
-                (false, false) => "nothing",
-            });
         let row = [
             &*card.adapter,
             &card.driver,
             &card.api,
             &format!("{date}, {by}, at {commit}"),
             card.grid.as_deref().unwrap_or("-"),
-            fusing,
+            &one_rounding(card.fusing),
         ];
         add_row(text, &row);
     }
 }
 
+/// Returns what is rounded once.
+fn one_rounding(fusing: Option<Fusing>) -> String {
+    let Some(fusing) = fusing else {
+        return "-".to_owned();
+    };
+    let mut fused = Vec::new();
+    for (is_fused, what) in [
+        (fusing.product_and_sum, "`a * b + c`"),
+        (fusing.fma, "`fma`"),
+        (fusing.guarded_product, "`product(a, b) + c`"),
+    ] {
+        if is_fused {
+            fused.push(what);
+        }
+    }
+    if fused.is_empty() {
+        return "nothing".to_owned();
+    }
+    fused.join(", ")
+}
+
 fn add_agreement(text: &mut String, cards: &[Card]) {
+    let techniques = exact_techniques().map(|technique| technique.name());
     *text += "\n## Agreement with the CPU\n\nBits are those of masks where both backends see the same triangle: techniques without a rasteriser in their answer must have none that
-differ. A decided pixel is one that rounding does not explain.\n
-| adapter | pixels of the same triangle | bits that differ in `none`, `traced`, `exact`, `soft` | masks of all techniques | decided pixels off |
-|---|---:|---:|---:|---:|\n";
+differ. A decided pixel is one that rounding does not explain.\n\n";
+    *text += &format!(
+        "| adapter | pixels of the same triangle | bits that differ in `{}` | masks of all techniques | decided pixels off |\n|---|---:|---:|---:|---:|\n",
+        techniques.join("`, `")
+    );
     for card in cards {
         let agreement = card.agreement.clone().unwrap_or_default();
         let or_dash = |count: Option<u64>| count.map_or_else(|| "-".to_owned(), thousands);
-        let bits = ["none", "traced", "exact", "soft"]
-            .map(|technique| or_dash(agreement.differing_bits.get(technique).copied()));
+        let bits =
+            techniques.map(|technique| or_dash(agreement.differing_bits.get(technique).copied()));
         let row = [
             &*card.adapter,
             &or_dash(agreement.same_triangle_pixels),
@@ -86,8 +103,7 @@ differ. A decided pixel is one that rounding does not explain.\n
         add_row(text, &row);
     }
     for card in cards {
-        let findings = card.agreement.iter().flat_map(|a| &a.findings);
-        for (i, finding) in findings.enumerate() {
+        for (i, finding) in card.findings().iter().enumerate() {
             if i == 0 {
                 *text += &format!("\nFound on {}:\n\n", card.adapter);
             }

@@ -43,6 +43,56 @@ fn the_page_shows_what_is_there_and_dashes_for_the_rest() {
     }
 }
 
+/// Nothing may be fused through `product`: where something is, the page says so.
+#[test]
+fn a_fused_product_is_a_finding() {
+    let fusing = |guarded_product| Fusing {
+        product_and_sum: true,
+        fma: false,
+        guarded_product,
+    };
+    let of = |fusing| Card {
+        fusing: Some(fusing),
+        ..card("fast", false)
+    };
+    let text = page(&[of(fusing(false)), of(fusing(true))]);
+    for line in [
+        "| - | `a * b + c` |\n",
+        "| - | `a * b + c`, `product(a, b) + c` |\n",
+        "* masks may be wrong: ",
+    ] {
+        assert_eq!(text.matches(line).count(), 1, "`{line}` in\n{text}");
+    }
+}
+
+#[test]
+fn frames_of_unknown_names_are_an_error() {
+    let mut backends = crate::compare::Backends::cpu();
+    let error = measure_times(&["no-frame"], &mut backends, &|_| {}).expect_err("unknown");
+    assert!(error.to_string().contains("`no-frame`"), "{error}");
+    let error = measure_agreement(&mut backends).expect_err("no adapter");
+    assert!(error.to_string().contains("adapter"), "{error}");
+}
+
+/// A card without what came later is read; one of a newer schema is not, though its fields are unknown.
+#[test]
+fn the_schema_is_read_first() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = dir.path().join("card.json");
+    let mut data = serde_json::to_value(card("fast", false)).expect("data");
+    data["fusing"] = serde_json::json!({ "product_and_sum": true, "fma": true });
+    let agreement = data["agreement"].as_object_mut().expect("fields");
+    agreement.remove("compared_pixels").expect("a field");
+    fs::write(&file, data.to_string()).expect("there");
+    let found = read(&file).expect("a card");
+    assert_eq!(found.agreement, card("fast", false).agreement);
+    data["schema"] = (SCHEMA + 1).into();
+    data["later"] = true.into();
+    fs::write(&file, data.to_string()).expect("there");
+    let error = read(&file).expect_err("newer").to_string();
+    assert!(error.contains("has schema 2"), "{error}");
+}
+
 #[test]
 fn files_come_back_in_order_and_give_prices() {
     let dir = tempfile::tempdir().expect("a folder");

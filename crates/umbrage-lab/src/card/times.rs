@@ -1,6 +1,6 @@
 //! How long the settings that stand for each technique take in frames of real size.
 
-use super::CardTime;
+use super::{CardTime, built_in};
 use crate::{
     LabError,
     compare::{Backends, CompareOptions, OnEvent, Runs, SceneInput, compare},
@@ -13,17 +13,16 @@ pub const FRAMES: [&str; 4] = ["street", "nave", "valley", "night-room"];
 /// Times settings on an adapter that is warm. `backends` is the adapter alone.
 ///
 /// # Errors
-/// Errors if a backend fails.
+/// Errors if a frame is no built-in scene, or a backend fails.
 pub fn measure_times(
     frames: &[&str],
     backends: &mut Backends,
     on_event: &OnEvent<'_>,
 ) -> Result<Vec<CardTime>, LabError> {
-    let inputs: Vec<SceneInput> = frames
-        .iter()
-        .filter_map(|name| umbrage_scenes::find(name))
-        .map(|entry| SceneInput::new((entry.build)(), ""))
-        .collect();
+    let mut inputs = Vec::new();
+    for name in frames {
+        inputs.push(SceneInput::new((built_in(name)?.build)(), ""));
+    }
     let options = CompareOptions {
         // Errors are not reported: a pixel in 256, and few rays.
         truth: TruthOptions {
@@ -52,7 +51,9 @@ pub fn measure_times(
                 frame: format!("{} {width}x{height}", scene.name),
                 technique: row.technique.clone(),
                 settings: row.settings.clone(),
-                milliseconds: times.full_clock.map(|_| times.milliseconds(&times.total)),
+                milliseconds: times
+                    .full_clock_factor
+                    .map(|_| times.milliseconds(&times.total)),
                 measured_milliseconds: times.total.median,
             });
         }

@@ -106,7 +106,7 @@ impl Backends {
             adapter: None,
             kept_truth: None,
             receivers: Cpu::new(),
-            device_clock: DeviceClock::default(),
+            device_clock: DeviceClock::new(None),
         }
     }
 

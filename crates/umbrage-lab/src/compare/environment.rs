@@ -1,7 +1,8 @@
 //! Finds out where a comparison is made: machine, commit and date.
 
-use super::Environment;
+use super::{Environment, commit::commit};
 use std::{
+    path::Path,
     process::Command,
     time::{SystemTime, UNIX_EPOCH},
 };
@@ -17,7 +18,7 @@ impl Environment {
         };
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            commit: commit(),
+            commit: commit(Path::new(".")),
             date,
             cpu: processor(),
             threads: rayon::current_num_threads(),
@@ -36,14 +37,6 @@ fn output(program: &str, arguments: &[&str]) -> Option<String> {
         return None;
     }
     Some(String::from_utf8_lossy(&out.stdout).trim().to_owned())
-}
-
-/// Returns the commit of the current folder's repository, with `+` if files were changed since.
-fn commit() -> Option<String> {
-    let hash = output("git", &["rev-parse", "--short=12", "HEAD"]).filter(|h| !h.is_empty())?;
-    let changed = output("git", &["status", "--porcelain", "--untracked-files=no"])
-        .is_some_and(|s| !s.is_empty());
-    Some(if changed { hash + "+" } else { hash })
 }
 
 /// Returns the processor's name by the way of each operating system: Linux, macOS, Windows.

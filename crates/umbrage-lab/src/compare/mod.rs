@@ -3,6 +3,7 @@
 pub(crate) mod agreement;
 mod backends;
 mod choice;
+mod commit;
 mod control;
 mod environment;
 mod event;
@@ -35,7 +36,7 @@ pub use result::{
 };
 pub use scene::SceneImages;
 pub use timing::CALM;
-pub(crate) use timing::{Again, again, calm};
+pub(crate) use timing::{Again, again};
 pub use umbrage_plan::motion::FrameMotion;
 
 use crate::LabError;

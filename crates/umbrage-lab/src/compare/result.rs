@@ -9,7 +9,7 @@ use umbrage_core::{
 use umbrage_plan::{cost::rank_correlation, footprint::MapUse, statistics::Sorted};
 
 /// Version of this data's format; grows with every change that programs which read it would notice.
-pub const SCHEMA: u32 = 6;
+pub const SCHEMA: u32 = 7;
 
 /// A whole comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -25,13 +25,15 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Returns a line for each fault: decided pixels on which backends differ, and negative controls that fail.
+    /// Returns a line for each fault: decided pixels on which backends differ, and negative
+    /// controls that fail.
     pub fn faults(&self) -> Vec<String> {
         self.scenes.iter().flat_map(SceneResult::faults).collect()
     }
 
-    /// Returns a line for each row of which rounding decides many pixels by nature, which is no fault.
-    pub fn hanging_on_rounding(&self) -> Vec<String> {
+    /// Returns a line for each row of which rounding alone changes many pixels, as is expected of
+    /// its settings. That is no fault.
+    pub fn rows_sensitive_to_rounding(&self) -> Vec<String> {
         let mut out = Vec::new();
         for scene in &self.scenes {
             for row in &scene.rows {
@@ -63,8 +65,8 @@ pub struct Environment {
     pub version: String,
     /// The working tree's commit, with `+` if files were changed since; none outside a repository.
     pub commit: Option<String>,
-    /// Coordinated universal time, `2026-11-21 03:45`; none of a comparison that is to come out the same whenever it is
-    /// made.
+    /// Coordinated universal time, `2026-11-21 03:45`; none of a comparison that is to come out the
+    /// same whenever it is made.
     pub date: Option<String>,
     /// The processor's name.
     pub cpu: String,
@@ -130,8 +132,9 @@ impl SceneResult {
         out
     }
 
-    /// Returns how well counted costs rank the rows of a backend as the clock does: Spearman's rank correlation of cost and time of
-    /// all that backends play; none with fewer than three rows or without times.
+    /// Returns how well counted costs rank the rows of a backend as the clock does: Spearman's rank
+    /// correlation of cost and time of all that backends play; none with fewer than three rows or
+    /// without times.
     pub fn cost_ranks(&self, backend: &str) -> Option<f64> {
         let mut pairs = Vec::new();
         for row in self.rows.iter().filter(|row| row.backend == backend) {
@@ -148,8 +151,8 @@ impl SceneResult {
         rank_correlation(&pairs)
     }
 
-    /// Sets the rows' [times at full clock](RowTimes::full_clock) on devices, whose yardstick takes at least `yardstick_ms` milliseconds a
-    /// unit.
+    /// Sets the rows' [times at full clock](RowTimes::full_clock_factor) on devices, whose
+    /// yardstick takes at least `yardstick_ms` milliseconds a unit.
     pub(super) fn set_full_clock(&mut self, yardstick_ms: f64) {
         for row in &mut self.rows {
             if let RowOutcome::Measured(m) = &mut row.outcome
@@ -157,14 +160,17 @@ impl SceneResult {
                 && let Some(times) = &mut m.times
                 && let Some(ratio) = times.ratio
             {
-                times.full_clock = Some(ratio.median * yardstick_ms / times.total.median);
+                let factor = ratio.median * yardstick_ms / times.total.median;
+                // Timestamps may be 0.
+                times.full_clock_factor = Some(factor).filter(|f| f.is_finite() && *f > 0.0);
             }
         }
     }
 
-    /// Returns how many rows were timed on a device whose clock is not known, as no run of theirs had steady yardsticks.
+    /// Returns the number of rows [at an unknown clock](CompareRow::is_at_unknown_clock), without
+    /// those that repeat the figures of another row.
     pub fn rows_at_unknown_clock(&self) -> usize {
-        let rows = self.rows.iter();
+        let rows = self.rows.iter().filter(|row| row.same_as.is_none());
         rows.filter(|row| row.is_at_unknown_clock()).count()
     }
 
@@ -187,8 +193,8 @@ impl SceneResult {
                 ));
             }
         }
-        // Where nothing faces the light there is nothing to compare, which is no fault. Where truth is ambiguous everywhere,
-        // nothing was found out, which is one.
+        // Where nothing faces the light there is nothing to compare, which is no fault. Where truth
+        // is ambiguous everywhere, nothing was found out, which is one.
         if let Some(why) = &self.nothing_compared
             && self.truth.ambiguous > 0
         {
@@ -211,29 +217,33 @@ impl SceneResult {
     }
 }
 
-/// Settings of which rounding decides more than [`MAX_UNDECIDED_SHARE`](umbrage_core::metrics::MAX_UNDECIDED_SHARE) of the pixels by nature.
+/// Settings whose masks rounding alone changes at more pixels than
+/// [`MAX_UNDECIDED_SHARE`](umbrage_core::metrics::MAX_UNDECIDED_SHARE) allows.
 #[derive(Clone, Copy, Debug)]
 struct ExpectedUndecided {
-    /// The technique; every one if it is empty.
-    technique: &'static str,
-    /// Part of its settings, as reports spell them.
-    settings: &'static str,
+    /// The technique. `None` for all.
+    technique: Option<&'static str>,
+    /// One of its settings, as reports spell them.
+    setting: &'static str,
     /// The greatest share of a scene's pixels.
     share: f64,
     why: &'static str,
 }
 
 const EXPECTED_UNDECIDED: [ExpectedUndecided; 2] = [
+    // `hard` on an H100: 28 of 19,200 pixels of `cubes`, 2,944 of 19,200 (0.15) of `lamp-in-room`.
+    // Twice that leaves room for other adapters. A mask of noise would differ at half of its
+    // pixels.
     ExpectedUndecided {
-        technique: "",
-        settings: "bias: none",
-        share: 1.0,
+        technique: None,
+        setting: "bias: none",
+        share: 0.3,
         why: "surfaces are compared with their own depth without a bias",
     },
     // 36 of 19,200 pixels of `cubes` on an H200, 27 on SwiftShader.
     ExpectedUndecided {
-        technique: "msm",
-        settings: "hausdorff",
+        technique: Some("msm"),
+        setting: "hausdorff",
         share: 0.003,
         why: "four moments of 32 bits are a nearly singular system where depths are alike",
     },
@@ -242,8 +252,9 @@ const EXPECTED_UNDECIDED: [ExpectedUndecided; 2] = [
 impl ExpectedUndecided {
     fn of(row: &CompareRow) -> Option<Self> {
         let is_of_row = |expected: &Self| {
-            let is_technique = [&*row.technique, ""].contains(&expected.technique);
-            is_technique && row.settings.contains(expected.settings)
+            let mut settings = row.settings.split(", ");
+            expected.technique.is_none_or(|name| name == row.technique)
+                && settings.any(|setting| setting == expected.setting)
         };
         EXPECTED_UNDECIDED.into_iter().find(is_of_row)
     }
@@ -309,7 +320,8 @@ pub struct CompareRow {
     pub slug: String,
     /// Kind of backend, `cpu` or `wgpu`.
     pub backend: String,
-    /// The row above whose figures these are, as both play the same recipe: its technique and settings.
+    /// The row above whose figures these are, as both play the same recipe: its technique and
+    /// settings.
     #[serde(default)]
     pub same_as: Option<String>,
     /// Its figures, or why it has none.
@@ -325,10 +337,12 @@ impl CompareRow {
         }
     }
 
-    /// Whether the row was timed on a device, and its time at full clock is not known.
+    /// Whether the row was timed in turn with a yardstick on a device, and its time at full clock
+    /// is not known. Long rows are timed once, without a yardstick: they do not count.
     pub fn is_at_unknown_clock(&self) -> bool {
         let times = self.measured().and_then(|m| m.times);
-        has_device_clock(&self.backend) && times.is_some_and(|t| t.full_clock.is_none())
+        has_device_clock(&self.backend)
+            && times.is_some_and(|t| t.yardstick.is_some() && t.full_clock_factor.is_none())
     }
 
     /// Returns a file name's stem that no other row of its scene has.
@@ -342,7 +356,8 @@ impl CompareRow {
     }
 }
 
-/// Whether a kind of backend runs on a device with a clock of its own, which falls while the CPU works.
+/// Whether a kind of backend runs on a device with a clock of its own, which falls while the CPU
+/// works.
 pub(super) fn has_device_clock(backend: &str) -> bool {
     backend != "cpu"
 }
@@ -368,12 +383,13 @@ pub enum RowOutcome {
 /// A row's figures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Errors against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says why), as errors of 0 would mean
-    /// that the mask is right.
+    /// Errors against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says
+    /// why), as errors of 0 would mean that the mask is right.
     pub errors: Option<Errors>,
     /// What the errors come from; none where no pixel counts.
     pub causes: Option<Causes>,
-    /// Times of what the backend plays, without compilation, upload and read-back; none if they weren't asked for.
+    /// Times of what the backend plays, without compilation, upload and read-back; none if they
+    /// weren't asked for.
     pub times: Option<RowTimes>,
     /// Times of what comes before: the same on every backend; none if they weren't asked for.
     #[serde(default)]
@@ -383,11 +399,11 @@ pub struct Measured {
     pub kept_as_camera_moves: bool,
     /// The recipe's work, counted.
     pub work: Work,
-    /// The cost of that work by the [prices](umbrage_plan::cost::PriceList) of this kind of backend, milliseconds: the same on every
-    /// run.
+    /// The cost of that work by the [prices](umbrage_plan::cost::PriceList) of this kind of
+    /// backend, milliseconds: the same on every run.
     pub cost_ms: f64,
-    /// The part of `cost_ms` that backends play, which [`times`](Self::times) are of: without triangles that were put into lists. None in
-    /// files from before there were lists.
+    /// The part of `cost_ms` that backends play, which [`times`](Self::times) are of: without
+    /// triangles that were put into lists. None in files from before there were lists.
     #[serde(default)]
     pub played_cost_ms: Option<f64>,
     /// The part of `cost_ms` that the lookup costs.
@@ -397,8 +413,8 @@ pub struct Measured {
     pub bytes: u64,
     /// Agreement with the CPU's mask; none on the CPU or without it.
     pub agreement: Option<Agreement>,
-    /// Pixels whose colour differs from the first backend's by more than a step of 255 though the masks agree; none
-    /// without colours, and for the first backend.
+    /// Pixels whose colour differs from the first backend's by more than a step of 255 though the
+    /// masks agree; none without colours, and for the first backend.
     pub color_differing: Option<u64>,
     /// How the maps are used: the same on every backend; none without maps.
     pub maps: Option<MapUse>,
@@ -410,8 +426,8 @@ impl Measured {
         self.errors.map(|e| e.rmse)
     }
 
-    /// Returns the time of a frame or its cost, milliseconds; none if times weren't measured. Costs are those of playing the whole
-    /// recipe, or of its lookup alone where what is drawn is kept.
+    /// Returns the time of a frame or its cost, milliseconds; none if times weren't measured. Costs
+    /// are those of playing the whole recipe, or of its lookup alone where what is drawn is kept.
     pub fn milliseconds(&self, clock: CostBasis, motion: FrameMotion) -> Option<f64> {
         match clock {
             CostBasis::Wall => self.frame_ms(motion),
@@ -420,7 +436,8 @@ impl Measured {
         }
     }
 
-    /// Returns the time of a frame, milliseconds; none without times, or if the lookup alone was not timed.
+    /// Returns the time of a frame, milliseconds; none without times, or if the lookup alone was
+    /// not timed.
     fn frame_ms(&self, motion: FrameMotion) -> Option<f64> {
         let times = self.times.as_ref()?;
         if self.is_kept(motion) {
@@ -464,23 +481,31 @@ pub struct RowTimes {
     pub receive: Option<TimingStats>,
     /// Casts, filters and lookup of each run together.
     pub total: TimingStats,
-    /// Times of the [yardstick](umbrage_yardstick::Yardstick) that is played in turn with the runs, milliseconds for each unit of its work;
-    /// none where nothing receives, where the adapter can't time it, and in results of schema 4 and before.
+    /// Times of the [yardstick](umbrage_yardstick::Yardstick) that is played in turn with the runs,
+    /// milliseconds for each unit of its work; none where nothing receives, where the adapter can't
+    /// time it, and in results of schema 4 and before.
     pub yardstick: Option<TimingStats>,
-    /// Each run's time over the mean of the yardsticks' right before and after it: what is compared with other runs' results.
-    /// Only calm runs count: those beside which no yardstick took more than [`CALM`](super::CALM) times the quickest. None where
-    /// no run was calm.
+    /// Each run's time over the mean of the yardsticks' right before and after it: what is compared
+    /// with other runs' results. Only calm runs count: on the CPU those beside which no yardstick
+    /// took more than [`CALM`](super::CALM) times the quickest, on a device those of which neither
+    /// yardstick took more than that times the other. None where no run was calm.
     pub ratio: Option<Ranks>,
-    /// The row's time at the device's full clock over the median of [`total`](Self::total), more than 0: that ratio times the yardstick's
-    /// least time on the device in this comparison. `None` on the CPU, if no run was calm, and in files from before it was measured.
+    /// The row's time at the device's full clock over the median of [`total`](Self::total), more
+    /// than 0: that ratio times the yardstick's least time on the device in this comparison. `None`
+    /// on the CPU, if no run was calm, and in files from before it was measured.
+    #[serde(default, rename = "full_clock")]
+    pub full_clock_factor: Option<f64>,
+    /// Units of work of the yardstick on a device: [ratios](Self::ratio) to yardsticks of different
+    /// lengths cannot be compared. `None` on the CPU, without a yardstick, and before schema 7.
     #[serde(default)]
-    pub full_clock: Option<f64>,
+    pub device_units: Option<f64>,
 }
 
 impl RowTimes {
-    /// Returns the median time of a stage, milliseconds: at the device's full clock if that is known.
+    /// Returns the median time of a stage, milliseconds: at the device's full clock if that is
+    /// known.
     pub fn milliseconds(&self, stage: &TimingStats) -> f64 {
-        stage.median * self.full_clock.unwrap_or(1.0)
+        stage.median * self.full_clock_factor.unwrap_or(1.0)
     }
 }
 
@@ -547,23 +572,63 @@ impl TimingStats {
     }
 }
 
-/// The negative control of one technique on one backend: with the casters removed, its mask must change where the shadow
-/// was, and show nothing but the receivers' own horizon.
+/// The negative control of one technique on one backend: with the casters removed, its mask must
+/// change where the shadow was, and show nothing but the receivers' own horizon.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// Kind of backend.
     pub backend: String,
     /// The technique that was played: the first of its settings that was measured.
     pub technique: String,
-    /// Counted pixels from which casters hide all of the light, and which the technique must light without casters.
+    /// Counted pixels from which casters hide all of the light, and which the technique must light
+    /// without casters.
     pub shadowed: u64,
     /// Those of them whose mask brightened by more than a quarter when the casters were removed.
     pub changed: u64,
-    /// Counted pixels that without casters are darker or lighter than is right for the technique: the share of its light samples
-    /// that lie above the receiver's own horizon. Must be 0.
+    /// Counted pixels that without casters are darker or lighter than is right for the technique:
+    /// the share of its light samples that lie above the receiver's own horizon. Must be 0.
     #[serde(alias = "dark_without")]
     pub wrong_without: u64,
-    /// Whether the control passed: nothing is wrong without casters, and something changed if truth has a shadow that the
-    /// technique cannot miss. (Maps may miss shadows narrower than their texels, and so may maps of the far sides of casters.)
+    /// Whether the control passed: nothing is wrong without casters, and something changed if truth
+    /// has a shadow that the technique cannot miss. (Maps may miss shadows narrower than their
+    /// texels, and so may maps of the far sides of casters.)
     pub holds: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Timestamps may be so coarse that a row takes no time.
+    #[test]
+    fn rows_of_no_time_have_no_factor() {
+        for (median, factor) in [(4.0, Some(0.5)), (0.0, None)] {
+            let stats = |median| TimingStats {
+                median,
+                ..TimingStats::default()
+            };
+            let times = RowTimes {
+                total: stats(median),
+                ratio: Ranks::of(vec![median]),
+                ..RowTimes::default()
+            };
+            let mut scene = SceneResult {
+                rows: vec![CompareRow {
+                    technique: "hard".to_owned(),
+                    settings: "1024".to_owned(),
+                    slug: "hard".to_owned(),
+                    backend: "wgpu".to_owned(),
+                    same_as: None,
+                    outcome: RowOutcome::Measured(Box::new(Measured {
+                        times: Some(times),
+                        ..Measured::default()
+                    })),
+                }],
+                ..SceneResult::default()
+            };
+            scene.set_full_clock(0.5);
+            let times = scene.rows[0].measured().and_then(|m| m.times);
+            assert_eq!(times.and_then(|t| t.full_clock_factor), factor);
+        }
+    }
 }

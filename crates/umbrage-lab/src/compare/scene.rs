@@ -99,7 +99,7 @@ pub(super) fn run(
         scene_times: Vec::new(),
         seen: backends.playing.iter().map(|_| None).collect(),
     };
-    backends.device_clock = DeviceClock::default();
+    backends.device_clock = DeviceClock::new(None);
     for setting in settings {
         run.setting(setting, backends, on_event)?;
     }

@@ -1,30 +1,31 @@
 //! Rows on a device whose clock falls when it is idle, and at random moments.
 
 use super::*;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use umbrage_core::{
-    Backend, BackendError, Recipe, Shadows, Snapping, Timings, View, Work, glam::UVec2,
-    light_sample::hash,
+    Backend, BackendError, ReceiveKernel, Recipe, Shadows, Snapping, Timings, View, Work,
+    glam::UVec2, light_sample::hash,
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::{cost::PriceList, truth::TruthOptions};
 
 /// How much longer everything takes while the clock is low.
 const SLOWDOWN: f64 = 4.0;
-/// A device that nobody used for so long clocks down ..
-const IDLE: Duration = Duration::from_millis(2);
-/// .. and is at its full clock again after so many renders.
+/// A device that was idle is at its full clock again after so many renders.
 const RENDERS_TO_WARM: u32 = 10;
 /// Renders of a spell at a low clock, or between two.
 const SPELL: std::ops::Range<u32> = 2..150;
 
-/// The CPU backend under wgpu's name. Its times are counted costs, times [`SLOWDOWN`] while its clock is low.
+/// The CPU backend under wgpu's name. Its times are counted costs, times [`SLOWDOWN`] while its
+/// clock is low. It is idle before each new row, while the CPU prepares it: so no wall time decides
+/// its clock.
 struct ThrottledBackend {
     cpu: Cpu,
     prices: PriceList,
     /// Spells so far.
     spells: u32,
-    last_used: Instant,
+    /// The row rendered last.
+    row: Option<Arc<dyn ReceiveKernel>>,
     /// Renders until it has its full clock after it was idle.
     cold: u32,
     /// Renders until the spell ends.
@@ -38,16 +39,23 @@ impl ThrottledBackend {
             cpu: Cpu::new(),
             prices: PriceList::default(),
             spells: 0,
-            last_used: Instant::now(),
+            row: None,
             cold: RENDERS_TO_WARM,
             spell: 0,
             is_low: false,
         }
     }
 
-    /// Returns what the next render's time is multiplied by.
-    fn slowdown(&mut self) -> f64 {
-        if self.last_used.elapsed() > IDLE {
+    /// Returns what the time of the next render is multiplied by.
+    fn slowdown(&mut self, kernel: &Arc<dyn ReceiveKernel>) -> f64 {
+        let uniforms = kernel.uniforms();
+        let is_yardstick = uniforms.is_some_and(|u| u.uniform_layout().name == "YardstickUniforms");
+        let is_same_row = self
+            .row
+            .as_ref()
+            .is_some_and(|row| Arc::ptr_eq(row, kernel));
+        if !is_yardstick && !is_same_row {
+            self.row = Some(Arc::clone(kernel));
             self.cold = RENDERS_TO_WARM;
         }
         if self.spell == 0 {
@@ -76,7 +84,7 @@ impl Backend for ThrottledBackend {
     }
 
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
-        let slowdown = self.slowdown();
+        let slowdown = self.slowdown(&recipe.receive.kernel);
         let mut shadows = self.cpu.render(view, recipe)?;
         let work = Work::of(view, recipe).played();
         let milliseconds = slowdown * self.prices.of("wgpu").milliseconds(&work);
@@ -84,13 +92,13 @@ impl Backend for ThrottledBackend {
             receive: Some(Duration::from_secs_f64(milliseconds / 1e3)),
             ..Timings::default()
         };
-        self.last_used = Instant::now();
         Ok(shadows)
     }
 }
 
-/// Returns Kendall's tau of pairs: the share of pairs of them in the same order less that in the opposite one. Equal first figures are left
-/// out (Kendall 1938, "A new measure of rank correlation").
+/// Returns Kendall's tau of pairs: the share of pairs of them in the same order less that in the
+/// opposite one. Equal first figures are left out (Kendall 1938, "A new measure of rank
+/// correlation").
 fn kendall_tau(pairs: &[[f64; 2]]) -> f64 {
     let mut sum = 0.0;
     let mut count = 0.0;
@@ -147,14 +155,16 @@ fn ranks_at_full_clock_are_those_without_throttling() {
         let Some(m) = row.measured() else { continue };
         let truth = m.played_cost_ms.expect("counted");
         let times = m.times.expect("asked for");
-        if times.full_clock.is_none() {
+        if times.full_clock_factor.is_none() {
             without_yardstick.push(row.label());
         }
         plain.push([truth, times.total.median]);
         at_full_clock.push([truth, times.milliseconds(&times.total)]);
     }
     assert!(plain.len() >= 40, "only {} rows", plain.len());
-    // A row may have bad luck, and says so.
+    // Spells may begin or end in all runs of a row, which then has no steady yardstick. In 14 runs
+    // of this test, 8 of them beside six busy programs, no row had such luck: one in twenty is
+    // allowed.
     assert_eq!(scene.rows_at_unknown_clock(), without_yardstick.len());
     assert!(
         without_yardstick.len() <= 2,
@@ -162,9 +172,14 @@ fn ranks_at_full_clock_are_those_without_throttling() {
     );
     let [plain, at_full_clock] = [plain, at_full_clock].map(|pairs| kendall_tau(&pairs));
     println!("tau: {plain:.3} as measured, {at_full_clock:.3} at full clock");
+    // Tau was 1.000 in these runs, and 0.32 to 0.89 as measured. A spell that begins and ends
+    // within a run goes unnoticed: 0.95 allows one pair of rows in forty in the wrong order.
     assert!(
         at_full_clock >= 0.95,
         "tau {at_full_clock:.3} at full clock"
     );
-    assert!(plain < 0.95, "the device was not throttled: tau {plain:.3}");
+    assert!(
+        plain < at_full_clock,
+        "the device was not throttled: tau {plain:.3}"
+    );
 }

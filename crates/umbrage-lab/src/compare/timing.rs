@@ -1,8 +1,9 @@
 //! Times rows in turn with a yardstick.
 //!
-//! A graphics device clocks down while the CPU traces truth or prepares a row. So before each row it renders the yardstick until that takes
-//! as little time as ever, and what counts is the row's time over the yardstick's: times the yardstick's least time on this device, that is
-//! the row's time at full clock.
+//! A graphics device clocks down while the CPU traces truth or prepares a row. So before each row
+//! it renders the yardstick until that takes as little time as ever. What counts is the row's time
+//! over the yardstick's: times the yardstick's least time on this device, that is the row's time at
+//! full clock.
 
 use super::{
     Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats,
@@ -17,8 +18,9 @@ use umbrage_core::{
 };
 use umbrage_yardstick::{MAX_UNITS, MIN_UNITS, Yardstick};
 
-/// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
-/// runs are given the receivers of the first, so that finding and reading them back costs no time again.
+/// Renders a recipe: once for the mask, which compiles, uploads and finds receivers, then until its
+/// time is known. The timed runs are given the receivers of the first, so that finding and reading
+/// them back costs no time again.
 pub(super) fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -40,7 +42,7 @@ pub(super) fn measure(
             first.timings
         };
         let once = Timed {
-            on_device: has_device_clock(backend.kind()),
+            device_units: None,
             timings: vec![timings],
             yardsticks: Vec::new(),
         };
@@ -52,27 +54,20 @@ pub(super) fn measure(
     Ok((first, Some(times)))
 }
 
-/// The clock of a graphics device over the rows of a scene, which are timed with the same yardstick.
+/// The clock of a graphics device over the rows of a scene, which are timed with the same
+/// yardstick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeviceClock {
     /// The yardstick's work, units. `None` until it is chosen.
     units: Option<f64>,
-    /// The yardstick's least time so far, milliseconds a unit; infinite at first.
+    /// The yardstick's least time above 0 so far, milliseconds a unit; infinite at first.
     least: f64,
 }
 
-impl Default for DeviceClock {
-    fn default() -> Self {
-        Self {
-            units: None,
-            least: f64::INFINITY,
-        }
-    }
-}
-
-/// The yardstick of a device takes at least so long at full clock, milliseconds: far longer than the steps of its timestamps.
+/// The yardstick of a device takes at least so long at full clock, milliseconds: far longer than
+/// the steps of its timestamps.
 const DEVICE_YARDSTICK_MS: f64 = 0.5;
-/// How long a device renders yardsticks before the first row, so that it reaches its full clock.
+/// How long a device renders yardsticks before one is chosen, so that it reaches its full clock.
 const FIRST_WARM_UP: Duration = Duration::from_millis(300);
 /// How long it may take to reach it again before a row.
 const MAX_WARM_UP: Duration = Duration::from_millis(100);
@@ -80,13 +75,22 @@ const MAX_WARM_UP: Duration = Duration::from_millis(100);
 const STEADY_YARDSTICKS: u32 = 3;
 
 impl DeviceClock {
-    /// Returns the yardstick's least time, milliseconds a unit. `None` if no row was timed with it.
-    pub(super) fn least_yardstick(&self) -> Option<f64> {
-        self.units.map(|_| self.least)
+    /// Returns a clock that is not known yet. `units` are those of the yardstick, if it has to be
+    /// as long as an earlier one; `None` to choose them.
+    pub(super) fn new(units: Option<f64>) -> Self {
+        Self {
+            units,
+            least: f64::INFINITY,
+        }
     }
 
-    /// Returns the yardstick for a row, after rendering it until the device is at full clock: the filler. `None` if nothing receives, or
-    /// the backend can't time it.
+    /// Returns the yardstick's least time, milliseconds a unit. `None` if no row was timed with it.
+    pub(super) fn least_yardstick(&self) -> Option<f64> {
+        self.least.is_finite().then_some(self.least)
+    }
+
+    /// Returns the yardstick for a row, after rendering it until the device is at full clock.
+    /// `None` if nothing receives, or the backend can't time it.
     fn warm_up(
         &mut self,
         backend: &mut dyn Backend,
@@ -94,44 +98,77 @@ impl DeviceClock {
         recipe: &Recipe,
         receivers: &Receivers,
     ) -> Result<Option<Yardstick>, BackendError> {
-        let is_first = self.units.is_none();
-        let mut units = self.units.unwrap_or(MIN_UNITS);
+        let mut render = |units: f64| -> Result<_, BackendError> {
+            let yardstick = Yardstick::with_units(recipe, receivers, units);
+            let per_unit = time_yardstick(backend, view, yardstick.as_ref())?;
+            Ok(yardstick.zip(per_unit))
+        };
+        if self.least.is_infinite() {
+            let mut time =
+                |units| Ok(render(units)?.map(|(yardstick, per_unit)| per_unit * yardstick.units));
+            if !self.reach_full_clock(&mut time)? {
+                return Ok(None);
+            }
+        }
+        let units = self.units.unwrap_or(MAX_UNITS);
         let mut steady = 0;
         let start = Instant::now();
         loop {
-            let Some(yardstick) = Yardstick::with_units(recipe, receivers, units) else {
+            let Some((yardstick, per_unit)) = render(units)? else {
                 return Ok(None);
             };
-            let Some(per_unit) = time_yardstick(backend, view, Some(&yardstick))? else {
-                return Ok(None);
-            };
-            let is_short = per_unit * yardstick.units < DEVICE_YARDSTICK_MS;
-            if is_first && is_short && units < MAX_UNITS {
-                // Longer yardsticks have other times a unit.
-                units *= 2.0;
-                self.least = f64::INFINITY;
-                continue;
+            // Timestamps may be 0.
+            if per_unit > 0.0 {
+                self.least = self.least.min(per_unit);
             }
-            self.least = self.least.min(per_unit);
             let is_near = per_unit <= CALM * self.least;
             steady = if is_near { steady + 1 } else { 0 };
-            let elapsed = start.elapsed();
-            let is_done = if is_first {
-                elapsed >= FIRST_WARM_UP
-            } else {
-                steady >= STEADY_YARDSTICKS || elapsed >= MAX_WARM_UP
-            };
-            if is_done {
-                self.units = Some(units);
+            if steady >= STEADY_YARDSTICKS || start.elapsed() >= MAX_WARM_UP {
                 return Ok(Some(yardstick));
             }
         }
     }
+
+    /// Renders yardsticks for [`FIRST_WARM_UP`], then chooses the units if there are none: a low
+    /// clock would make the yardstick too short. Returns whether yardsticks can be timed. `time`
+    /// renders one of so many units and returns its time, milliseconds.
+    fn reach_full_clock(
+        &mut self,
+        time: &mut dyn FnMut(f64) -> Result<Option<f64>, BackendError>,
+    ) -> Result<bool, BackendError> {
+        let start = Instant::now();
+        let mut units = MIN_UNITS;
+        while start.elapsed() < FIRST_WARM_UP {
+            let Some(ms) = time(units)? else {
+                return Ok(false);
+            };
+            // The longer yardsticks are, the less the device is idle between them.
+            if ms < DEVICE_YARDSTICK_MS {
+                units = MAX_UNITS.min(2.0 * units);
+            }
+        }
+        let mut units = MIN_UNITS;
+        while self.units.is_none() {
+            let mut least_ms = f64::INFINITY;
+            for _ in 0..STEADY_YARDSTICKS {
+                let Some(ms) = time(units)? else {
+                    return Ok(false);
+                };
+                least_ms = least_ms.min(ms);
+            }
+            if least_ms >= DEVICE_YARDSTICK_MS || units >= MAX_UNITS {
+                self.units = Some(units);
+            }
+            units *= 2.0;
+        }
+        Ok(true)
+    }
 }
 
-/// Times a recipe that has been rendered before: yardstick, row, yardstick, row, .., yardstick. `cost_ms` is the row's predicted time,
-/// milliseconds, which the yardstick's amount of work follows on the CPU; there are none if the row gets too few runs to be judged by them.
-/// Devices have the same yardstick in all rows, and are warm before the first run.
+/// Times a recipe that has been rendered before: yardstick, row, yardstick, row, .., yardstick.
+/// `cost_ms` is the row's predicted time, milliseconds, which the yardstick's amount of work
+/// follows on the CPU. There are no yardsticks there if the row gets too few runs to be judged by
+/// them. Devices have the same yardstick in all rows, and are warm before the first run.
 fn time(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -154,8 +191,9 @@ fn time(
     // The first one compiles and uploads.
     time_yardstick(backend, &view, yardstick.as_ref())?;
     let before = time_yardstick(backend, &view, yardstick.as_ref())?;
+    let is_on_device = has_device_clock(backend.kind());
     let mut out = Timed {
-        on_device: has_device_clock(backend.kind()),
+        device_units: clock.units.filter(|_| is_on_device && yardstick.is_some()),
         timings: Vec::new(),
         yardsticks: vec![before],
     };
@@ -165,7 +203,7 @@ fn time(
         let needs_more = !runs.suffice(count, spent);
         let may_get_calm = runs.hopes(count, spent) && !out.is_calm(runs);
         if !needs_more && !may_get_calm {
-            if has_device_clock(backend.kind()) {
+            if is_on_device {
                 clock.least = clock.least.min(out.min_yardstick());
             }
             return Ok(out);
@@ -178,7 +216,8 @@ fn time(
     }
 }
 
-/// Returns the time of a yardstick, milliseconds a unit; none without a yardstick or where the backend can't time it.
+/// Returns the time of a yardstick, milliseconds a unit. `None` without a yardstick, or if the
+/// backend can't time it.
 fn time_yardstick(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -193,8 +232,8 @@ fn time_yardstick(
         .map(|elapsed| milliseconds(elapsed) / yardstick.units))
 }
 
-/// Yardsticks beside a run that took more than this times the quickest of them tell that others held up the machine: such
-/// runs say nothing about the row.
+/// Yardsticks beside a run that took more than this times the quickest of them tell that others
+/// held up the machine, or that a device changed its clock: such runs say nothing about the row.
 pub const CALM: f64 = 1.3;
 
 /// A run between two yardsticks.
@@ -209,7 +248,8 @@ pub(crate) struct TimedRun {
 }
 
 impl TimedRun {
-    /// Whether neither yardstick took more than [`CALM`] times the other, or `min_yardstick`, and both took a measurable time.
+    /// Whether neither yardstick took more than [`CALM`] times the other, or `min_yardstick`, and
+    /// both took a measurable time.
     fn is_calm(&self, min_yardstick: f64) -> bool {
         let slower = self.before.max(self.after);
         let quicker = self.before.min(self.after);
@@ -222,18 +262,21 @@ impl TimedRun {
     }
 }
 
-/// Returns the ratios of the runs beside which no yardstick took more than [`CALM`] times `min_yardstick`.
-pub(crate) fn calm(runs: &[TimedRun], min_yardstick: f64) -> Vec<f64> {
+/// Returns the ratios of a row's calm runs. On the CPU these are the runs beside which no yardstick
+/// took more than [`CALM`] times `min_yardstick`, the quickest. A device may have a low clock all
+/// along: its yardsticks need not be near the quickest one, but only near each other.
+fn calm(runs: &[TimedRun], min_yardstick: f64, device_units: Option<f64>) -> Vec<f64> {
+    let limit = device_units.map_or(min_yardstick, |_| f64::INFINITY);
     runs.iter()
-        .filter(|run| run.is_calm(min_yardstick))
+        .filter(|run| run.is_calm(limit))
         .map(TimedRun::ratio)
         .collect()
 }
 
 /// Runs of a row in turn with a yardstick.
 struct Timed {
-    /// Whether a device with a clock of its own ran them.
-    on_device: bool,
+    /// Units of the yardstick on a device with a clock of its own. `None` on the CPU.
+    device_units: Option<f64>,
     timings: Vec<Timings>,
     /// The yardstick's times before the first run and after each, milliseconds a unit.
     yardsticks: Vec<Option<f64>>,
@@ -248,7 +291,8 @@ impl Timed {
             total: self.stage(|t| Some(t.total())).unwrap_or_default(),
             yardstick: TimingStats::of(self.yardsticks.iter().copied().flatten().collect()),
             ratio: Ranks::of(self.calm_ratios()),
-            full_clock: None,
+            full_clock_factor: None,
+            device_units: self.device_units,
         }
     }
 
@@ -270,23 +314,20 @@ impl Timed {
         runs
     }
 
-    /// Returns the time of the quickest yardstick, milliseconds a unit; infinite without one.
+    /// Returns the time of the quickest yardstick of a measurable time, milliseconds a unit;
+    /// infinite without one.
     fn min_yardstick(&self) -> f64 {
         self.yardsticks
             .iter()
             .copied()
             .flatten()
+            .filter(|per_unit| *per_unit > 0.0)
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the ratios of calm runs. A device may have a low clock all along: its yardsticks need not be near the quickest one.
+    /// Returns the ratios of calm runs.
     fn calm_ratios(&self) -> Vec<f64> {
-        let min_yardstick = if self.on_device {
-            f64::INFINITY
-        } else {
-            self.min_yardstick()
-        };
-        calm(&self.runs(), min_yardstick)
+        calm(&self.runs(), self.min_yardstick(), self.device_units)
     }
 
     /// Whether at least `runs.min` runs were calm, or the yardstick can't be timed.
@@ -304,6 +345,8 @@ pub(crate) struct Again {
     pub(crate) least_ms: f64,
     /// The quickest yardstick, milliseconds a unit.
     pub(crate) yardstick: f64,
+    /// The yardstick's units on a device. `None` on the CPU.
+    pub(crate) device_units: Option<f64>,
 }
 
 impl Default for Again {
@@ -312,6 +355,7 @@ impl Default for Again {
             runs: Vec::new(),
             least_ms: f64::INFINITY,
             yardstick: f64::INFINITY,
+            device_units: None,
         }
     }
 }
@@ -322,13 +366,21 @@ impl Again {
         self.runs.extend(more.runs);
         self.least_ms = self.least_ms.min(more.least_ms);
         self.yardstick = self.yardstick.min(more.yardstick);
+        self.device_units = more.device_units;
+    }
+
+    /// Returns the ratios of calm runs.
+    pub(crate) fn calm_ratios(&self) -> Vec<f64> {
+        calm(&self.runs, self.yardstick, self.device_units)
     }
 }
 
-/// Times rows of a scene once more, by their [stems](super::CompareRow::stem); none where a row can't be played any more.
+/// Times rows of a scene once more, by their [stems](super::CompareRow::stem). On a device the
+/// yardstick has `device_units`. `None` where a row can't be rendered any more.
 pub(crate) fn again(
     input: &SceneInput,
     stems: &[String],
+    device_units: Option<f64>,
     options: &CompareOptions,
     runs: &Runs,
     backends: &mut Backends,
@@ -346,7 +398,7 @@ pub(crate) fn again(
     } else {
         unknown
     };
-    backends.device_clock = DeviceClock::default();
+    backends.device_clock = DeviceClock::new(device_units);
     let mut out = Vec::new();
     for stem in stems {
         let mut found = None;
@@ -375,6 +427,7 @@ pub(crate) fn again(
                 runs: timed.runs(),
                 least_ms: timed.times().total.min,
                 yardstick: timed.min_yardstick(),
+                device_units: timed.device_units,
             });
         }
         out.push(found);
@@ -399,7 +452,7 @@ mod tests {
 
     fn timed(timings: Vec<Timings>, yardsticks: &[Option<f64>]) -> RowTimes {
         Timed {
-            on_device: false,
+            device_units: None,
             timings,
             yardsticks: yardsticks.to_vec(),
         }
@@ -451,12 +504,13 @@ mod tests {
         );
     }
 
-    /// A card that was quick once and has had a low clock since; and one whose clock changes during a run.
+    /// A card that was quick once and has had a low clock since; and one whose clock changes during
+    /// a run.
     #[test]
     fn steady_yardsticks_at_a_low_clock_count_on_devices() {
         let ratio = |timings: Vec<Timings>, yardsticks: &[f64]| {
             let timed = Timed {
-                on_device: true,
+                device_units: Some(1.0),
                 timings,
                 yardsticks: yardsticks.iter().copied().map(Some).collect(),
             };
@@ -465,6 +519,44 @@ mod tests {
         let found = ratio(vec![run(6), run(24), run(24)], &[2.0, 8.0, 8.0, 8.0]);
         assert_eq!(found, Ranks::of(vec![3.0, 3.0]));
         assert_eq!(ratio(vec![run(6)], &[2.0, 8.0]), None);
+        let slow = TimedRun {
+            run: 24.0,
+            before: 8.0,
+            after: 8.0,
+        };
+        let again = |device_units| Again {
+            runs: vec![slow],
+            yardstick: 2.0,
+            device_units,
+            ..Again::default()
+        };
+        assert_eq!(again(Some(1.0)).calm_ratios(), [3.0], "timed again");
+        assert!(again(None).calm_ratios().is_empty(), "the CPU was held up");
+    }
+
+    /// A device takes 0.1 ms a unit at full clock, and four times as long in its first renders.
+    #[test]
+    fn the_yardstick_is_as_long_after_a_cold_start() {
+        let units = |cold: u32| {
+            let mut clock = DeviceClock::new(None);
+            let mut renders = 0;
+            let mut time = |units: f64| {
+                renders += 1;
+                let slowdown = if renders <= cold { 4.0 } else { 1.0 };
+                Ok(Some(0.1 * slowdown * units))
+            };
+            assert!(clock.reach_full_clock(&mut time).expect("renders"));
+            clock.units
+        };
+        assert_eq!((units(0), units(50)), (Some(8.0), Some(8.0)));
+        let mut clock = DeviceClock::new(Some(2.0));
+        assert!(
+            clock
+                .reach_full_clock(&mut |_| Ok(Some(0.1)))
+                .expect("renders")
+        );
+        assert_eq!(clock.units, Some(2.0), "as long as an earlier one");
+        assert!(!clock.reach_full_clock(&mut |_| Ok(None)).expect("no clock"));
     }
 
     #[test]
@@ -479,5 +571,7 @@ mod tests {
             None,
             "a clock that didn't move"
         );
+        let once_unmeasured = timed(vec![run(6), run(6)], &[0.0, 2.0, 2.0].map(Some));
+        assert_eq!(once_unmeasured.ratio, Ranks::of(vec![3.0]));
     }
 }

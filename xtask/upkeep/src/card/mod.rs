@@ -1,13 +1,17 @@
 //! `cargo xtask card --pack`: packs what a machine with a graphics card needs to run the measurements, without a compiler or a network.
 
+#[path = "../../../../crates/umbrage-lab/src/compare/commit.rs"]
+mod commit;
+
 use crate::{
     adapter,
     cli::PackOptions,
-    run::{cargo, root, run},
+    run::{Usage, cargo, root, run},
 };
 use anyhow::{Context as _, Result, bail};
+use commit::commit;
 use std::{
-    fs,
+    fs, io,
     path::{Path, PathBuf},
     process::Command,
 };
@@ -35,6 +39,7 @@ type Packed = (String, PathBuf);
 /// Builds the programs and packs them.
 pub(crate) fn pack(options: &PackOptions) -> Result<()> {
     let folder = &options.pack;
+    check_folder(folder)?;
     let mut programs = build()?;
     let bevy = root().join("examples/bevy/target/release/beside_bevy");
     if bevy.is_file() {
@@ -48,6 +53,29 @@ pub(crate) fn pack(options: &PackOptions) -> Result<()> {
         "packed: {}; copy it to the machine with the card, then run `bash run.sh` in it",
         folder.display()
     );
+    Ok(())
+}
+
+/// Refuses folders with files of others: a new one, an empty one and one that was packed before will do.
+fn check_folder(folder: &Path) -> Result<()> {
+    let refuse = |why: String| Usage(format!("--pack: `{}` {why}", folder.display()));
+    let is_empty = match fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_none(),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => true,
+        Err(e) => bail!(refuse(format!("cannot be read: {e}"))),
+    };
+    // Its first lines stay the same from version to version.
+    let head = |script: &str| {
+        script
+            .lines()
+            .take(2)
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    let before = fs::read_to_string(folder.join("run.sh")).unwrap_or_default();
+    if !is_empty && head(&before) != head(RUN_SCRIPT) {
+        bail!(refuse("is not empty; name a new folder".to_owned()));
+    }
     Ok(())
 }
 
@@ -99,10 +127,10 @@ fn target_folder() -> Result<PathBuf> {
 
 /// Writes the run script, the commit and the programs.
 fn write_folder(folder: &Path, programs: &[Packed]) -> Result<()> {
-    let bin = folder.join("bin");
-    fs::create_dir_all(&bin).with_context(|| format!("`{}`", bin.display()))?;
+    fs::create_dir_all(folder).with_context(|| format!("`{}`", folder.display()))?;
+    let bin = tempfile::tempdir().context("there is no folder for temporary files")?;
     for (name, path) in programs {
-        let packed = bin.join(name);
+        let packed = bin.path().join(name);
         fs::copy(path, &packed)
             .with_context(|| format!("`{}` cannot be copied", path.display()))?;
         // Smaller without symbols; as it is where `strip` is missing.
@@ -110,29 +138,11 @@ fn write_folder(folder: &Path, programs: &[Packed]) -> Result<()> {
     }
     let archive = folder.join("bin.tar.xz");
     let mut tar = Command::new("tar");
-    tar.env("XZ_OPT", "-3 -T0").arg("-C").arg(&bin);
+    tar.env("XZ_OPT", "-3 -T0").arg("-C").arg(bin.path());
     run(tar.arg("-cJf").arg(&archive).arg("."))?;
-    fs::remove_dir_all(&bin)?;
     fs::write(folder.join("run.sh"), RUN_SCRIPT)?;
-    fs::write(folder.join("commit"), commit())?;
+    fs::write(folder.join("commit"), commit(root()).unwrap_or_default())?;
     Ok(())
-}
-
-/// Returns the commit that is packed, with `+` if files were changed since; empty outside a repository.
-fn commit() -> String {
-    let git = |arguments: &[&str]| {
-        let output = Command::new("git")
-            .current_dir(root())
-            .args(arguments)
-            .output();
-        output.map_or_else(
-            |_| String::new(),
-            |output| String::from_utf8_lossy(&output.stdout).trim().to_owned(),
-        )
-    };
-    let hash = git(&["rev-parse", "--short=12", "HEAD"]);
-    let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
-    if changes.is_empty() { hash } else { hash + "+" }
 }
 
 /// Downloads Vulkan's loader, which machines for computing lack.
@@ -161,6 +171,29 @@ mod tests {
         );
         assert_eq!(executable_of(line, "suite"), None);
         assert_eq!(executable_of("Compiling", "nets"), None);
+    }
+
+    #[test]
+    fn only_folders_of_ours_are_packed_into() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let folder = dir.path().join("packed");
+        check_folder(&folder).expect("a new one");
+        // Programs of the user stay where they are.
+        let kept = folder.join("bin/program");
+        fs::create_dir_all(folder.join("bin")).expect("a folder");
+        fs::write(&kept, "mine").expect("there");
+        let error = check_folder(&folder).expect_err("not ours").to_string();
+        assert!(
+            error.ends_with("is not empty; name a new folder"),
+            "{error}"
+        );
+        fs::write(folder.join("run.sh"), "#!/usr/bin/env bash\n").expect("there");
+        check_folder(&folder).expect_err("another script");
+        for _ in 0..2 {
+            write_folder(&folder, &[]).expect("it packs");
+            check_folder(&folder).expect("packed before");
+        }
+        assert_eq!(fs::read_to_string(&kept).expect("still there"), "mine");
     }
 
     /// Packs the program that `cargo test` has built, and runs its first part as on a machine with a card.
@@ -192,7 +225,7 @@ mod tests {
         for known in ["adapter", "driver", "grid", "fusing", "limits"] {
             assert!(!card[known].is_null(), "{known}: {printed}");
         }
-        assert_eq!(card["commit"], commit());
+        assert_eq!(card["commit"].as_str().map(str::to_owned), commit(root()));
         assert!(
             card["times"].is_null() && card["prices"].is_null(),
             "{card}"
