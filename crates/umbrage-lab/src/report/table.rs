@@ -161,7 +161,9 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Line {
         total_greatest_ms: m.times.map(|t| t.total.max),
         yardsticks: m.times.and_then(|t| t.ratio).map(|r| r.median),
         yardstick_ms: m.times.and_then(|t| median(t.yardstick)),
-        full_clock_ms: m.times.and_then(|t| Some(t.full_clock_factor? * t.total.median)),
+        full_clock_ms: m
+            .times
+            .and_then(|t| Some(t.full_clock_factor? * t.total.median)),
         bytes: Some(m.bytes),
         map_unused: m.maps.map(|u| 100.0 * u.unused),
         texels_least: texels.map(|all| all[0]),
