@@ -1,9 +1,9 @@
 //! Drivers that round otherwise, modelled by rewriting shaders.
 //!
-//! WGSL lets a driver fuse products with sums, re-associate sums, miss quotients by 2.5 units in the
-//! last place, and roots by that of `1 / inverseSqrt(x)`: 4.5 units. The software drivers of CI do none
-//! of this, and cards do. So each shader text is parsed, rewritten so that it computes what such a
-//! driver would, and written as WGSL again.
+//! WGSL lets a driver fuse products with sums, re-associate sums, miss quotients by 2.5 units in
+//! the last place, and roots by that of `1 / inverseSqrt(x)`: 4.5 units. The software drivers of CI
+//! do none of this, and cards do. So each shader text is parsed, rewritten so that it computes what
+//! such a driver would, and written as WGSL again.
 
 use naga::{
     Arena, BinaryOperator, Block, Expression, Function, Handle, Literal, MathFunction, Module,
@@ -52,7 +52,8 @@ pub enum DriverModel {
     Fused,
     /// Adds `a + b + c` from right to left.
     Reassociated,
-    /// Returns quotients that are 1 or 2 units in the last place off, and square roots that are 2 or 4.
+    /// Returns quotients that are 1 or 2 units in the last place off, and square roots that are 2
+    /// or 4.
     Inaccurate,
 }
 
@@ -365,9 +366,9 @@ impl<'a> Rewriter<'a> {
         Some(self.binary(BinaryOperator::Add, first, last))
     }
 
-    /// Returns a number that is `moves` times 1 or 2 units in the last place greater or less; 0 and what
-    /// is not finite stay. How far depends on the number of the operand's bits that are 1: so quotients
-    /// that are powers of 2 are moved either way.
+    /// Returns a number that is `moves` times 1 or 2 units in the last place greater or less; 0 and
+    /// what is not finite stay. How far depends on the number of the operand's bits that are 1: so
+    /// quotients that are powers of 2 are moved either way.
     fn moved(
         &mut self,
         exact: Handle<Expression>,

@@ -63,8 +63,9 @@ pub fn liberties(wgsl: &str) -> Result<BTreeSet<(String, Liberty)>, String> {
     Ok(out)
 }
 
-/// Returns the functions among `roots`, and the fragment and compute entry points, in which a product may
-/// be guarded by a variable of this name before the variable is stored to: compilers know its first value.
+/// Returns the functions among `roots`, and the fragment and compute entry points, in which a
+/// product may be guarded by a variable of this name before the variable is stored to: compilers
+/// know its first value.
 ///
 /// # Errors
 /// Errors if the text is not valid WGSL, or names none of `roots`.
@@ -105,8 +106,8 @@ impl Order<'_> {
         matches!(*root(function, pointer), Expression::GlobalVariable(global) if global == self.guard)
     }
 
-    /// Returns whether a block may load the variable before it is stored to. `is_set` is whether it was
-    /// stored to before the block, and then whether it was on all ways through it.
+    /// Returns whether a block may load the variable before it is stored to. `is_set` is whether it
+    /// was stored to before the block, and then whether it was on all ways through it.
     fn loads_first(&self, function: &Function, block: &Block, is_set: &mut bool) -> bool {
         for statement in block.iter() {
             if *is_set {

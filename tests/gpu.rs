@@ -8,7 +8,8 @@ use std::{
 use umbrage_core::BackendError;
 use umbrage_wgpu::{AdapterChoice, Gpu, Software};
 
-/// Tests of one program share this many devices: enough to keep two cores busy. Each device compiles its own pipelines.
+/// Tests of one program share this many devices: enough to keep two cores busy. Each device
+/// compiles its own pipelines.
 const DEVICES: usize = 2;
 
 /// The shared backends.
@@ -37,7 +38,8 @@ pub struct SharedGpu(Option<Gpu>);
 
 /// Returns a shared backend that no other test uses. Waits until one is free.
 ///
-/// A test drops its backend before it takes another one: two tests that each hold one and wait for a second would wait forever.
+/// A test drops its backend before it takes another one: two tests that each hold one and wait for
+/// a second would wait forever.
 ///
 /// # Panics
 /// Panics if there is no adapter: a test that needs one fails, it is never skipped.

@@ -42,9 +42,9 @@ fn shadow_leading_bits(x: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) & 0xfffff000u);
 }
 
-// a - b * c without error, for a near b * c and factors in 0.5..4: all products are of two numbers of
-// 12 bits, so that fusing changes nothing (Dekker 1971, "A floating-point technique for extending the
-// available precision").
+// a - b * c without error, for a near b * c and factors in 0.5..4: all products are of two numbers
+// of 12 bits, so that fusing changes nothing (Dekker 1971, "A floating-point technique for
+// extending the available precision").
 fn shadow_residual(a: f32, b: f32, c: f32) -> f32 {
     let b_high = shadow_leading_bits(b);
     let c_high = shadow_leading_bits(c);
@@ -68,8 +68,8 @@ fn shadow_with_sign_of(size: f32, x: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(size) | (bitcast<u32>(x) & 0x80000000u));
 }
 
-// Returns a quotient of numbers in 1..2, one unit in the last place nearer to x / y unless it is the
-// nearest.
+// Returns a quotient of numbers in 1..2, one unit in the last place nearer to x / y unless it is
+// the nearest.
 fn shadow_nearer_quotient(q: f32, x: f32, y: f32, unit: f32) -> f32 {
     let rest = shadow_residual(x, q, y);
     // The nearest number leaves at most half a unit.
@@ -77,17 +77,17 @@ fn shadow_nearer_quotient(q: f32, x: f32, y: f32, unit: f32) -> f32 {
 }
 
 // a / b, rounded to nearest, by the residual of the device's own quotient (Markstein 1990,
-// "Computation of elementary functions on the IBM RISC System/6000 processor"). WGSL allows an error
-// of 2.5 units in the last place: at most two numbers off.
+// "Computation of elementary functions on the IBM RISC System/6000 processor"). WGSL allows an
+// error of 2.5 units in the last place: at most two numbers off.
 fn shadow_quotient(a: f32, b: f32) -> f32 {
     let a_bits = bitcast<u32>(a);
     let b_bits = bitcast<u32>(b);
     let rough = a / b;
     let x = shadow_significand(a_bits);
     let y = shadow_significand(b_bits);
-    // The quotient is in least..2 * least, where numbers are a unit apart. The device's may be less,
-    // where they are half as far apart. It is at most 2 * least, a unit from the greatest quotient:
-    // that is 2 - unit at y = 1, and the next number after 2 is too far off.
+    // The quotient is in least..2 * least, where numbers are a unit apart. The device's may be
+    // less, where they are half as far apart. It is at most 2 * least, a unit from the greatest
+    // quotient: that is 2 - unit at y = 1, and the next number after 2 is too far off.
     let least = select(0.5, 1.0, x >= y);
     let unit = 1.1920929e-7 * least;
     let start = max(x / y, least);

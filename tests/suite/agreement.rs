@@ -22,11 +22,11 @@ use umbrage_tests::{
 
 /// Each gives other cases.
 const SEEDS: [u8; 2] = [1, 2];
-/// Scenes a seed: so many that five hundred are rendered with maps in all. Some lights are not supported, and some cases are
-/// ray-traced.
+/// Scenes a seed: so many that five hundred are rendered with maps in all. Some lights are not
+/// supported, and some cases are ray-traced.
 const SCENES: u32 = 410;
-/// Seeds, numbers and techniques of cases that failed on a driver once, and always run. The first had one
-/// decided pixel off on an H100 and an H200.
+/// Seeds, numbers and techniques of cases that failed on a driver once, and always run. The first
+/// had one decided pixel off on an H100 and an H200.
 const FAILED_ONCE: [(u8, usize, &str); 1] = [(1, 203, "pcf_disc")];
 /// Scenes that each technique must have rendered at the least; planar shadows refuse most.
 const LEAST_EACH: u32 = 12;

@@ -78,7 +78,7 @@ fn the_probe_reports_fusing() {
     let gpu = gpu();
     let found = gpu.fusing().expect("the device draws");
     println!("{found}");
-    assert!(!found.guarded_product, "{found}");
+    assert_eq!(found.guarded_product, Some(false), "{found}");
     if is_fused || gpu.check_pinned_driver().is_ok() {
         assert_eq!(found.product_and_sum, is_fused, "{found}");
     }

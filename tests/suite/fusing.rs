@@ -1,7 +1,7 @@
 //! Shaders that decide whether a point is lit leave nothing to drivers, but for what a list allows with reasons.
 
-use umbrage_core::{Cascades, Layout};
-use umbrage_core::{Geometry, MATH, ShadowTechnique, View, join};
+use glam::UVec2;
+use umbrage_core::{Cascades, Geometry, Layout, MATH, Scene, ShadowTechnique, View, join};
 use umbrage_techniques::{Exact, Planar, ShadowMap, ShadowVolumes, Soft, Traced, Unshadowed};
 use umbrage_tests::fusible::{Liberty, liberties, unset_guards};
 use umbrage_wgpu::receive_wgsl;
@@ -23,6 +23,14 @@ const ALLOWED: &[(&str, &str)] = &[
     ("part_of_corners", "bounds with a margin of 1 % of a step"),
 ];
 
+/// Returns a built-in scene with a picture of 16 by 16 pixels, since only shader texts are wanted.
+fn small(name: &str) -> (Scene, Geometry) {
+    let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
+    scene.cameras[0].size = UVec2::splat(16);
+    let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+    (scene, geometry)
+}
+
 fn texts() -> Vec<(String, String)> {
     let techniques: [Box<dyn ShadowTechnique>; 6] = [
         Box::new(Unshadowed::default()),
@@ -34,9 +42,7 @@ fn texts() -> Vec<(String, String)> {
     ];
     let mut out = Vec::new();
     for name in ["cubes", "lamp-in-room", "c10-chequered-card"] {
-        let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
-        scene.cameras[0].size = umbrage_core::glam::UVec2::splat(16);
-        let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+        let (scene, geometry) = small(name);
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
         for technique in &techniques {
             if let Ok(recipe) = technique.recipe(&view) {
@@ -67,15 +73,14 @@ fn what_decides_leaves_nothing_to_drivers() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Compilers know what a private variable starts with: products before the first store may be fused.
+/// Compilers know what a private variable starts with: products before the first store may be
+/// fused.
 #[test]
 fn every_technique_guards_its_products_from_the_start() {
     let mut checked = 0;
     let mut faults = Vec::new();
     for name in ["cubes", "lamp-in-room", "far-range"] {
-        let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
-        scene.cameras[0].size = umbrage_core::glam::UVec2::splat(16);
-        let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+        let (scene, geometry) = small(name);
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
         for entry in umbrage_techniques::all() {
             let preset = (entry.preset)();

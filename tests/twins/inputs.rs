@@ -96,10 +96,11 @@ fn float(mood: Mood) -> BoxedStrategy<f32> {
     }
 }
 
-/// Extremes whose products and quotients still are normal numbers or overflow: drivers may flush denormal
-/// ones. Two are just below a power of two, where a driver's quotient may lie above it: one ends in a set
-/// bit, the other does not. Of the last two, `root` needs its last step: before it, the modelled driver's
-/// root of one is too low, of the other too high (8 numbers of all in 1..4 are such).
+/// Extremes whose products and quotients still are normal numbers or overflow: drivers may flush
+/// denormal ones. Two are just below a power of two, where a driver's quotient may lie above it:
+/// one ends in a set bit, the other does not. Of the last two, `root` needs its last step: before
+/// it, the modelled driver's root of one is too low, of the other too high (8 numbers of all in
+/// 1..4 are such).
 const SPECIAL: [f32; 15] = [
     0.0,
     -0.0,

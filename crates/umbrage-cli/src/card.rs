@@ -138,7 +138,8 @@ fn file_of(program: &Program, arguments: &CardArguments) -> Result<PathBuf> {
     Ok(file)
 }
 
-/// Takes over what an earlier run measured on the same adapter, driver and commit. All else is replaced, unless somebody named the file.
+/// Takes over what an earlier run measured on the same adapter, driver and commit. All else is
+/// replaced, unless somebody named the file.
 fn keep_other_parts(card: &mut Card, file: &Path, is_named: bool) -> Result<()> {
     if !file.exists() {
         return Ok(());
@@ -195,7 +196,7 @@ fn table(card: &Card) -> Table {
             yes_or_no(fusing.product_and_sum),
         );
         add("one rounding for fma", yes_or_no(fusing.fma));
-        if fusing.guarded_product {
+        if fusing.guarded_product == Some(true) {
             add(
                 "one rounding for product(a, b) + c",
                 "yes, a fault".to_owned(),

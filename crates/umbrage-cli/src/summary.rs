@@ -14,7 +14,7 @@ const LINES: usize = 8;
 
 /// Returns a heading and about [`LINES`] lines, the settings that matter most for each kind of
 /// light and each backend (one at least), and how well counted costs rank rows; nothing where
-/// nothing can be told.
+/// there is nothing to report.
 pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>) -> Vec<String> {
     let groups = setting_groups(comparison);
     let Some(first) = groups.first() else {

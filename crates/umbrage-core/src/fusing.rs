@@ -11,9 +11,9 @@ pub struct Fusing {
     /// Whether `fma(a, b, c)` is rounded once.
     pub fma: bool,
     /// Whether the sum of `product(a, b)` of `math.wgsl` and `c` is rounded once. This must be false: what decides whether a point is
-    /// lit relies on it. Files from before it was kept are read as false.
+    /// lit relies on it. `None` if unknown: older files of cards lack it.
     #[serde(default)]
-    pub guarded_product: bool,
+    pub guarded_product: Option<bool>,
 }
 
 /// `a * b + c is rounded twice, fma(a, b, c) twice`
@@ -23,7 +23,7 @@ impl fmt::Display for Fusing {
         let sum = times(self.product_and_sum);
         let fma = times(self.fma);
         write!(f, "a * b + c is rounded {sum}, fma(a, b, c) {fma}")?;
-        if self.guarded_product {
+        if self.guarded_product == Some(true) {
             write!(
                 f,
                 "; product(a, b) + c once, so masks may differ from the CPU's"

@@ -158,8 +158,8 @@ struct Alone<'a> {
 }
 
 impl Alone<'_> {
-    /// Compares a set's mask with the CPU's and, where bits are promised, with that of the technique
-    /// alone. Other drivers may round the shaders of the two in different ways.
+    /// Compares a set's mask with the CPU's and, where bits are promised, with that of the
+    /// technique alone. Other drivers may round the shaders of the two in different ways.
     fn check(&self, label: &str, mask: &[f32]) -> Result<Agreement, String> {
         let differing = differing(mask, &self.on_gpu);
         if gpu().promises_bits() && differing > 0 {

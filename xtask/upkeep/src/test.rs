@@ -207,8 +207,8 @@ impl Totals {
     }
 }
 
-/// Tests at a time, for each core. Many wait for a shared graphics device or for its driver's threads, and
-/// leave their core idle.
+/// Tests at a time, for each core. Many wait for a shared graphics device or for its driver's
+/// threads, and leave their core idle.
 const TESTS_A_CORE: usize = 3;
 
 /// Runs tests, passing on what they print.

@@ -11,14 +11,16 @@ use std::path::PathBuf;
   cargo xtask card --page                             write docs/cards.md from the files in docs/cards
   cargo xtask card --pack card                        a folder for a machine without a compiler or network")]
 pub(crate) struct CardArguments {
-    /// Graphics adapter by part of its name, such as nvidia; else WGPU_ADAPTER_NAME's, else the best one
+    /// Graphics adapter by part of its name, such as nvidia; else WGPU_ADAPTER_NAME's, else the
+    /// best one
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
     /// Parts to measure; all if none is named
     #[arg(long, value_name = "PART", value_delimiter = ',', value_enum)]
     pub(crate) parts: Vec<CardPart>,
-    /// File for the figures (JSON), rewritten after each part; else target/card/card.json in the repository. Parts that are not measured
-    /// keep what the file has of the same adapter, driver and commit; a file named here may hold no other card
+    /// File for the figures (JSON), rewritten after each part; else target/card/card.json in the
+    /// repository. Parts that are not measured keep what the file has of the same adapter, driver
+    /// and commit; a file named here may hold no other card
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     /// Who measures, for the page

@@ -87,7 +87,8 @@ fn command(invocation: &'static str) -> clap::Command {
     whole.mut_subcommand("card", without_pack)
 }
 
-/// Returns `card` without `--pack` in its help, which builds programs of umbrage's repository alone.
+/// Returns `card` without `--pack` in its help, which builds programs of umbrage's repository
+/// alone.
 fn without_pack(card: clap::Command) -> clap::Command {
     let examples = card.get_after_help().map(ToString::to_string);
     let examples = examples.unwrap_or_default();

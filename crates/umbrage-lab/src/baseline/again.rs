@@ -84,8 +84,8 @@ pub fn time_again(
     Ok(())
 }
 
-/// Returns the stems of the suspects' rows by the place of their scene, each row once, and the units
-/// of that scene's yardstick on a device.
+/// Returns the stems of the suspects' rows by the place of their scene, each row once, and the
+/// units of that scene's yardstick on a device.
 fn stems_by_scene(suspects: &[&Suspect]) -> BTreeMap<usize, (Vec<String>, Option<f64>)> {
     let mut out: BTreeMap<usize, (Vec<String>, Option<f64>)> = BTreeMap::new();
     for row in suspects.iter().flat_map(|suspect| &suspect.rows) {

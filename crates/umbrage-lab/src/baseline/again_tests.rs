@@ -14,12 +14,12 @@ use umbrage_core::{Backend, BackendError, Recipe, Shadows, Timings, View};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
 
-/// What the clock says of a play: the row of this map size takes so many times its usual time.
+/// A clock by which the row of this map size takes `factor` times its usual time.
 #[derive(Debug)]
 struct Clock {
     slow_map: u32,
     factor: f64,
-    /// How often the row was rendered since the factor was set.
+    /// The number of renderings of the row since the factor was set.
     renders: u32,
 }
 

@@ -101,7 +101,7 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     if let Some(timing) = other.first() {
         out.notes.push(format!(
             "The times of {} rows are not compared, since their yardstick on the device is not as \
-             long as the baseline's (the first: {}: {}): run it again, or make the baseline anew.",
+             long as the baseline's (the first: {}: {}): run it again, or make a new baseline.",
             other.len(),
             timing.scene.1,
             timing.row.label()
@@ -161,8 +161,8 @@ fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> Same
     } else if old.schema < FIRST_TIMED || !times(old).any(|times| times.yardstick.is_some()) {
         let schema = old.schema;
         Some(format!(
-            "the baseline (schema {schema}) has no yardsticks like those of this version beside \
-             them; make it anew to compare times"
+            "the baseline (schema {schema}) was timed with other yardsticks than this version's; \
+             make a new one to compare times"
         ))
     } else {
         None

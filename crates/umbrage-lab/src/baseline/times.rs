@@ -14,14 +14,15 @@
 //!   Besides, a factor of [`APART`] must lie between: where noise is narrower than that, no chance is left at all.
 //!
 //!   These chances take for granted that runs are independent. They are not while others hold one of two cores: then a
-//!   yardstick may be slow beside all of a row's runs, while the row fits between two turns of the scheduler. So only runs
-//!   count beside which no yardstick took more than [`CALM`] times the quickest of that row, and rows
+//!   yardstick may be slow next to all of a row's runs, while the row fits between two turns of the
+//!   scheduler. So only runs count next to which no yardstick took more than [`CALM`] times the
+//!   quickest of that row, and rows
 //!   of which even that one took more than [`CALM`] times what it can are not judged, as are those of
 //!   fewer than [`MIN_RUNS`] such runs. Under the load above, of all rows the bound lay below what the
 //!   row takes in 3 %; of those whose yardstick's median was calm, in 1 of 2,393.
 //!
 //!   On devices the clock changes, too, and ratios are the same at each clock. So there a run counts if
-//!   neither yardstick beside it took more than [`CALM`] times the other, and ratios alone decide.
+//!   neither yardstick next to it took more than [`CALM`] times the other, and ratios alone decide.
 //! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than
 //!   [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median (1.253 sigma / sqrt n, sigma from the median
 //!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that

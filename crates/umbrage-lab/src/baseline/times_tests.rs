@@ -181,7 +181,7 @@ fn a_row_that_takes_twice_as_long_is_caught() {
     assert!(found.suspects.is_empty() && found.rough == 1, "{found:?}");
     assert_eq!(judged.suspects[0].verdict(&[Some(quicker)]), None);
     assert!(judged.suspects[0].is_cleared(&[Some(quicker)]));
-    // A device that had a quarter of its clock beside the baseline: it is at full clock now.
+    // A device that had a quarter of its clock in the baseline: it is at full clock now.
     let then = RatioSample {
         device_units: Some(8.0),
         ..quiet

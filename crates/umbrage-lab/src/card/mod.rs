@@ -83,7 +83,8 @@ pub struct CardAgreement {
     pub other_triangle_pixels: Option<u64>,
     /// The former by technique. `None` in files from before it was kept.
     pub compared_pixels: Option<BTreeMap<String, u64>>,
-    /// Of these, those whose bits differ, by technique. Techniques without such pixels are left out.
+    /// Of these, those whose bits differ, by technique. Techniques without such pixels are left
+    /// out.
     pub differing_bits: BTreeMap<String, u64>,
     /// Masks of all techniques that were compared.
     pub masks: Option<u64>,
@@ -145,7 +146,9 @@ impl Card {
 
     /// Returns what is wrong with the adapter or its masks, a line each.
     pub fn findings(&self) -> Vec<String> {
-        let fusing = self.fusing.filter(|fusing| fusing.guarded_product);
+        let fusing = self
+            .fusing
+            .filter(|fusing| fusing.guarded_product == Some(true));
         let fused = fusing.map(|fusing| format!("masks may be wrong: {fusing}"));
         let found = self.agreement.iter().flat_map(|a| &a.findings);
         fused.into_iter().chain(found.cloned()).collect()

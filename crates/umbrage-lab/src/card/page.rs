@@ -68,7 +68,7 @@ fn one_rounding(fusing: Option<Fusing>) -> String {
     for (is_fused, what) in [
         (fusing.product_and_sum, "`a * b + c`"),
         (fusing.fma, "`fma`"),
-        (fusing.guarded_product, "`product(a, b) + c`"),
+        (fusing.guarded_product == Some(true), "`product(a, b) + c`"),
     ] {
         if is_fused {
             fused.push(what);

@@ -49,7 +49,7 @@ fn a_fused_product_is_a_finding() {
     let fusing = |guarded_product| Fusing {
         product_and_sum: true,
         fma: false,
-        guarded_product,
+        guarded_product: Some(guarded_product),
     };
     let of = |fusing| Card {
         fusing: Some(fusing),
@@ -74,7 +74,8 @@ fn frames_of_unknown_names_are_an_error() {
     assert!(error.to_string().contains("adapter"), "{error}");
 }
 
-/// A card without what came later is read; one of a newer schema is not, though its fields are unknown.
+/// A card without what came later is read; one of a newer schema is not, though its fields are
+/// unknown.
 #[test]
 fn the_schema_is_read_first() {
     let dir = tempfile::tempdir().expect("a folder");
@@ -85,6 +86,7 @@ fn the_schema_is_read_first() {
     agreement.remove("compared_pixels").expect("a field");
     fs::write(&file, data.to_string()).expect("there");
     let found = read(&file).expect("a card");
+    assert_eq!(found.fusing.and_then(|fusing| fusing.guarded_product), None);
     assert_eq!(found.agreement, card("fast", false).agreement);
     data["schema"] = (SCHEMA + 1).into();
     data["later"] = true.into();

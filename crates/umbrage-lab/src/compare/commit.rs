@@ -2,7 +2,8 @@
 
 use std::{path::Path, process::Command};
 
-/// Returns the commit of a folder's repository, with `+` if files were changed since. `None` outside a repository.
+/// Returns the commit of a folder's repository, with `+` if files were changed since. `None`
+/// outside a repository.
 pub(crate) fn commit(folder: &Path) -> Option<String> {
     let git = |arguments: &[&str]| {
         let mut command = Command::new("git");

@@ -133,8 +133,8 @@ impl SceneResult {
     }
 
     /// Returns how well counted costs rank the rows of a backend as the clock does: Spearman's rank
-    /// correlation of cost and time of all that backends play; none with fewer than three rows or
-    /// without times.
+    /// correlation of cost and time of all that backends execute; `None` with fewer than three rows
+    /// or without times.
     pub fn cost_ranks(&self, backend: &str) -> Option<f64> {
         let mut pairs = Vec::new();
         for row in self.rows.iter().filter(|row| row.backend == backend) {
@@ -320,7 +320,7 @@ pub struct CompareRow {
     pub slug: String,
     /// Kind of backend, `cpu` or `wgpu`.
     pub backend: String,
-    /// The row above whose figures these are, as both play the same recipe: its technique and
+    /// The row above whose figures these are, as both have the same recipe: its technique and
     /// settings.
     #[serde(default)]
     pub same_as: Option<String>,
@@ -383,15 +383,15 @@ pub enum RowOutcome {
 /// A row's figures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Errors against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says
+    /// Errors against truth; `None` if no pixel counts ([`SceneResult::nothing_compared`] says
     /// why), as errors of 0 would mean that the mask is right.
     pub errors: Option<Errors>,
     /// What the errors come from; none where no pixel counts.
     pub causes: Option<Causes>,
-    /// Times of what the backend plays, without compilation, upload and read-back; none if they
-    /// weren't asked for.
+    /// Times of what the backend executes, without compilation, upload and read-back; `None` if
+    /// they were not measured.
     pub times: Option<RowTimes>,
-    /// Times of what comes before: the same on every backend; none if they weren't asked for.
+    /// Times of what comes before: the same on every backend; none if they were not measured.
     #[serde(default)]
     pub preparation: Option<Preparation>,
     /// Whether what the recipe draws stays the same while the camera moves.
@@ -402,7 +402,7 @@ pub struct Measured {
     /// The cost of that work by the [prices](umbrage_plan::cost::PriceList) of this kind of
     /// backend, milliseconds: the same on every run.
     pub cost_ms: f64,
-    /// The part of `cost_ms` that backends play, which [`times`](Self::times) are of: without
+    /// The part of `cost_ms` that backends execute, which [`times`](Self::times) are of: without
     /// triangles that were put into lists. None in files from before there were lists.
     #[serde(default)]
     pub played_cost_ms: Option<f64>,
@@ -426,8 +426,8 @@ impl Measured {
         self.errors.map(|e| e.rmse)
     }
 
-    /// Returns the time of a frame or its cost, milliseconds; none if times weren't measured. Costs
-    /// are those of playing the whole recipe, or of its lookup alone where what is drawn is kept.
+    /// Returns the time of a frame or its cost, milliseconds; `None` if times weren't measured.
+    /// Costs are those of the whole recipe, or of its lookup alone where what is drawn is kept.
     pub fn milliseconds(&self, clock: CostBasis, motion: FrameMotion) -> Option<f64> {
         match clock {
             CostBasis::Wall => self.frame_ms(motion),
@@ -481,14 +481,14 @@ pub struct RowTimes {
     pub receive: Option<TimingStats>,
     /// Casts, filters and lookup of each run together.
     pub total: TimingStats,
-    /// Times of the [yardstick](umbrage_yardstick::Yardstick) that is played in turn with the runs,
-    /// milliseconds for each unit of its work; none where nothing receives, where the adapter can't
+    /// Times of the [yardstick](umbrage_yardstick::Yardstick) that is timed in turn with the runs,
+    /// milliseconds for each unit of its work; `None` if nothing receives, where the adapter can't
     /// time it, and in results of schema 4 and before.
     pub yardstick: Option<TimingStats>,
     /// Each run's time over the mean of the yardsticks' right before and after it: what is compared
-    /// with other runs' results. Only calm runs count: on the CPU those beside which no yardstick
+    /// with other runs' results. Only calm runs count: on the CPU those next to which no yardstick
     /// took more than [`CALM`](super::CALM) times the quickest, on a device those of which neither
-    /// yardstick took more than that times the other. None where no run was calm.
+    /// yardstick took more than that times the other. `None` if no run was calm.
     pub ratio: Option<Ranks>,
     /// The row's time at the device's full clock over the median of [`total`](Self::total), more
     /// than 0: that ratio times the yardstick's least time on the device in this comparison. `None`

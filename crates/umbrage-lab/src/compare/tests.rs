@@ -280,8 +280,8 @@ fn a_backend_is_compared_by_its_own_rounding() {
     );
 }
 
-/// Rounding changes many pixels of maps without bias: that is reported, and no fault. With a bias, or
-/// at nearly all pixels, it is one.
+/// Rounding changes many pixels of maps without bias: that is reported, and no fault. With a bias,
+/// or at nearly all pixels, it is one.
 #[test]
 fn only_maps_without_bias_may_be_sensitive_to_rounding() {
     let mut comparison =

@@ -232,7 +232,7 @@ fn time_yardstick(
         .map(|elapsed| milliseconds(elapsed) / yardstick.units))
 }
 
-/// Yardsticks beside a run that took more than this times the quickest of them tell that others
+/// Yardsticks next to a run that took more than this times the quickest of them show that others
 /// held up the machine, or that a device changed its clock: such runs say nothing about the row.
 pub const CALM: f64 = 1.3;
 
@@ -262,9 +262,9 @@ impl TimedRun {
     }
 }
 
-/// Returns the ratios of a row's calm runs. On the CPU these are the runs beside which no yardstick
-/// took more than [`CALM`] times `min_yardstick`, the quickest. A device may have a low clock all
-/// along: its yardsticks need not be near the quickest one, but only near each other.
+/// Returns the ratios of a row's calm runs. On the CPU these are the runs next to which no
+/// yardstick took more than [`CALM`] times `min_yardstick`, the quickest. A device may have a low
+/// clock all along: its yardsticks need not be near the quickest one, but only near each other.
 fn calm(runs: &[TimedRun], min_yardstick: f64, device_units: Option<f64>) -> Vec<f64> {
     let limit = device_units.map_or(min_yardstick, |_| f64::INFINITY);
     runs.iter()

@@ -187,7 +187,8 @@ impl Moving {
         Ok(out)
     }
 
-    /// Renders the mask of frame `index` at the first frame's receivers, on the first backend or on all.
+    /// Renders the mask of frame `index` at the first frame's receivers, on the first backend or on
+    /// all.
     fn play_frame(
         &self,
         index: usize,

@@ -3,14 +3,18 @@
 use crate::compare::Backends;
 use std::{
     num::NonZero,
-    sync::{Mutex, MutexGuard, PoisonError},
+    panic::resume_unwind,
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
     thread,
 };
 
 /// Backends that several threads use in turn.
 ///
-/// A thread of rayon's pool must never wait for them: the thread that holds them may itself wait for the pool, since the CPU
-/// backend renders there. So [`map`] starts threads of its own.
+/// A thread of rayon's pool must never wait for them: the thread that holds them may itself wait
+/// for the pool, since the CPU backend renders there. So [`map`] starts threads of its own.
 pub(super) struct SharedBackends<'a>(Mutex<&'a mut Backends>);
 
 impl<'a> SharedBackends<'a> {
@@ -25,29 +29,30 @@ impl<'a> SharedBackends<'a> {
     }
 }
 
-/// Returns `f` of each input, in the inputs' order. As many threads as the machine has cores take the next input whenever they
-/// have finished one.
+/// Returns `f` of each input, in the inputs' order. As many threads as the machine has cores take
+/// the next input whenever they have finished one.
 pub(super) fn map<T: Sync, R: Send>(inputs: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    let next = Mutex::new(inputs.iter().enumerate());
-    let done = Mutex::new(Vec::new());
-    thread::scope(|scope| {
-        for _ in 0..cores.min(inputs.len()) {
-            scope.spawn(|| {
-                loop {
-                    let taken = next.lock().unwrap_or_else(PoisonError::into_inner).next();
-                    let Some((index, input)) = taken else {
-                        break;
-                    };
-                    let result = f(input);
-                    done.lock()
-                        .unwrap_or_else(PoisonError::into_inner)
-                        .push((index, result));
-                }
-            });
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(input) = inputs.get(index) else {
+                return done;
+            };
+            done.push((index, f(input)));
         }
+    };
+    let mut done = thread::scope(|scope| {
+        let start = |_| scope.spawn(work);
+        let threads: Vec<_> = (0..cores.min(inputs.len())).map(start).collect();
+        let mut done = Vec::new();
+        for thread in threads {
+            done.extend(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        }
+        done
     });
-    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
     done.sort_by_key(|(index, _)| *index);
     done.into_iter().map(|(_, result)| result).collect()
 }

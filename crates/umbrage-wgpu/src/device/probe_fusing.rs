@@ -33,7 +33,7 @@ pub fn probe_fusing(device: &Device, queue: &Queue) -> Result<Fusing, BackendErr
     Ok(Fusing {
         product_and_sum: is_fused(0),
         fma: is_fused(1),
-        guarded_product: is_fused(2),
+        guarded_product: Some(is_fused(2)),
     })
 }
 

@@ -56,7 +56,8 @@ pub(crate) fn pack(options: &PackOptions) -> Result<()> {
     Ok(())
 }
 
-/// Refuses folders with files of others: a new one, an empty one and one that was packed before will do.
+/// Refuses folders with files of others: a new one, an empty one and one that was packed before
+/// will do.
 fn check_folder(folder: &Path) -> Result<()> {
     let refuse = |why: String| Usage(format!("--pack: `{}` {why}", folder.display()));
     let is_empty = match fs::read_dir(folder) {

@@ -188,7 +188,8 @@ fn masks(
             ..ShadowMap::default()
         };
         let played = play(case_truth, &Hard { map }, backends, i, values.len());
-        // Without a mask there is no figure. Leaving the point out would hide that the setting can't be played.
+        // Without a mask there is no figure. Leaving the point out would hide that the setting has
+        // no mask.
         played.map_err(|(NoMask::Unsupported(why) | NoMask::Fault(why))| {
             not_played(case_truth, &Hard { map }, &why)
         })
