@@ -6,7 +6,7 @@
 
 use naga::{
     BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, MathFunction,
-    Module, ScalarKind, ShaderStage, Statement, TypeInner, UnaryOperator,
+    Module, ScalarKind, Statement, TypeInner, UnaryOperator,
     front::wgsl::parse_str,
     valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator},
 };
@@ -63,9 +63,8 @@ pub fn liberties(wgsl: &str) -> Result<BTreeSet<(String, Liberty)>, String> {
     Ok(out)
 }
 
-/// Returns the functions among `roots`, and the fragment and compute entry points, in which a
-/// product may be guarded by a variable of this name before the variable is stored to: compilers
-/// know its first value.
+/// Returns the functions among `roots`, and the entry points, in which a product may be guarded by a
+/// variable of this name before the variable is stored to: compilers know its first value.
 ///
 /// # Errors
 /// Errors if the text is not valid WGSL, or names none of `roots`.
@@ -83,8 +82,7 @@ pub fn unset_guards(wgsl: &str, guard: &str, roots: &[&str]) -> Result<Vec<Strin
         checked.push((root, function));
     }
     let entries = module.entry_points.iter();
-    let shaded = entries.filter(|entry| entry.stage != ShaderStage::Vertex);
-    checked.extend(shaded.map(|entry| (entry.name.as_str(), &entry.function)));
+    checked.extend(entries.map(|entry| (entry.name.as_str(), &entry.function)));
     let order = Order {
         module: &module,
         guard,

@@ -228,8 +228,11 @@ fn shadow_plane_gradient(clip_from_world: mat4x4f, point: vec3f, n: vec3f, size:
     let t = shadow_cross3(n, axis);
     let a = shadow_slide(clip_from_world, point, t, size);
     let b = shadow_slide(clip_from_world, point, shadow_cross3(n, t), size);
-    let det = a.x * b.y - b.x * a.y;
-    if det == 0.0 {
+    let first = a.x * b.y;
+    let second = b.x * a.y;
+    let det = first - second;
+    // Less than this part of its terms is what these were rounded by: the light lies in the plane.
+    if abs(det) <= (1.0 / 1048576.0) * (abs(first) + abs(second)) {
         return vec2f(0.0, 0.0);
     }
     let right = (a.z * b.y - b.z * a.y) / det;

@@ -120,18 +120,24 @@ pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, li
     let t = cross3(n, axis);
     let a = slide(clip_from_world, point, t, size);
     let b = slide(clip_from_world, point, cross3(n, t), size);
-    let det = a.x * b.y - b.x * a.y;
+    let first = a.x * b.y;
+    let second = b.x * a.y;
+    let det = first - second;
     let right = (a.z * b.y - b.z * a.y) / det;
     let down = (a.x * b.z - b.x * a.z) / det;
     // Both are bounded before the choice: work inside a branch would keep compilers from vector lanes.
     let right = clamp_gradient(right, limit);
     let down = clamp_gradient(down, limit);
-    let edge_on = det == 0.0;
+    let edge_on = det.abs() <= EDGE_ON * (first.abs() + second.abs());
     Vec2::new(
         if edge_on { 0.0 } else { right },
         if edge_on { 0.0 } else { down },
     )
 }
+
+/// A determinant that is less than this part of its terms is what these were rounded by: 2^-20, 16
+/// units in the last place. The light lies in the plane, and devices would differ in its sign.
+const EDGE_ON: f32 = 1.0 / 1_048_576.0;
 
 /// Returns `g` clamped to -limit..=limit, and `limit` for NaN.
 #[inline(always)]

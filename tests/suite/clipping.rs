@@ -6,7 +6,7 @@ use umbrage_core::{
     Backend, Cascades, Faces, Fit, Geometry, Layout, Recipe, RecipeError, Scene, ShadowTechnique,
     Source, View, metrics::Pixel,
 };
-use umbrage_cpu::{Clipping, Cpu, CpuOptions};
+use umbrage_cpu::{Clipping, Cpu, CpuOptions, VertexSums};
 use umbrage_lab::compare;
 use umbrage_plan::truth::{TruthOptions, trace};
 use umbrage_techniques::{Pcf, Planar, ShadowMap, ShadowVolumes};
@@ -73,7 +73,18 @@ impl Stage {
 }
 
 fn cpu(clipping: Clipping) -> Cpu {
-    Cpu::with_options(&CpuOptions::default().clipping(clipping)).expect("valid options")
+    cpu_with(&CpuOptions::default().clipping(clipping))
+}
+
+fn cpu_with(options: &CpuOptions) -> Cpu {
+    Cpu::with_options(options).expect("valid options")
+}
+
+/// Returns the ways in which devices may clip, and those in which they may sum.
+fn devices() -> Vec<CpuOptions> {
+    let clipping = Clipping::INEXACT.map(|clipping| CpuOptions::default().clipping(clipping));
+    let sums = VertexSums::OTHERS.map(|sums| CpuOptions::default().vertex_sums(sums));
+    [&clipping[..], &sums].concat()
 }
 
 /// Returns the recipe of shadow volumes with their far ends moved to infinity, where Everitt and Kilgard 2002 have them.
@@ -160,15 +171,16 @@ fn exact_techniques_stay_exact() {
                 continue;
             };
             let expected = Cpu::new().render(&view, &recipe).expect("valid").mask;
-            for clipping in Clipping::INEXACT {
+            for device in devices() {
                 // At the outline of what is seen, another triangle may cover a pixel.
-                let own = cpu(clipping).render(&stage.view(), &recipe).expect("valid");
+                let own = cpu_with(&device).render(&stage.view(), &recipe);
+                let own = own.expect("valid");
                 let seen = own.receivers.expect("none were given").triangle;
                 let counted = (0..seen.len()).filter(|&i| {
                     truth.pixels[i] == Pixel::Counted && seen[i] == truth.receivers.triangle[i]
                 });
                 let wrong = counted.filter(|&i| own.mask[i] != expected[i]).count();
-                assert_eq!(wrong, 0, "{} in {name}: {clipping:?}", technique.name());
+                assert_eq!(wrong, 0, "{} in {name}: {device:?}", technique.name());
             }
             *compared += 1;
         }

@@ -1,7 +1,7 @@
 //! Shaders that decide whether a point is lit leave nothing to drivers, but for what a list allows with reasons.
 
 use glam::UVec2;
-use umbrage_core::{Cascades, Geometry, Layout, MATH, Scene, ShadowTechnique, View, join};
+use umbrage_core::{Cascades, Geometry, Layout, Scene, ShadowTechnique, View};
 use umbrage_techniques::{Exact, Planar, ShadowMap, ShadowVolumes, Soft, Traced, Unshadowed};
 use umbrage_tests::fusible::{Liberty, liberties, unset_guards};
 use umbrage_wgpu::receive_wgsl;
@@ -17,6 +17,10 @@ const ALLOWED: &[(&str, &str)] = &[
     (
         "safe_inverse",
         "for boxes, which are padded by more than it is off",
+    ),
+    (
+        "position_of",
+        "vertices of 16 bits, which the vertex stage of a device may decode otherwise, too",
     ),
     ("footprint_of", "bounds with a margin of 1 % of a step"),
     ("part_between", "bounds with a margin of 1 % of a step"),
@@ -51,10 +55,13 @@ fn texts() -> Vec<(String, String)> {
             }
         }
     }
-    let receivers = join(&[MATH, umbrage_core::resolve::RESOLVE])
-        + include_str!("../../crates/umbrage-wgpu/src/gbuffer_visibility.wgsl")
-        + include_str!("../../crates/umbrage-wgpu/src/gbuffer_resolve.wgsl");
-    out.push(("receivers".to_owned(), receivers));
+    let deciding = ["ids", "receivers", "corners"];
+    let placing = umbrage_wgpu::placing_shaders().into_iter();
+    out.extend(
+        placing
+            .filter(|(name, _)| deciding.contains(name))
+            .map(|(name, text)| (name.to_owned(), text)),
+    );
     out
 }
 
@@ -107,6 +114,15 @@ fn every_technique_guards_its_products_from_the_start() {
     }
     assert!(checked > 60, "only {checked} texts were checked");
     assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn every_entry_point_guards_its_products_from_the_start() {
+    for (name, text) in umbrage_wgpu::placing_shaders() {
+        assert!(text.contains("opaque_zero = "), "{name}");
+        let unset = unset_guards(&text, "opaque_zero", &[]).expect("valid WGSL");
+        assert!(unset.is_empty(), "{name}: {unset:?}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::{
     receive, shade,
 };
 use rayon::ThreadPool;
+use umbrage_core::glam::Vec4;
 use umbrage_core::{
     Backend, BackendError, BackendLimits, Camera, Geometry, Image, Inputs, Invalid, MAX_SIDE,
     Receivers, Recipe, Shadows, Simd, Snapping, Source, Timings, View,
@@ -28,6 +29,8 @@ pub struct Cpu {
     pool: Option<ThreadPool>,
     pub(crate) simd: Simd,
     pub(crate) rasterizer: Rasterizer,
+    /// Fractions by which channels of filtered images change.
+    filter_shift: Vec4,
     pub(crate) images: Vec<Image>,
 }
 
@@ -49,11 +52,10 @@ impl Cpu {
     /// Errors if the number of threads is zero or absurd, if they can't be started, or if the rounding is not known.
     pub fn with_options(options: &CpuOptions) -> Result<Self, BackendError> {
         options.snapping.validate()?;
-        Ok(Self::build(
-            options.pool()?,
-            options.simd,
-            options.rounding(),
-        ))
+        Ok(Self {
+            filter_shift: options.filter_shift,
+            ..Self::build(options.pool()?, options.simd, options.rounding())
+        })
     }
 
     fn build(pool: Option<ThreadPool>, simd: Simd, rounding: Rounding) -> Self {
@@ -68,6 +70,7 @@ impl Cpu {
             pool,
             simd,
             rasterizer: Rasterizer::new(rounding),
+            filter_shift: Vec4::ZERO,
             images: Vec::new(),
         }
     }
@@ -137,7 +140,7 @@ impl Cpu {
         }
         if !recipe.filters.is_empty() {
             timed(&mut timings.filter, || {
-                filter::filter_all(&mut self.images, recipe, self.simd)
+                filter::filter_all(&mut self.images, recipe, self.simd, self.filter_shift)
             });
         }
         let mask = timed(&mut timings.receive, || {
@@ -169,7 +172,7 @@ impl Cpu {
         check(view, recipe)?;
         images::prepare_images(&mut self.images, recipe);
         self.cast_all(view.geometry, recipe);
-        filter::filter_all(&mut self.images, recipe, self.simd);
+        filter::filter_all(&mut self.images, recipe, self.simd, self.filter_shift);
         Ok(())
     }
 

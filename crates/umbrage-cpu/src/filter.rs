@@ -2,15 +2,30 @@
 
 use crate::images::views;
 use rayon::prelude::*;
-use umbrage_core::{Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, SimdTask, glam::UVec2};
+use umbrage_core::{
+    Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, SimdTask,
+    glam::{UVec2, Vec4},
+};
 
-/// Runs all filters.
-pub(crate) fn filter_all(images: &mut [Image], recipe: &Recipe, simd: Simd) {
+/// Runs all filters, and changes their channels by the fractions `shift`.
+pub(crate) fn filter_all(images: &mut [Image], recipe: &Recipe, simd: Simd, shift: Vec4) {
     for f in &recipe.filters {
         // The output is taken out, since the others are read meanwhile; it isn't among them.
         let mut texels = std::mem::take(&mut images[f.output].texels);
         filter(images, f, &images[f.output].desc, &mut texels, simd);
+        if shift != Vec4::ZERO {
+            shift_channels(&mut texels, images[f.output].desc.format.channels(), shift);
+        }
         images[f.output].texels = texels;
+    }
+}
+
+fn shift_channels(texels: &mut [f32], channels: usize, shift: Vec4) {
+    let factors = (Vec4::ONE + shift).to_array();
+    for texel in texels.chunks_exact_mut(channels) {
+        for (value, factor) in texel.iter_mut().zip(&factors) {
+            *value *= factor;
+        }
     }
 }
 

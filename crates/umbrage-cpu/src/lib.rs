@@ -32,4 +32,4 @@ mod sparse;
 
 pub use backend::Cpu;
 pub use options::CpuOptions;
-pub use raster::{Clipping, PlaneShift};
+pub use raster::{Clipping, PlaneShift, VertexSums};

@@ -1,8 +1,8 @@
 //! What a user may choose about the CPU player.
 
-use crate::raster::{Clipping, PlaneShift, Rounding};
+use crate::raster::{Clipping, PlaneShift, Rounding, VertexSums};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use umbrage_core::{BackendError, Invalid, Simd, Snapping};
+use umbrage_core::{BackendError, Invalid, Simd, Snapping, glam::Vec4};
 
 /// Options of [`Cpu::with_options`](crate::Cpu::with_options). Threads and instructions change no result.
 ///
@@ -22,8 +22,14 @@ pub struct CpuOptions {
     pub snapping: Snapping,
     /// How far depths of triangles are moved: nowhere, but to find out which answers hang on rounding.
     pub plane_shift: PlaneShift,
+    /// By which fractions the channels of filtered images change: by none, but to find out which
+    /// answers hang on rounding.
+    pub filter_shift: Vec4,
     /// Where the rasteriser clips triangles: at the view volume, or as hardware may do, to test techniques.
     pub clipping: Clipping,
+    /// How the transform of a vertex is summed: as written, or in another order that a device may
+    /// take.
+    pub vertex_sums: VertexSums,
 }
 
 /// More threads than this are taken for a mistake.
@@ -60,10 +66,28 @@ impl CpuOptions {
         }
     }
 
+    /// The same with filtered images changed.
+    #[must_use]
+    pub fn filter_shift(self, filter_shift: Vec4) -> Self {
+        Self {
+            filter_shift,
+            ..self
+        }
+    }
+
     /// The same with another way of clipping.
     #[must_use]
     pub fn clipping(self, clipping: Clipping) -> Self {
         Self { clipping, ..self }
+    }
+
+    /// The same with vertices transformed in another order.
+    #[must_use]
+    pub fn vertex_sums(self, vertex_sums: VertexSums) -> Self {
+        Self {
+            vertex_sums,
+            ..self
+        }
     }
 
     /// How the rasteriser is to round.
@@ -72,6 +96,7 @@ impl CpuOptions {
             snapping: self.snapping,
             plane_shift: self.plane_shift,
             clipping: self.clipping,
+            vertex_sums: self.vertex_sums,
         }
     }
 

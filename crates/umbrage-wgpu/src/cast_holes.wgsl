@@ -17,6 +17,7 @@ struct PlacedTriangle {
 
 @vertex
 fn from_list(@builtin(vertex_index) i: u32) -> PlacedTriangle {
+    opaque_zero = i >> 31u;
     return PlacedTriangle(transform(clip_from_world, corner(i)), i / 3u);
 }
 

@@ -197,16 +197,33 @@ struct HolesPass {
     binding: Binding,
 }
 
+/// Returns the shader that draws triangle ids.
+pub(crate) fn ids_wgsl() -> String {
+    join(&[MATH, RESOLVE]) + include_str!("gbuffer_visibility.wgsl")
+}
+
+/// Returns the shader that draws ids of triangles with holes.
+pub(crate) fn ids_with_holes_wgsl(rule: HoleRule) -> String {
+    let visibility = include_str!("gbuffer_visibility.wgsl");
+    let text = holes_wgsl(rule) + visibility + include_str!("gbuffer_holes.wgsl");
+    match rule {
+        HoleRule::Nearest => text,
+        HoleRule::Hashed => text + include_str!("gbuffer_coverage.wgsl"),
+    }
+}
+
+/// Returns the shader that turns triangle ids into receivers.
+pub(crate) fn points_wgsl() -> String {
+    ids_wgsl() + include_str!("gbuffer_resolve.wgsl") + FULLSCREEN
+}
+
 impl HolesPass {
     fn new(factory: &ResourceFactory<'_>, rule: HoleRule) -> Self {
         let mut slots = vec![Slot::Uniform, Slot::Table, Slot::Table, Slot::Table];
-        let visibility = include_str!("gbuffer_visibility.wgsl");
-        let with_holes = include_str!("gbuffer_holes.wgsl");
-        let mut text = holes_wgsl(rule) + visibility + with_holes;
         if rule == HoleRule::Hashed {
             slots.push(Slot::Table);
-            text += include_str!("gbuffer_coverage.wgsl");
         }
+        let text = ids_with_holes_wgsl(rule);
         let layout = Layouts::default().get(factory, ShaderStages::VERTEX_FRAGMENT, &slots);
         Self {
             rule,
@@ -225,11 +242,9 @@ impl GBufferPass {
         let ids_layout = layouts.get(factory, ShaderStages::VERTEX, &slots);
         slots.push(Slot::Whole { layered: false });
         let points_layout = layouts.get(factory, ShaderStages::FRAGMENT, &slots);
-        let common = join(&[MATH, RESOLVE]) + include_str!("gbuffer_visibility.wgsl");
-        let text = common.clone() + include_str!("gbuffer_resolve.wgsl") + FULLSCREEN;
         Self {
-            ids: ids_pipeline(factory.device, &common, "write_id", &ids_layout),
-            points: points_pipeline(factory.device, &text, &points_layout),
+            ids: ids_pipeline(factory.device, &ids_wgsl(), "write_id", &ids_layout),
+            points: points_pipeline(factory.device, &points_wgsl(), &points_layout),
             ids_layout,
             points_layout,
             uniforms: None,

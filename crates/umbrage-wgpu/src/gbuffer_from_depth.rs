@@ -145,7 +145,7 @@ impl GBufferFromDepth {
         self.binding.set(factory, "umbrage depth", &layout, bound);
         self.pipelines.entry(self.samples).or_insert_with(|| {
             factory.counters.pipelines += 1;
-            let text = shader_text(0, self.samples) + ENTRY + FULLSCREEN;
+            let text = whole_shader_text(self.samples);
             let entries = ["umbrage_fullscreen", "unproject_pixel"];
             let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
             fullscreen_pipeline(
@@ -302,6 +302,11 @@ fn unproject_pixel(@builtin(position) at: vec4f) -> Surface {
     return surface_at(vec2i(at.xy));
 }
 ";
+
+/// Returns the whole shader of the pass; `samples`: whether the depth buffer has several a pixel.
+pub(crate) fn whole_shader_text(samples: bool) -> String {
+    shader_text(0, samples) + ENTRY + FULLSCREEN
+}
 
 /// Returns the functions that unproject a depth buffer, `surface_at` among them. The camera and the depth are bound in `group`.
 pub(crate) fn shader_text(group: u32, samples: bool) -> String {

@@ -38,6 +38,8 @@ fn tangent(pixel: vec2i, p: vec3f, depth: f32, axis: vec2i) -> vec3f {
 }
 
 fn surface_at(pixel: vec2i) -> Surface {
+    // The sign of 0 or 1.
+    opaque_zero = bitcast<u32>(camera.empty) >> 31u;
     let depth = load_depth(pixel);
     if depth == camera.empty {
         return Surface(vec4f(), vec4f());

@@ -23,6 +23,7 @@ struct Vertex {
 
 @vertex
 fn show(@builtin(vertex_index) i: u32) -> Vertex {
+    opaque_zero = i >> 31u;
     return Vertex(transform(seen.clip_from_world, corner(i)), i / 3u);
 }
 

@@ -17,6 +17,7 @@ fn pixel_ray(rays: CameraRays, x: u32, y: u32) -> PixelRay {
 }
 
 fn is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool {
+    opaque_zero = triangle >> 31u;
     let pixel = vec2u(at.xy);
     let ray = pixel_ray(rays, pixel.x, pixel.y);
     let a = corner(3u * triangle);

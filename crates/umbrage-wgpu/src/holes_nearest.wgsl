@@ -1,6 +1,7 @@
 // Whether a pixel lies in a hole of a triangle's: after holes.wgsl, where all alpha textures are asked for the nearest texel.
 
 fn is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool {
+    opaque_zero = triangle >> 31u;
     let pixel = vec2u(at.xy);
     let o = at_pixel(rays.origin, rays.origin_dx, rays.origin_dy, pixel.x, pixel.y);
     let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, pixel.x, pixel.y);

@@ -41,7 +41,7 @@ pub use device::{
     requirements::check_adapter,
 };
 #[cfg(feature = "testing")]
-pub use driver_model::{ShaderRewriter, rewrite_shaders};
+pub use driver_model::{ShaderRewriter, placing_shaders, rewrite_shaders};
 pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexLayout};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 #[cfg(feature = "testing")]

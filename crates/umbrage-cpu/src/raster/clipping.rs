@@ -5,7 +5,6 @@
 //! infinitely far away.
 
 use crate::raster::{
-    Draw, Position,
     clip::{Corner, PLANES, Polygon, project},
     viewport::Viewport,
 };
@@ -26,8 +25,6 @@ pub enum Clipping {
     /// Takes triangles with such a corner, if rounding moved its w above 0, for farther away than all there is. An NVIDIA H200 does
     /// so.
     ZeroWBehind,
-    /// Fuses products with sums in the vertex transform.
-    FusedVertices,
 }
 
 /// How far the guard band reaches beyond the picture, pixels. Hardware has twice to four times as much; here window coordinates on the
@@ -39,25 +36,25 @@ const NEARLY_ZERO_W: f32 = 1e-5;
 
 impl Clipping {
     /// All ways but the exact one.
-    pub const INEXACT: [Self; 5] = [
+    pub const INEXACT: [Self; 4] = [
         Self::GuardBand,
         Self::FarRounding,
         Self::ZeroWDropped,
         Self::ZeroWBehind,
-        Self::FusedVertices,
     ];
 
-    /// Clips a triangle, and calls `emit` with the window corners of each triangle of what is left.
+    /// Clips a triangle (clip space) for an image of this size, and calls `emit` with the window
+    /// corners of each triangle of what is left.
     #[cold]
-    pub(crate) fn clip<P: Position>(
+    pub(crate) fn clip(
         self,
-        indices: [u32; 3],
-        draw: &Draw<'_, P>,
+        corners: [Vec4; 3],
+        size: UVec2,
         viewport: &Viewport,
         mut emit: impl FnMut([Vec3; 3]),
     ) {
-        let corners = indices.map(|v| self.to_clip(draw.positions[v as usize], draw));
-        let guard_band = guard_band(draw.size);
+        let corners = corners.map(|corner| self.rounded(corner));
+        let guard_band = guard_band(size);
         clip_at_near(corners).for_each_triangle(|piece| {
             let piece = piece.map(|corner| corner.position);
             if self == Self::ZeroWDropped && piece.iter().any(has_nearly_zero_w) {
@@ -79,12 +76,8 @@ impl Clipping {
         });
     }
 
-    /// Returns the clip-space position of a vertex.
-    fn to_clip<P: Position>(self, p: P, draw: &Draw<'_, P>) -> Vec4 {
-        if self == Self::FusedVertices {
-            return p.to_clip_fused(draw.clip_from_world);
-        }
-        let mut clip = p.to_clip(draw.clip_from_world);
+    /// Returns a vertex (clip space) as this way rounds it.
+    fn rounded(self, mut clip: Vec4) -> Vec4 {
         // Any bit that neighbours don't share picks the half that is rounded.
         let is_odd = (clip.x.to_bits() ^ clip.y.to_bits()) & 1 == 1;
         if self == Self::FarRounding && is_odd && clip.z == clip.w {

@@ -22,7 +22,7 @@ mod whole;
 
 pub(crate) use crate::raster::position::Position;
 pub(crate) use crate::raster::tile::Target;
-pub use crate::raster::{clipping::Clipping, plane_error::PlaneShift};
+pub use crate::raster::{clipping::Clipping, plane_error::PlaneShift, position::VertexSums};
 pub(crate) use crate::raster::{holes::Holes, mode::Mode};
 
 use crate::raster::{
@@ -37,7 +37,7 @@ use crate::raster::{
     viewport::Viewport,
     whole::Whole,
 };
-use glam::{Mat4, UVec2, Vec3};
+use glam::{Mat4, UVec2, Vec3, Vec4};
 use rayon::prelude::*;
 use umbrage_core::{Cull, DepthPlanes, RasterBias, Simd, SimdTask, Snapping};
 
@@ -78,8 +78,7 @@ struct Vertex {
 
 impl Vertex {
     #[inline(always)]
-    fn new<P: Position>(p: P, clip_from_world: Mat4, viewport: &Viewport) -> Self {
-        let clip = p.to_clip(clip_from_world);
+    fn new(clip: Vec4, viewport: &Viewport) -> Self {
         Self {
             window: viewport.project(clip),
             outcode: outcode(clip),
@@ -103,6 +102,8 @@ pub(crate) struct Rounding {
     pub(crate) plane_shift: PlaneShift,
     /// Where triangles are clipped.
     pub(crate) clipping: Clipping,
+    /// How vertices are transformed.
+    pub(crate) vertex_sums: VertexSums,
 }
 
 /// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next is set up.
@@ -306,20 +307,31 @@ impl Worker {
         };
         // Pieces of clipped triangles, on devices that leave their planes as they are.
         let culls_twice = rounding.snapping.planes == DepthPlanes::Unsnapped;
-        let first = self.transform(draw, &viewport);
+        let first = match rounding.vertex_sums {
+            // Inlined, without a branch a vertex.
+            VertexSums::InOrder => self.transform(draw, &viewport, P::to_clip),
+            sums => self.transform(draw, &viewport, |p, m| p.to_clip_by(sums, m)),
+        };
+        let to_clip = |v: u32| {
+            let position = draw.positions[v as usize];
+            position.to_clip_by(rounding.vertex_sums, draw.clip_from_world)
+        };
         let mut group = Group::new();
         self.bins.clear(draw.size);
         for (i, indices) in draw.triangles.iter().enumerate() {
             let id = draw.first_id + i as u32;
             if rounding.clipping != Clipping::Exact {
-                rounding.clipping.clip(*indices, draw, &viewport, |piece| {
-                    if let Some(whole) = Whole::through(piece, rounding)
-                        && let Some(piece) = whole.place(piece)
-                    {
-                        group.push(piece, id, &rules, &mut self.bins);
-                        group.flush_pieces(&whole, &rules, &mut self.bins);
-                    }
-                });
+                let corners = indices.map(to_clip);
+                rounding
+                    .clipping
+                    .clip(corners, draw.size, &viewport, |piece| {
+                        if let Some(whole) = Whole::through(piece, rounding)
+                            && let Some(piece) = whole.place(piece)
+                        {
+                            group.push(piece, id, &rules, &mut self.bins);
+                            group.flush_pieces(&whole, &rules, &mut self.bins);
+                        }
+                    });
                 continue;
             }
             let [a, b, c] = match first {
@@ -335,8 +347,7 @@ impl Worker {
             if codes[0] | codes[1] | codes[2] == 0 {
                 group.push([a.window, b.window, c.window], id, &rules, &mut self.bins);
             } else if codes[0] & codes[1] & codes[2] == 0 {
-                let triangle =
-                    indices.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
+                let triangle = indices.map(to_clip);
                 let mask = codes[0] | codes[1] | codes[2];
                 if let Some(whole) = Whole::new(triangle, &viewport, rounding) {
                     group.flush(&rules, &mut self.bins);
@@ -362,7 +373,13 @@ impl Worker {
     /// Transforms the chunk's vertices: the whole range from the least index to the greatest, whose least it returns;
     /// or, where that would be wasteful, each triangle's corners.
     #[inline(always)]
-    fn transform<P: Position>(&mut self, draw: &Draw<'_, P>, viewport: &Viewport) -> Option<u32> {
+    fn transform<P: Position>(
+        &mut self,
+        draw: &Draw<'_, P>,
+        viewport: &Viewport,
+        to_clip: impl Fn(P, Mat4) -> Vec4,
+    ) -> Option<u32> {
+        let to_vertex = |p: P| Vertex::new(to_clip(p, draw.clip_from_world), viewport);
         let (mut least, mut greatest) = (u32::MAX, 0);
         for t in draw.triangles {
             least = least.min(t[0]).min(t[1]).min(t[2]);
@@ -372,14 +389,14 @@ impl Worker {
         if range.len() <= 3 * draw.triangles.len() {
             self.vertices.resize(range.len(), Vertex::default());
             for (vertex, &p) in self.vertices.iter_mut().zip(&draw.positions[range]) {
-                *vertex = Vertex::new(p, draw.clip_from_world, viewport);
+                *vertex = to_vertex(p);
             }
             return Some(least);
         }
         self.vertices
             .resize(3 * draw.triangles.len(), Vertex::default());
         for (vertex, &v) in self.vertices.iter_mut().zip(draw.triangles.as_flattened()) {
-            *vertex = Vertex::new(draw.positions[v as usize], draw.clip_from_world, viewport);
+            *vertex = to_vertex(draw.positions[v as usize]);
         }
         None
     }

@@ -1,15 +1,60 @@
-//! Kinds of vertices that can be drawn.
+//! Kinds of vertices that can be drawn, and the arithmetic of their transform.
 
 use glam::{Mat4, Vec3, Vec4};
 use umbrage_core::math::transform;
+
+/// How the four products of a vertex's transform to clip space are added. WGSL leaves the order to
+/// devices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum VertexSums {
+    /// From x to w, as the shader is written.
+    #[default]
+    InOrder,
+    /// From w to x, each product and the sum that it goes into rounded once.
+    Fused,
+    /// From w to x.
+    Reversed,
+    /// x and y, z and w, then both.
+    Paired,
+}
+
+impl VertexSums {
+    /// All ways but the written one.
+    pub const OTHERS: [Self; 3] = [Self::Fused, Self::Reversed, Self::Paired];
+
+    /// Returns a homogeneous vertex in clip space.
+    fn to_clip(self, v: Vec4, m: Mat4) -> Vec4 {
+        let [x, y, z, w] = [
+            m.x_axis * v.x,
+            m.y_axis * v.y,
+            m.z_axis * v.z,
+            m.w_axis * v.w,
+        ];
+        let add = |axis: Vec4, by: f32, sum: Vec4| axis.mul_add(Vec4::splat(by), sum);
+        match self {
+            Self::InOrder => ((x + y) + z) + w,
+            Self::Fused => add(m.x_axis, v.x, add(m.y_axis, v.y, add(m.z_axis, v.z, w))),
+            Self::Reversed => x + (y + (z + w)),
+            Self::Paired => (x + y) + (z + w),
+        }
+    }
+}
 
 /// A vertex in world space.
 pub(crate) trait Position: Copy + Send + Sync {
     /// The vertex in clip space: columns times components, added from left to right.
     fn to_clip(self, clip_from_world: Mat4) -> Vec4;
 
-    /// The same with each product and the sum that it goes into rounded once.
-    fn to_clip_fused(self, clip_from_world: Mat4) -> Vec4;
+    /// The vertex as a homogeneous point.
+    fn homogeneous(self) -> Vec4;
+
+    /// The vertex in clip space, added in this order.
+    fn to_clip_by(self, sums: VertexSums, clip_from_world: Mat4) -> Vec4 {
+        match sums {
+            VertexSums::InOrder => self.to_clip(clip_from_world),
+            _ => sums.to_clip(self.homogeneous(), clip_from_world),
+        }
+    }
 }
 
 /// A point.
@@ -19,8 +64,8 @@ impl Position for Vec3 {
         transform(clip_from_world, self)
     }
 
-    fn to_clip_fused(self, clip_from_world: Mat4) -> Vec4 {
-        self.extend(1.0).to_clip_fused(clip_from_world)
+    fn homogeneous(self) -> Vec4 {
+        self.extend(1.0)
     }
 }
 
@@ -31,10 +76,37 @@ impl Position for Vec4 {
         m.x_axis * self.x + m.y_axis * self.y + m.z_axis * self.z + m.w_axis * self.w
     }
 
-    fn to_clip_fused(self, m: Mat4) -> Vec4 {
-        let add = |axis: Vec4, by: f32, sum: Vec4| axis.mul_add(Vec4::splat(by), sum);
-        let last = m.w_axis * self.w;
-        let sum = add(m.z_axis, self.z, last);
-        add(m.x_axis, self.x, add(m.y_axis, self.y, sum))
+    fn homogeneous(self) -> Vec4 {
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_order_rounds_otherwise_and_by_little() {
+        let m = Mat4::from_cols_array(&std::array::from_fn(|i| (i as f32 * 0.7).sin()));
+        for i in 0..1000 {
+            let p = 1e3 * Vec3::new(i as f32 * 0.37, 1.0 - i as f32 * 0.11, 7.0);
+            let plain = p.to_clip(m);
+            assert_eq!(plain, p.to_clip_by(VertexSums::InOrder, m));
+            assert_eq!(plain, VertexSums::InOrder.to_clip(p.extend(1.0), m));
+            // Four products and three sums, each rounded by half a unit of the greatest.
+            let greatest = 1e3 * (p.abs().max_element() / 1e3 + 1.0) * 4.0;
+            for sums in VertexSums::OTHERS {
+                let error = (p.to_clip_by(sums, m) - plain).abs().max_element();
+                assert!(error <= 7.0 * f32::EPSILON * greatest, "{sums:?}: {error}");
+            }
+        }
+        let differs = |sums: VertexSums| {
+            let points = (0..100).map(|i| Vec3::new(1e4, i as f32 + 0.1, 3.3));
+            let differing = points.filter(|p| p.to_clip(m) != p.to_clip_by(sums, m));
+            differing.count()
+        };
+        for sums in VertexSums::OTHERS {
+            assert!(differs(sums) > 10, "{sums:?}");
+        }
     }
 }

@@ -239,7 +239,7 @@ fn shifted(plane_shift: PlaneShift, draw: &Draw<'_, Vec4>) -> Vec<f32> {
     let rounding = Rounding {
         snapping: Snapping::COARSEST,
         plane_shift,
-        clipping: crate::Clipping::default(),
+        ..Rounding::default()
     };
     Rasterizer::new(rounding).draw(draw, target);
     texels

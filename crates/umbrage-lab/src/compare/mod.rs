@@ -10,6 +10,7 @@ mod event;
 mod expected;
 mod horizon;
 mod kept_truth;
+mod nudges;
 mod options;
 mod planned;
 mod preparation;

@@ -14,10 +14,16 @@ use crate::{
 };
 use slotmap::SecondaryMap;
 use std::num::NonZeroU64;
+use umbrage_core::{MATH, join};
 use wgpu::{Buffer, BufferUsages, ComputePass, ComputePipeline, IndexFormat, Limits, ShaderStages};
 
 /// Rows of a triangle.
 pub(crate) const CORNERS: u32 = 3;
+
+/// Returns the shader that places corners.
+pub(crate) fn corners_wgsl() -> String {
+    join(&[MATH]) + include_str!("corners.wgsl")
+}
 
 /// Bytes of `PlacedMesh` in corners.wgsl.
 const NUMBERS: NonZeroU64 = NonZeroU64::new(40).unwrap();
@@ -95,11 +101,7 @@ impl CornerStage {
             .layouts
             .get(factory, ShaderStages::COMPUTE, &slots);
         self.pipeline.get_or_insert_with(|| {
-            let module = shader(
-                factory.device,
-                "umbrage corners",
-                include_str!("corners.wgsl"),
-            );
+            let module = shader(factory.device, "umbrage corners", &corners_wgsl());
             factory.counters.pipelines += 1;
             compute_pipeline(
                 factory.device,

@@ -1,5 +1,5 @@
-// Places the casters of one mesh into the world: three rows a triangle, as kernels read the corners of listed casters. In the arithmetic
-// of cast.wgsl.
+// Places the casters of one mesh into the world: three rows a triangle, as kernels read the corners
+// of listed casters. The arithmetic is that of cast.wgsl.
 
 struct PlacedMesh {
     // Slot of the first caster among the instances.
@@ -62,14 +62,15 @@ fn place_corners(@builtin(global_invocation_id) at: vec3u, @builtin(num_workgrou
     if number >= mesh.casters * mesh.triangles {
         return;
     }
+    opaque_zero = mesh.index_bits >> 31u;
     let slot = mesh.first_slot + number / mesh.triangles;
-    let x = column(slot, 0u);
-    let y = column(slot, 1u);
-    let z = column(slot, 2u);
-    let moved = column(slot, 3u);
+    let x = vec4f(column(slot, 0u), 0.0);
+    let y = vec4f(column(slot, 1u), 0.0);
+    let z = vec4f(column(slot, 2u), 0.0);
+    let world_from_local = mat4x4f(x, y, z, vec4f(column(slot, 3u), 1.0));
     for (var i = 0u; i < 3u; i++) {
         let p = position_of(vertex_of(mesh.first + 3u * (number % mesh.triangles) + i));
-        let corner = x * p.x + y * p.y + z * p.z + moved;
+        let corner = transform(world_from_local, p);
         let word = 4u * (mesh.first_row + 3u * number + i);
         tables[word] = bitcast<u32>(corner.x);
         tables[word + 1u] = bitcast<u32>(corner.y);

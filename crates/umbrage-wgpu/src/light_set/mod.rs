@@ -4,7 +4,7 @@ mod buffers;
 mod cast_list;
 mod caster_lists;
 mod casters;
-mod corners;
+pub(crate) mod corners;
 mod culling;
 mod dropped_encoders;
 mod encoding;

@@ -91,10 +91,8 @@ impl Pipelines {
                 shader(factory.device, "umbrage cast with holes", &text)
             })
         } else {
-            self.cast_shader.get_or_insert_with(|| {
-                let text = join(&[MATH]) + include_str!("../cast.wgsl");
-                shader(factory.device, "umbrage cast", &text)
-            })
+            self.cast_shader
+                .get_or_insert_with(|| shader(factory.device, "umbrage cast", &cast_wgsl()))
         };
         factory.counters.pipelines += 1;
         let pipeline = cast_pipeline(factory.device, shader, key, groups);
@@ -142,7 +140,13 @@ impl Pipelines {
     }
 }
 
-fn cast_with_holes_wgsl(rule: HoleRule) -> String {
+/// Returns the shader of casts.
+pub(crate) fn cast_wgsl() -> String {
+    join(&[MATH]) + include_str!("../cast.wgsl")
+}
+
+/// Returns the shader of casts of triangles with holes.
+pub(crate) fn cast_with_holes_wgsl(rule: HoleRule) -> String {
     let cast = include_str!("../cast.wgsl");
     let with_holes = include_str!("../cast_holes.wgsl");
     let text = holes_wgsl(rule) + cast + with_holes;

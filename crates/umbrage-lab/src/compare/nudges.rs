@@ -1,0 +1,283 @@
+//! What rounding may come to: a recipe as the CPU renders it after something moved by so much.
+
+use crate::LabError;
+use glam::{Vec2, Vec3, Vec4};
+use umbrage_core::{
+    Backend, Cast, CastMode, LightSpace, Receivers, Recipe, Shadows, Snapping, View,
+};
+use umbrage_cpu::{Cpu, CpuOptions, PlaneShift, VertexSums};
+
+/// How far casts are moved in depth: 2^-20, 16 units in the last place of depths in 0.5..1.
+const NUDGE_DEPTH: f32 = 1.0 / 1_048_576.0;
+
+/// How near two surfaces are that may change places: where they meet at an outline they are seen edge-on, so that rounding is many
+/// times that of other depths. 2^-16.
+const NUDGE_SECOND: f32 = 1.0 / 65_536.0;
+
+/// What becomes of surfaces that meet hangs on the last bits of their planes: moves that change these, as parts of
+/// [`NUDGE_DEPTH`].
+const LAST_BITS: [f32; 8] = [0.125, -0.125, 0.25, -0.25, 0.375, -0.375, 0.5, -0.5];
+
+/// How triangles with even and with odd numbers are moved, as parts of what rounding may come to.
+const PLANES: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)];
+
+/// What a unit of polygon offset may be, as parts of the CPU's. Of floats it is the spacing at the primitive's greatest depth:
+/// SwiftShader takes the greatest difference from one corner's, which may be half as much, and 1.01 steps of 16 bits for one.
+const UNITS: [f32; 2] = [0.5, 2.0];
+
+/// How far receivers are moved: a fraction of the greatest coordinate of any, 2^-21.
+const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
+
+/// How far receivers' normals are turned: 2^-22, 2 units in the last place of their components.
+const NUDGE_NORMAL: f32 = 1.0 / 4_194_304.0;
+
+/// How much filters' results change: 2^-21, 4 units in the last place.
+const NUDGE_FILTERED: f32 = 1.0 / 2_097_152.0;
+
+/// Which way each channel changes. Moments are compared with each other: what is left of their
+/// differences hangs on the last bits where almost all is at one depth.
+const CHANNELS: [[f32; 4]; 4] = [
+    [1.0, -1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0, 1.0],
+    [1.0, 1.0, -1.0, -1.0],
+    [-1.0, -1.0, 1.0, 1.0],
+];
+
+/// Movements too small to see, all at once. By default nothing moves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Nudge {
+    /// How transforms of vertices are summed. Far from the origin their products cancel out, so that
+    /// rounding moves vertices by more than a step of the grid.
+    sums: VertexSums,
+    /// Of triangles in depth, by parts of what rounding may come to for each.
+    planes: PlaneShift,
+    /// Of every cast's light space sideways, texels.
+    texels: Vec2,
+    /// Of every cast in depth, away from the light.
+    depth: f32,
+    /// Of casts without perspective: parts, -1..=1, of what rounding may come to in the transform of
+    /// a receiver. Far from the origin that is more than a texel's edge is wide.
+    lookup: Vec3,
+    /// Of those casts in depth that keep what lies behind another image. Two surfaces that meet are
+    /// as far apart as they are rounded, and the second of them may count or not.
+    behind: f32,
+    /// Of the constants of polygon offsets, whose units are left to devices: a factor.
+    units: Option<f32>,
+    receivers: Option<Direction>,
+    /// Of what filters make: the fraction by which each channel changes.
+    filtered: Vec4,
+    /// Of receivers' normals. In a plane that the light grazes, what is computed from them are small
+    /// differences of products.
+    normals: Vec3,
+}
+
+/// Where receivers are moved to, in parts of the greatest coordinate.
+#[derive(Clone, Copy, Debug)]
+enum Direction {
+    /// Along their normals.
+    Normal(f32),
+    /// In one direction.
+    Fixed(Vec3),
+}
+
+/// Returns what to try on a recipe. Half a step of the device's grid is as far as rounding moves a
+/// vertex; a device that rounds another way (down, say) moves it as much further.
+pub(super) fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
+    let no_nudge = Nudge::default();
+    let receivers = |direction| Nudge {
+        receivers: Some(direction),
+        ..no_nudge
+    };
+    let along_normals =
+        [NUDGE_POSITION, -NUDGE_POSITION].map(|part| receivers(Direction::Normal(part)));
+    let directions = directions();
+    let along = |part: f32, sums: VertexSums| {
+        directions.iter().map(move |&direction| Nudge {
+            sums,
+            ..receivers(Direction::Fixed(part * NUDGE_POSITION * direction))
+        })
+    };
+    if recipe.casts.is_empty() {
+        let along = along(1.0, VertexSums::InOrder);
+        return along_normals.into_iter().chain(along).collect();
+    }
+    let t = 0.5 * snapping.step();
+    let corners = [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Vec2::new(x, y));
+    let orders = [VertexSums::Reversed, VertexSums::Paired];
+    let has_behind = recipe.casts.iter().any(is_behind);
+    let mut out = Vec::new();
+    out.extend(corners.map(|texels| Nudge { texels, ..no_nudge }));
+    let in_depth = |part: f32| Nudge {
+        depth: part * NUDGE_DEPTH,
+        ..no_nudge
+    };
+    out.extend([1.0, -1.0].map(in_depth));
+    out.extend(PLANES.map(|(even, odd)| Nudge {
+        planes: PlaneShift { even, odd },
+        ..no_nudge
+    }));
+    out.extend(along_normals);
+    out.extend(orders.map(|sums| Nudge { sums, ..no_nudge }));
+    if recipe.casts.iter().any(|cast| cast.bias.constant != 0) {
+        out.extend(UNITS.map(|units| Nudge {
+            units: Some(units),
+            ..no_nudge
+        }));
+    }
+    if !recipe.filters.is_empty() {
+        out.extend(CHANNELS.map(|signs| Nudge {
+            filtered: NUDGE_FILTERED * Vec4::from(signs),
+            ..no_nudge
+        }));
+    }
+    if has_behind {
+        // Moved the other way, all would lie behind itself.
+        out.push(Nudge {
+            behind: -NUDGE_SECOND,
+            ..no_nudge
+        });
+        out.extend(LAST_BITS.map(in_depth));
+    }
+    // All of it is rounded at once, and less than at most: a tap crosses the edge of a texel while what it is compared with moves.
+    for part in [1.0, 0.25] {
+        for corner in corners {
+            out.extend([part, -part].map(|depth| Nudge {
+                texels: part * corner,
+                ..in_depth(depth)
+            }));
+        }
+    }
+    out.extend(along(1.0, VertexSums::InOrder));
+    out.extend(directions.iter().map(|&direction| Nudge {
+        normals: NUDGE_NORMAL * direction,
+        ..no_nudge
+    }));
+    for sums in orders {
+        out.extend(along(1.0, sums));
+    }
+    for sums in [VertexSums::InOrder].into_iter().chain(orders) {
+        out.extend(along(0.25, sums));
+        for part in [1.0, 0.25] {
+            out.extend(directions.iter().map(|&direction| Nudge {
+                sums,
+                lookup: part * direction,
+                ..no_nudge
+            }));
+        }
+    }
+    if has_behind {
+        for sums in orders {
+            out.extend(LAST_BITS.map(|part| Nudge {
+                sums,
+                ..in_depth(part)
+            }));
+        }
+    }
+    out
+}
+
+/// Returns the steps to the neighbours of a cube among 27: along an axis a texel's edge is crossed,
+/// along a diagonal its corner.
+fn directions() -> Vec<Vec3> {
+    let steps = [-1.0, 0.0, 1.0];
+    let cubes = steps.map(|x| steps.map(|y| steps.map(|z| Vec3::new(x, y, z))));
+    let all = cubes.as_flattened().as_flattened().iter().copied();
+    all.filter(|step| *step != Vec3::ZERO).collect()
+}
+
+impl Nudge {
+    /// Returns what the CPU makes of the recipe, moved so. What it saw is known.
+    pub(super) fn render(
+        &self,
+        cpu: &mut Cpu,
+        view: &View<'_>,
+        recipe: &Recipe,
+        expected: &Shadows,
+    ) -> Result<Shadows, LabError> {
+        let seen = expected.receivers.as_ref().or(view.receivers);
+        let recipe = self.recipe(recipe, seen.map_or(0.0, greatest_coordinate));
+        let mut moved = seen
+            .zip(self.receivers)
+            .map(|(seen, direction)| match direction {
+                Direction::Normal(part) => moved(seen, |normal| normal * part),
+                Direction::Fixed(by) => moved(seen, |_| by),
+            });
+        if self.normals != Vec3::ZERO {
+            moved = moved.or_else(|| seen.cloned());
+            moved = moved.map(|receivers| turned(receivers, self.normals));
+        }
+        let view = moved
+            .as_ref()
+            .or(seen)
+            .map_or(*view, |receivers| view.with_receivers(receivers));
+        let plain = CpuOptions::default().snapping(cpu.snapping());
+        let options = plain
+            .plane_shift(self.planes)
+            .vertex_sums(self.sums)
+            .filter_shift(self.filtered);
+        if options == plain {
+            return Ok(cpu.render(&view, &recipe)?);
+        }
+        Ok(Cpu::with_options(&options)?.render(&view, &recipe)?)
+    }
+
+    /// Returns the recipe with each cast's light space moved; the lookup stays. Receivers have no
+    /// coordinate beyond `greatest`.
+    fn recipe(&self, recipe: &Recipe, greatest: f32) -> Recipe {
+        let mut nudged = recipe.clone();
+        for cast in &mut nudged.casts {
+            let behind = if is_behind(cast) { self.behind } else { 0.0 };
+            let size = recipe.images[cast.image].size;
+            let by = self.lookup * lookup_rounding(&cast.space, greatest);
+            let texels = self.texels + 0.5 * by.truncate() * size.as_vec2();
+            cast.space = cast.space.nudged(texels, self.depth + behind + by.z, size);
+            if let Some(units) = self.units {
+                cast.bias.constant = (cast.bias.constant as f32 * units).round() as i32;
+            }
+        }
+        nudged
+    }
+}
+
+fn is_behind(cast: &Cast) -> bool {
+    matches!(cast.mode, CastMode::DepthPeel(_))
+}
+
+/// Returns what rounding may come to in a receiver's clip x, y and z: four products and three sums,
+/// each by half a unit in the last place of the greatest sum. 0 with perspective.
+fn lookup_rounding(space: &LightSpace, greatest: f32) -> Vec3 {
+    let m = space.clip_from_world();
+    if m.row(3) != Vec4::W {
+        return Vec3::ZERO;
+    }
+    let terms = greatest * (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()) + m.w_axis.abs();
+    3.5 * f32::EPSILON * terms.truncate()
+}
+
+fn greatest_coordinate(receivers: &Receivers) -> f32 {
+    let seen = (0..receivers.len()).filter(|&i| receivers.receives[i]);
+    seen.map(|i| receivers.position(i).abs().max_element())
+        .fold(0.0, f32::max)
+}
+
+/// Returns receivers moved by what `by` makes of their normals, times the greatest coordinate of any of them: the matrix that takes a receiver
+/// near the origin to the light's space has a term of that size, too, and rounds as much.
+fn moved(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
+    let mut out = receivers.clone();
+    let greatest = greatest_coordinate(receivers);
+    for i in 0..out.len() {
+        let p = out.position(i);
+        let q = p + by(out.normal(i)) * greatest;
+        (out.x[i], out.y[i], out.z[i]) = (q.x, q.y, q.z);
+    }
+    out
+}
+
+/// Returns receivers with this added to their normals.
+fn turned(mut receivers: Receivers, by: Vec3) -> Receivers {
+    for i in 0..receivers.len() {
+        let n = receivers.normal(i) + by;
+        (receivers.nx[i], receivers.ny[i], receivers.nz[i]) = (n.x, n.y, n.z);
+    }
+    receivers
+}
