@@ -1,6 +1,12 @@
 //! The trait that a backend implements, and what it gives back.
 
-use crate::{Image, Invalid, Receivers, Recipe, Snapping, View};
+use crate::{
+    gbuffer::receivers::Receivers,
+    invalid::Invalid,
+    recipe::{Recipe, image::Image},
+    snapping::Snapping,
+    view::View,
+};
 use glam::UVec2;
 use std::time::Duration;
 

@@ -2,7 +2,7 @@
 //! products to nearest and does not reorder them. Products of matrices and vectors, `dot` and `normalize` of shading languages
 //! leave the order to the driver, `a * b + c` may be fused, and quotients and roots may be off: so kernels use these.
 
-use crate::Module;
+use crate::recipe::shader::Module;
 use glam::{Mat4, Vec3, Vec4};
 
 /// The WGSL half.
@@ -71,7 +71,7 @@ pub fn unit3(v: Vec3) -> Vec3 {
 
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
-pub const TWINS: &[crate::Twin] = &[
+pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(MATH, quotient(a: f32, b: f32) -> f32),
     crate::twin!(MATH, root(x: f32) -> f32),
     crate::twin!(MATH, transform(m: Mat4, p: Vec3) -> Vec4),

@@ -7,7 +7,7 @@ mod causes;
 
 pub use crate::metrics::causes::{CONTACT, Cause, Causes, TruthImage, attribute, is_penumbra};
 
-use crate::Invalid;
+use crate::invalid::Invalid;
 use glam::UVec2;
 
 /// A pixel is a **false shadow** when the mask is darker than truth by more than this, **false light** when it is lighter

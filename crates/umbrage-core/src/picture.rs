@@ -3,7 +3,7 @@
 //!
 //! The transfer function is IEC 61966-2-1's: `12.92 l` up to .0031308, `1.055 l^(1/2.4) - .055` above.
 
-use crate::Shadows;
+use crate::backend::Shadows;
 use std::sync::LazyLock;
 
 /// The linear value, 0 to 1, that an sRGB byte stands for.

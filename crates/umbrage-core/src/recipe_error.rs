@@ -1,6 +1,6 @@
 //! Why a technique has no recipe.
 
-use crate::Invalid;
+use crate::invalid::Invalid;
 
 /// Why there is no recipe.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -4,7 +4,7 @@
 //! WebGPU ask for b >= 4; most hardware has 8. Some drivers also lay the triangle's depth plane through the moved vertices:
 //! depths then change by up to half a step times the plane's slope. What a unit of polygon offset is, APIs leave open, too.
 
-use crate::Invalid;
+use crate::invalid::Invalid;
 use std::{fmt, ops::RangeInclusive};
 
 /// How a rasteriser rounds vertices, and what its unit of polygon offset is. The default is the rule of Mesa's software drivers, which the CPU backend follows.

@@ -1,6 +1,11 @@
 //! The trait that a shadow technique implements.
 
-use crate::{DeviceRecipe, Light, Recipe, RecipeError, View};
+use crate::{
+    recipe::{Recipe, device_lists::DeviceRecipe},
+    recipe_error::RecipeError,
+    scene::light::Light,
+    view::View,
+};
 use std::fmt::Debug;
 
 /// A way to make shadows: a pure function from what is seen to a recipe. Its parameters are its public fields.

@@ -1,6 +1,12 @@
 //! The input of a technique.
 
-use crate::{Aabb, Camera, FitMemory, Geometry, Invalid, Light, Receivers};
+use crate::{
+    gbuffer::receivers::Receivers,
+    geometry::{Geometry, aabb::Aabb},
+    invalid::Invalid,
+    light_space::fit::FitMemory,
+    scene::{camera::Camera, light::Light},
+};
 
 /// All that a technique may depend on: one camera, one light, and the scene.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! What the camera sees, pixel by pixel.
 
-use crate::Invalid;
+use crate::invalid::Invalid;
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;

@@ -4,8 +4,9 @@
 //! do, whatever a driver's interpolation rounds to.
 
 use crate::{
-    CameraRays, Module,
     math::{cross3, dot3, unit3},
+    recipe::shader::Module,
+    scene::camera::CameraRays,
 };
 use glam::{Vec3, Vec4};
 
@@ -76,9 +77,9 @@ pub fn resolve(rays: &CameraRays, x: u32, y: u32, corners: [Vec3; 3]) -> Option<
 
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
-pub const TWINS: &[crate::Twin] = &[
-    crate::twin!(RESOLVE, plane_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3, needs [crate::MATH]),
-    crate::twin!(RESOLVE, plane_distance(o: Vec3, d: Vec3, a: Vec3, n: Vec3) -> f32, needs [crate::MATH]),
-    crate::twin!(RESOLVE, facing_normal(n: Vec3, d: Vec3) -> Vec3, needs [crate::MATH]),
-    crate::twin!(RESOLVE, at_pixel(base: Vec4, dx: Vec4, dy: Vec4, x: u32, y: u32) -> Vec3, needs [crate::MATH]),
+pub const TWINS: &[crate::recipe::twin::Twin] = &[
+    crate::twin!(RESOLVE, plane_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3, needs [crate::math::MATH]),
+    crate::twin!(RESOLVE, plane_distance(o: Vec3, d: Vec3, a: Vec3, n: Vec3) -> f32, needs [crate::math::MATH]),
+    crate::twin!(RESOLVE, facing_normal(n: Vec3, d: Vec3) -> Vec3, needs [crate::math::MATH]),
+    crate::twin!(RESOLVE, at_pixel(base: Vec4, dx: Vec4, dy: Vec4, x: u32, y: u32) -> Vec3, needs [crate::math::MATH]),
 ];

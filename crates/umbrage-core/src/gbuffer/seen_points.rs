@@ -1,8 +1,11 @@
 //! Seen points in tiles of the image, with boxes around them, so that whole tiles can be passed over.
 
 use crate::{
-    Aabb, Receivers,
-    geometry::box_tree::{BoxTree, RUN},
+    gbuffer::receivers::Receivers,
+    geometry::{
+        aabb::Aabb,
+        box_tree::{BoxTree, RUN},
+    },
     light_space::fit::SliceOfView,
 };
 use glam::Vec3;

@@ -1,6 +1,6 @@
 //! Axis-aligned boxes.
 
-use crate::{Invalid, invalid};
+use crate::invalid::{self, Invalid};
 use glam::{BVec3, Vec3};
 use serde::{Deserialize, Serialize};
 

@@ -3,7 +3,7 @@
 //!
 //! Runs are in the order of the list, which meshes give some locality, so that the tree is made in one pass.
 
-use crate::{Aabb, Geometry};
+use crate::geometry::{Geometry, aabb::Aabb};
 use rayon::prelude::*;
 #[cfg(feature = "testing")]
 use std::sync::atomic::{self, AtomicU64};

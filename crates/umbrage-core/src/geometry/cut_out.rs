@@ -16,12 +16,18 @@
 //! * Textures: one bit a texel, in rows from the top, lowest bits first; 1 where the surface is. Each begins with a row of the table.
 
 use crate::{
-    AlphaCutout, AlphaFilter, CameraRays, Invalid, Module, Scene, Texture,
     gbuffer::resolve::at_pixel,
     geometry::{
         hashed_alpha::{Coverage, CoverageBuilder, Levels, squared_footprint},
         placed::PlacedMeshes,
         ray_triangle::{Corners, Segment},
+    },
+    invalid::Invalid,
+    recipe::shader::Module,
+    scene::{
+        Scene,
+        camera::CameraRays,
+        material::{AlphaCutout, AlphaFilter, Texture},
     },
 };
 use glam::{UVec2, Vec2, Vec3, Vec4};
@@ -424,7 +430,7 @@ fn append_texture(
 
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
-pub const TWINS: &[crate::Twin] = &[
+pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(CUT_OUT, nearest_texel(t: f32, n: u32) -> u32,
         needs [super::ray_box::RAY_BOX, super::ray_triangle::RAY_TRIANGLE]),
     crate::twin!(CUT_OUT, cut_out_texel(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3, uv_ab: Vec4, uv_c: Vec2, size: UVec2) -> u32,

@@ -1,8 +1,7 @@
 use super::*;
 use crate::{
-    Geometry, Instance, Material, Mesh,
-    geometry::{random::Random, ray_triangle::segment_hits},
-    scene::light_sample::hash,
+    geometry::{Geometry, random::Random, ray_triangle::segment_hits},
+    scene::{Instance, Mesh, light_sample::hash, material::Material},
 };
 use glam::Affine3A;
 

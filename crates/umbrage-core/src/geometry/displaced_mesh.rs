@@ -1,12 +1,13 @@
 //! Meshes displaced by a texture: see [`displacement`](crate::geometry::displacement).
 
 use crate::{
-    Instance, Invalid, Mesh, Scene, Texture,
     geometry::{
         displacement::{displaced, height},
         subdivide::MAX_SUBDIVIDED_TRIANGLES,
         weld::{WeldedVertices, corner_normals, unit},
     },
+    invalid::Invalid,
+    scene::{Instance, Mesh, Scene, material::Texture},
 };
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;

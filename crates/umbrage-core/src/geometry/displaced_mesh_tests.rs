@@ -1,5 +1,8 @@
 use super::*;
-use crate::{Displacement, Geometry, Material};
+use crate::{
+    geometry::Geometry,
+    scene::material::{Displacement, Material},
+};
 use glam::{Affine3A, UVec2, Vec2};
 use std::collections::HashSet;
 

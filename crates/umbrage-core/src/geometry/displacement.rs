@@ -36,7 +36,7 @@
 //! assert!(wgsl.contains("fn displaced("));
 //! ```
 
-use crate::{Module, Texture};
+use crate::{recipe::shader::Module, scene::material::Texture};
 use glam::{UVec2, Vec2, Vec3};
 
 /// The WGSL half: needs no other module.
@@ -135,7 +135,7 @@ fn first_channel(texture: &Texture, x: u32, y: u32) -> f32 {
 
 /// All twins of this module, for the tests that compare them.
 #[cfg(feature = "testing")]
-pub const TWINS: &[crate::Twin] = &[
+pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(DISPLACEMENT, repeated(t: f32) -> f32),
     crate::twin!(DISPLACEMENT, from_first_centre(t: f32, n: u32) -> f32),
     crate::twin!(DISPLACEMENT, bilinear_first(uv: Vec2, size: UVec2) -> UVec2),

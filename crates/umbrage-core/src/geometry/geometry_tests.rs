@@ -1,7 +1,10 @@
 use super::*;
 use glam::{Affine3A, UVec2};
 
-use crate::{Instance, Material, Mesh, Texture};
+use crate::scene::{
+    Instance, Mesh,
+    material::{Material, Texture},
+};
 
 /// A triangle in z = 0: u along x, v against y; the bitangent runs up y.
 fn triangle() -> Mesh {
@@ -123,7 +126,7 @@ fn long_names_are_refused_by_their_beginning() {
         name: letter.repeat(count),
         ..Scene::default()
     };
-    assert!(named("x", crate::MAX_NAME_BYTES).validate().is_ok());
+    assert!(named("x", crate::scene::MAX_NAME_BYTES).validate().is_ok());
     // Letters of two bytes count twice, and are not cut in half.
     for (scene, length) in [
         (named("x", 201), 201),

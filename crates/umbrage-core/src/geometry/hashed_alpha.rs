@@ -23,8 +23,10 @@
 //! begin; the number of the last level), and its texels, 8 bits each, from level 1 on: level 0 is the texture, whose bits are elsewhere.
 
 use crate::{
-    Invalid, Module, Texture,
     geometry::cut_out::{WHOLE_NUMBERS, nearest_texel, texel_at},
+    invalid::Invalid,
+    recipe::shader::Module,
+    scene::material::Texture,
 };
 use glam::{UVec2, Vec2};
 use std::{collections::BTreeMap, sync::Arc};
@@ -412,9 +414,9 @@ fn shares(from: u32, to: u32) -> Vec<Shares> {
 
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
-pub const TWINS: &[crate::Twin] = {
-    use crate::bvh::{RAY_BOX, RAY_TRIANGLE};
-    use crate::cut_out::CUT_OUT;
+pub const TWINS: &[crate::recipe::twin::Twin] = {
+    use crate::geometry::bvh::{RAY_BOX, RAY_TRIANGLE};
+    use crate::geometry::cut_out::CUT_OUT;
     &[
         crate::twin!(HASHED_ALPHA, squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
         crate::twin!(HASHED_ALPHA, finer_level(squared: f32, last: u32) -> u32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),

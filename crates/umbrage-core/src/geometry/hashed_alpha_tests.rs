@@ -1,7 +1,13 @@
 use super::*;
 use crate::{
-    AlphaCutout, AlphaFilter, Camera, Extents, Geometry, Instance, Material, Mesh, Scene,
-    cut_out::CutOuts, scene::light_sample::hash,
+    geometry::{Geometry, cut_out::CutOuts},
+    light_space::Extents,
+    scene::{
+        Instance, Mesh, Scene,
+        camera::Camera,
+        light_sample::hash,
+        material::{AlphaCutout, AlphaFilter, Material},
+    },
 };
 use glam::{Affine3A, Vec3};
 

@@ -21,13 +21,16 @@ pub(crate) mod subdivide;
 pub(crate) mod weld;
 
 use crate::{
-    Aabb, AlphaCutout, Bvh, Instance, Invalid, Scene,
     geometry::{
+        aabb::Aabb,
         box_tree::{BoxTree, RUN},
+        bvh::Bvh,
         cut_out::CutOuts,
         derived::Derived,
         placed::PlacedMeshes,
     },
+    invalid::Invalid,
+    scene::{Instance, Scene, material::AlphaCutout},
 };
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;

@@ -1,7 +1,10 @@
 //! The meshes of a scene's instances, placed into the world.
 
 use super::{NO_MATERIAL, displaced_mesh};
-use crate::{Instance, Invalid, Mesh, Scene};
+use crate::{
+    invalid::Invalid,
+    scene::{Instance, Mesh, Scene},
+};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 
 /// Vertices and triangles in world space. [`Geometry`](super::Geometry) says what each list holds.

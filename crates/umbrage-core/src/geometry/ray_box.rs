@@ -10,7 +10,7 @@
 //! One is in proportion to the triangle ([`padded_box`]), the other to the distance from the segment's start ([`EXIT_SLACK`],
 //! as in Ize 2013, "Robust BVH Ray Traversal").
 
-use crate::Module;
+use crate::recipe::shader::Module;
 use glam::{Vec3, Vec3A};
 
 /// The WGSL half.
@@ -96,7 +96,7 @@ pub(crate) fn inverse_power(x: f32) -> f32 {
 
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
-pub(crate) const TWINS: [crate::Twin; 6] = [
+pub(crate) const TWINS: [crate::recipe::twin::Twin; 6] = [
     crate::twin!(RAY_BOX, safe_inverse(x: f32) -> f32),
     crate::twin!(RAY_BOX, enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
     crate::twin!(RAY_BOX, padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3),

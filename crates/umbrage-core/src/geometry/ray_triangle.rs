@@ -35,8 +35,8 @@
 //! search that skips boxes by that test alone finds a hit if brute force does.
 
 use crate::{
-    Module,
     geometry::ray_box::{enters_box, holds_origin, inverse_power, padded_box, slab_inverse},
+    recipe::shader::Module,
 };
 use glam::{Vec3, Vec3A};
 
@@ -195,7 +195,7 @@ pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
 
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
-pub const TWINS: &[crate::Twin] = &[
+pub const TWINS: &[crate::recipe::twin::Twin] = &[
     crate::twin!(RAY_TRIANGLE, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [super::ray_box::RAY_BOX]),
     super::ray_box::TWINS[0],
     super::ray_box::TWINS[1],

@@ -1,7 +1,7 @@
 //! Triangles as data: what one thread or process placed into the world goes to another.
 
 use super::{CutOuts, Geometry, PlacedMeshes};
-use crate::Invalid;
+use crate::invalid::Invalid;
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 use std::{borrow::Cow, ops::Range, sync::Arc};
@@ -114,7 +114,7 @@ impl GeometryData<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Instance, Mesh, Scene};
+    use crate::scene::{Instance, Mesh, Scene};
     use glam::Affine3A;
 
     fn geometry() -> Geometry {

@@ -7,9 +7,12 @@
 //! It is cautious: segments that enter a box are never denied, and a shaft that passes close by may be said to enter.
 
 use crate::{
-    Aabb, Module,
-    geometry::ray_box::{EXIT_SLACK, slab_inverse},
+    geometry::{
+        aabb::Aabb,
+        ray_box::{EXIT_SLACK, slab_inverse},
+    },
     math::{greater, lesser},
+    recipe::shader::Module,
 };
 use glam::{Vec3, Vec4};
 
@@ -226,7 +229,7 @@ impl ShaftLanes {
 
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
-pub(crate) const TWINS: [crate::Twin; 1] = [
+pub(crate) const TWINS: [crate::recipe::twin::Twin; 1] = [
     crate::twin!(SHAFT, shaft_enters_word(o: Vec3, low: Vec3, high: Vec3, box_low: Vec3, box_high: Vec3) -> u32, needs [super::ray_box::RAY_BOX]),
 ];
 

@@ -1,6 +1,9 @@
 //! Finer meshes of the same shape.
 
-use crate::{Invalid, MAX_SUBDIVISIONS, Mesh};
+use crate::{
+    invalid::Invalid,
+    scene::{Mesh, material::MAX_SUBDIVISIONS},
+};
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 

@@ -1,6 +1,6 @@
 //! Vertices that stand at one place: meshes have several where texture coordinates or normals part.
 
-use crate::Mesh;
+use crate::scene::Mesh;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 

@@ -5,7 +5,7 @@
 //! "Parallel-split shadow maps for large-scale virtual environments"), and a receiver is looked up in the finest map that holds
 //! it.
 
-use crate::{Invalid, invalid};
+use crate::invalid::{self, Invalid};
 use serde::{Deserialize, Serialize};
 
 /// Most slices.

@@ -1,6 +1,9 @@
 //! Which casters a layer of a shadow map needs.
 
-use crate::{Aabb, Geometry, LightSpace, light_space::view_box};
+use crate::{
+    geometry::{Geometry, aabb::Aabb},
+    light_space::{LightSpace, view_box},
+};
 use glam::{DMat4, DVec3, DVec4};
 use std::{ops::Range, sync::Arc};
 
@@ -99,7 +102,10 @@ fn farthest_inside(bounds: &Aabb, side: &DVec4) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Instance, Mesh, Scene, light_space};
+    use crate::{
+        light_space,
+        scene::{Instance, Mesh, Scene},
+    };
     use glam::{Affine3A, Mat4, Vec3};
 
     /// A small triangle around a point.

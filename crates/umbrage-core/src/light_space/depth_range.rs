@@ -1,8 +1,11 @@
 //! Near and far planes from what a camera or a spot sees.
 
 use crate::{
-    Aabb, Geometry,
-    geometry::clip_polygon::{Polygon, edge_crossing},
+    geometry::{
+        Geometry,
+        aabb::Aabb,
+        clip_polygon::{Polygon, edge_crossing},
+    },
     light_space::view_box::ViewBox,
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};

@@ -7,8 +7,11 @@
 //! N / least singular value.
 
 use crate::{
-    CameraRays, LayerPicker, LightSpaces, MAX_SIDE, Receivers, View,
+    gbuffer::receivers::Receivers,
+    light_space::layers::{LayerPicker, LightSpaces},
     math::{cross3, dot3, transform},
+    scene::camera::{CameraRays, MAX_SIDE},
+    view::View,
 };
 use glam::{Mat4, Vec2, Vec3};
 use rayon::prelude::*;

@@ -1,8 +1,9 @@
 //! Layouts: how many light spaces a map technique takes, and which.
 
 use crate::{
-    CasterSet, Geometry, Invalid, LightSpace,
-    light_space::{cascades::Cascades, look_along},
+    geometry::Geometry,
+    invalid::Invalid,
+    light_space::{LightSpace, cascades::Cascades, caster_set::CasterSet, look_along},
     math::transform,
 };
 use glam::{Mat4, Vec3};

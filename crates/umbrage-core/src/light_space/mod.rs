@@ -16,7 +16,10 @@ pub mod footprint;
 pub(crate) mod layers;
 pub(crate) mod view_box;
 
-use crate::{Camera, CameraRays, Invalid, invalid};
+use crate::{
+    invalid::{self, Invalid},
+    scene::camera::{Camera, CameraRays},
+};
 use glam::{
     Affine3A, DMat4, DVec3, Mat4, Vec3,
     dcamera::rh::{proj::directx, view::look_to_mat4},

@@ -1,6 +1,6 @@
 //! Boxes of the world in a view, with room for what arithmetic rounds.
 
-use crate::Aabb;
+use crate::geometry::aabb::Aabb;
 use glam::{DAffine3, DVec3};
 
 /// Room for rounding, as a part of the numbers that are added up: a few sums and products of `f64` round by 2^-53 each.

@@ -12,7 +12,7 @@
 //! | **leak** | too light | elsewhere: light where a blocker far away should hide it |
 
 use crate::{
-    Invalid,
+    invalid::Invalid,
     metrics::{ACNE_DISTANCE, ERROR_THRESHOLD, PENUMBRA, Pixel, check, check_len, edges, near},
 };
 use glam::UVec2;

@@ -238,7 +238,7 @@ fn samples_tell_their_own_error() {
     let count = (side * side) as usize;
     let truth = vec![1.0; count];
     // Wrong at one pixel in eight, by amounts between 0 and 1.
-    let random = |i: u32| crate::light_sample::seed(i, 7) as f32 / u32::MAX as f32;
+    let random = |i: u32| crate::scene::light_sample::seed(i, 7) as f32 / u32::MAX as f32;
     let mask: Vec<f32> = (0..count as u32)
         .map(|i| if i % 8 == 0 { random(i) } else { 1.0 })
         .collect();
@@ -250,7 +250,7 @@ fn samples_tell_their_own_error() {
     for draw in 0..draws {
         let pixels: Vec<Pixel> = (0..count as u32)
             .map(|i| {
-                let is_drawn = crate::light_sample::seed(i, 1000 + draw).is_multiple_of(16);
+                let is_drawn = crate::scene::light_sample::seed(i, 1000 + draw).is_multiple_of(16);
                 if is_drawn {
                     Pixel::Counted
                 } else {

@@ -1,6 +1,6 @@
 //! Lists of casters that a device makes itself.
 
-use crate::{Module, Recipe};
+use crate::recipe::{Recipe, shader::Module};
 
 /// Lists of the casters in the cells of a grid around a light, which a device makes by compute passes: for renderers whose casters'
 /// vertices are on the device alone. They become the tables of the recipe's kernel, in this order: tiles, cells, items, corners.

@@ -1,6 +1,14 @@
 //! Kernels: one function written twice. A kernel cannot exist on one side only, since its trait asks for both halves.
 
-use crate::{ImageView, KernelCost, Module, Receivers, Simd, Span, UniformBlock};
+use crate::{
+    gbuffer::receivers::{Receivers, Span},
+    recipe::{
+        image::ImageView,
+        shader::{Module, UniformBlock},
+        work::KernelCost,
+    },
+    simd::Simd,
+};
 use glam::{UVec2, Vec3};
 use std::fmt::Debug;
 

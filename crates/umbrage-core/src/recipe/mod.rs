@@ -10,8 +10,14 @@ pub(crate) mod twin;
 pub(crate) mod work;
 
 use crate::{
-    CasterSet, FilterKernel, Format, Geometry, ImageDesc, Invalid, LightSpace, ReceiveKernel,
-    ShadeKernel, TableRows, invalid,
+    geometry::Geometry,
+    invalid::{self, Invalid},
+    light_space::{LightSpace, caster_set::CasterSet},
+    recipe::{
+        image::{Format, ImageDesc},
+        kernel::{FilterKernel, ReceiveKernel, ShadeKernel},
+        table_rows::TableRows,
+    },
 };
 use glam::Vec4;
 use std::{ops::Range, sync::Arc};

@@ -1,6 +1,6 @@
 //! Twin functions, written in Rust and in WGSL: each pair is declared once, and tests run both on the same inputs.
 
-use crate::Module;
+use crate::recipe::shader::Module;
 use glam::{IVec2, Mat4, UVec2, Vec2, Vec3, Vec4};
 
 /// A function written in Rust and in WGSL under the same name.

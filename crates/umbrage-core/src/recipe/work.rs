@@ -1,7 +1,9 @@
 //! How much work a recipe is, counted rather than timed: the same on every machine, however noisy.
 
 use crate::{
-    Cast, CastMode, Cull, Geometry, Recipe, Source, View, geometry::clip_polygon::Polygon,
+    geometry::{Geometry, clip_polygon::Polygon},
+    recipe::{Cast, CastMode, Cull, Recipe, Source},
+    view::View,
 };
 use glam::{DMat4, DVec2, DVec4, UVec2};
 use rayon::prelude::*;
@@ -356,7 +358,7 @@ mod tests {
     /// Triangles within, across and beside the view have the area that clipping by all planes gives, bit by bit.
     #[test]
     fn what_needs_no_clipping_has_the_same_bits() {
-        let random = |i: u32| f64::from(crate::light_sample::hash(i)) / f64::from(u32::MAX);
+        let random = |i: u32| f64::from(crate::scene::light_sample::hash(i)) / f64::from(u32::MAX);
         for i in 0..4000 {
             let spread = [0.5, 2.0, 6.0][i as usize % 3];
             let triangle = [0, 1, 2].map(|k: u32| {

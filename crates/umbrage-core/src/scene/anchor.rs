@@ -1,6 +1,6 @@
 //! Worlds larger than 32-bit numbers can describe: positions relative to a point near the eye.
 
-use crate::Invalid;
+use crate::invalid::Invalid;
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 
 /// A point of the world near the eye, from which positions are counted, so that the library's 32-bit positions stay small.

@@ -1,7 +1,7 @@
 //! The camera, and the ray through each of its pixels.
 
 use crate::{
-    Invalid, invalid,
+    invalid::{self, Invalid},
     light_space::{Extents, LightSpace, look_along, orthographic, perspective},
 };
 use glam::{Affine3A, DAffine3, DMat4, DVec2, DVec3, Mat4, UVec2, Vec2, Vec3, Vec4};

@@ -1,9 +1,6 @@
 //! The kinds of light. Closed on purpose: a new kind must be met by everything that matches on it.
 
-use crate::{
-    Invalid,
-    invalid::{direction, finite, not_negative, positive},
-};
+use crate::invalid::{Invalid, direction, finite, not_negative, positive};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 

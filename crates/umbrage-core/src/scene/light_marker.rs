@@ -1,6 +1,6 @@
 //! The light's marker: a small cube that shows in pictures where the light is.
 
-use crate::{Camera, Instance, Light, Material, Mesh, Scene};
+use crate::scene::{Instance, Mesh, Scene, camera::Camera, light::Light, material::Material};
 use glam::{Affine3A, Mat4, Vec3};
 
 /// How the light is marked.
@@ -108,7 +108,7 @@ fn cube() -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Extents, Geometry, math::transform};
+    use crate::{geometry::Geometry, light_space::Extents, math::transform};
     use glam::UVec2;
 
     const SIZE: UVec2 = UVec2::new(200, 100);
@@ -197,7 +197,7 @@ mod tests {
             "{center}"
         );
         assert_eq!(after.materials()[12..], [0; 12]);
-        assert_eq!(after.materials()[..12], [crate::NO_MATERIAL; 12]);
+        assert_eq!(after.materials()[..12], [crate::geometry::NO_MATERIAL; 12]);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! stratified in all ways at once), mapped onto the light with areas (for suns: solid angles) kept. Their mean is the
 //! **unweighted fraction of the light seen**.
 
-use crate::{Light, Module, math::dot3, uniforms};
+use crate::{math::dot3, recipe::shader::Module, scene::light::Light, uniforms};
 use glam::{DVec3, UVec4, Vec2, Vec3, Vec4};
 
 /// The WGSL half.
@@ -305,20 +305,20 @@ pub fn hash(x: u32) -> u32 {
 
 /// All twins of this module, for the tests that compare them.
 #[cfg(feature = "testing")]
-pub const TWINS: &[crate::Twin] = &[
-    crate::twin!(LIGHT_SAMPLE, small_sin(x: f32) -> f32, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, small_cos(x: f32) -> f32, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, disc_point(uv: Vec2) -> Vec2, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, tangent(n: Vec3) -> Vec3, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, bitangent(n: Vec3) -> Vec3, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, origin_offset(p: Vec3, reach: f32) -> f32, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, ray_origin(p: Vec3, n: Vec3, eye: Vec3, extent: f32) -> Vec3, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, hash(x: u32) -> u32, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, seed(x: u32, y: u32) -> u32, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, owen(reversed: u32, seed: u32) -> u32, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, sobol_second(i: u32) -> u32, needs [crate::MATH]),
-    crate::twin!(LIGHT_SAMPLE, unit_square(i: u32, seed: u32) -> Vec2, needs [crate::MATH]),
+pub const TWINS: &[crate::recipe::twin::Twin] = &[
+    crate::twin!(LIGHT_SAMPLE, small_sin(x: f32) -> f32, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, small_cos(x: f32) -> f32, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, disc_point(uv: Vec2) -> Vec2, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, tangent(n: Vec3) -> Vec3, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, bitangent(n: Vec3) -> Vec3, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, origin_offset(p: Vec3, reach: f32) -> f32, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, ray_origin(p: Vec3, n: Vec3, eye: Vec3, extent: f32) -> Vec3, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, hash(x: u32) -> u32, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, seed(x: u32, y: u32) -> u32, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, owen(reversed: u32, seed: u32) -> u32, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, sobol_second(i: u32) -> u32, needs [crate::math::MATH]),
+    crate::twin!(LIGHT_SAMPLE, unit_square(i: u32, seed: u32) -> Vec2, needs [crate::math::MATH]),
 ];
 
 #[cfg(test)]

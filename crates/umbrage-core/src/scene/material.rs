@@ -1,10 +1,7 @@
 //! Materials and textures: what colour pictures and detailed surfaces need. Masks know nothing of them but displacement and
 //! alpha.
 
-use crate::{
-    Invalid,
-    invalid::{finite, not_negative},
-};
+use crate::invalid::{Invalid, finite, not_negative};
 use glam::{UVec2, Vec3};
 use serde::{Deserialize, Serialize};
 

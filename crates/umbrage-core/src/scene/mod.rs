@@ -7,7 +7,14 @@ pub(crate) mod light_marker;
 pub mod light_sample;
 pub(crate) mod material;
 
-use crate::{Camera, Invalid, Light, Material, Texture, invalid::finite};
+use crate::{
+    invalid::{Invalid, finite},
+    scene::{
+        camera::Camera,
+        light::Light,
+        material::{Material, Texture},
+    },
+};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// Triangles in their own space. Right-handed; counter-clockwise seen from outside.

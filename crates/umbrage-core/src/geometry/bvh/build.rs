@@ -1,6 +1,6 @@
 //! Building hierarchies: `obvhs` finds their shape.
 
-use crate::Aabb;
+use crate::geometry::aabb::Aabb;
 use glam::Vec3A;
 use obvhs::{
     BvhBuildParams, aabb,

@@ -7,24 +7,20 @@ mod wide;
 
 #[cfg(feature = "testing")]
 pub use crate::geometry::ray_triangle::TWINS;
-pub use crate::{
-    Aabb,
-    geometry::{
-        ray_box::RAY_BOX,
-        ray_triangle::{RAY_TRIANGLE, Segment, segment_hits},
-        segment_lanes::{FourSegments, SEGMENT_LANES, SegmentArrays, longest_axis},
-        shaft::{SHAFT, SHAFT_LANES, Shaft, ShaftSearch, Shafts},
-    },
+pub use crate::geometry::{
+    aabb::Aabb,
+    ray_box::RAY_BOX,
+    ray_triangle::{RAY_TRIANGLE, Segment, segment_hits},
+    segment_lanes::{FourSegments, SEGMENT_LANES, SegmentArrays, longest_axis},
+    shaft::{SHAFT, SHAFT_LANES, Shaft, ShaftSearch, Shafts},
 };
 
-use crate::{
+use crate::geometry::{
     Geometry,
-    geometry::{
-        bvh::wide::Wide,
-        cut_out::CutOuts,
-        ray_box::{enters_box, slab_inverse, span},
-        ray_triangle::Corners,
-    },
+    bvh::wide::Wide,
+    cut_out::CutOuts,
+    ray_box::{enters_box, slab_inverse, span},
+    ray_triangle::Corners,
 };
 use glam::Vec3;
 use obvhs::{bvh2::Bvh2, cwbvh::CwBvh};

@@ -1,8 +1,8 @@
 //! Answers don't depend on the order of the search: both hierarchies and lists in any order, up to 1e6 m from the origin.
 
 use crate::{
-    Geometry,
     geometry::{
+        Geometry,
         bvh::{tests::geometry, wide::SHALLOW},
         random::Random,
         ray_box::{enters_box, slab_inverse},

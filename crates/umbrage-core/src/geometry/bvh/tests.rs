@@ -1,8 +1,9 @@
 //! The hierarchy against brute force, and the traps of its box test.
 
 use crate::{
-    Geometry, Instance, Mesh, NO_TRIANGLE, Scene,
-    geometry::{bvh::segment_hits, random::Random},
+    gbuffer::receivers::NO_TRIANGLE,
+    geometry::{Geometry, bvh::segment_hits, random::Random},
+    scene::{Instance, Mesh, Scene},
 };
 use glam::{Affine3A, Vec3};
 

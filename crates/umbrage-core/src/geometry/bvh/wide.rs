@@ -4,13 +4,11 @@
 //! `obvhs` keeps boxes as bytes relative to their parent's, and its box test rounds in another way than the triangle test
 //! does, so it may pass over a triangle that is hit. Here boxes are tested as `ray_box.rs` does it, four at once.
 
-use crate::{
-    Aabb,
-    geometry::{
-        ray_box::EXIT_SLACK,
-        ray_triangle::Segment,
-        shaft::{Shaft, ShaftLanes, ShaftSearch},
-    },
+use crate::geometry::{
+    aabb::Aabb,
+    ray_box::EXIT_SLACK,
+    ray_triangle::Segment,
+    shaft::{Shaft, ShaftLanes, ShaftSearch},
 };
 use glam::{Vec3, Vec4};
 use obvhs::cwbvh::CwBvh;

@@ -1,19 +1,24 @@
 //! Fits of cascades: where what the camera sees is cut, and the light space of each slice.
 
 use crate::{
-    Aabb, CascadePick, Cascades, CasterSet, Fit, Invalid, LightSpaces, RecipeError, SliceEnds,
-    Split, View, invalid,
+    geometry::aabb::Aabb,
+    invalid::{self, Invalid},
     light_space::{
         LightSpace,
+        cascades::{Cascades, SliceEnds, Split},
+        caster_set::CasterSet,
         fit::{
+            Fit,
             frustum::{CameraFrustum, Slice},
             input::FitInput,
             parallel,
             points::{Points, bounds_in, padded, receiver_points},
             receiver_split, stable,
         },
-        layers::Arrangement,
+        layers::{Arrangement, CascadePick, LightSpaces},
     },
+    recipe_error::RecipeError,
+    view::View,
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 

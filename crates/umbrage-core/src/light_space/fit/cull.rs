@@ -4,12 +4,13 @@
 //! if somewhere it lies before that: tested with its box, so that one too many may be kept, but never one too few.
 
 use crate::{
-    Aabb, Geometry, Light,
     gbuffer::seen_points::SeenPoints,
+    geometry::{Geometry, aabb::Aabb},
     light_space::fit::{
         map_space::{MapBounds, MapPolygon, MapSpace, clip},
         points::seen_on,
     },
+    scene::light::Light,
 };
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;

@@ -1,8 +1,11 @@
 //! What a camera sees, cut across its view.
 
 use crate::{
-    Aabb, Camera,
-    geometry::clip_polygon::{Polygon, edge_crossing},
+    geometry::{
+        aabb::Aabb,
+        clip_polygon::{Polygon, edge_crossing},
+    },
+    scene::camera::Camera,
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3, Vec4};
 

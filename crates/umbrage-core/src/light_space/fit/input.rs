@@ -1,9 +1,10 @@
 //! A view, with what several steps of a fit ask of it.
 
 use crate::{
-    Aabb, View,
     gbuffer::seen_points::SeenPoints,
+    geometry::aabb::Aabb,
     light_space::fit::{ANGLE_PADDING, points::caster_points},
+    view::View,
 };
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

@@ -1,7 +1,8 @@
 //! Tight fits of lights with a position: pyramids around what can shadow a seen receiver.
 
 use crate::{
-    Aabb, Geometry, Invalid,
+    geometry::{Geometry, aabb::Aabb},
+    invalid::Invalid,
     light_space::{
         fit::{
             WIDEST_HALF_ANGLE,

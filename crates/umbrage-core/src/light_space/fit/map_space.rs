@@ -5,8 +5,10 @@
 //! stay triangles, and clip depth is linear in the rank, with perspective as without.
 
 use crate::{
-    Aabb,
-    geometry::clip_polygon::{Polygon, edge_crossing},
+    geometry::{
+        aabb::Aabb,
+        clip_polygon::{Polygon, edge_crossing},
+    },
     light_space::view_box::ViewBox,
 };
 use glam::{DAffine3, DVec2, DVec3, Vec3};
@@ -85,7 +87,7 @@ impl MapBounds {
 impl MapSpace {
     /// Returns the map space of a light space that is fitted already.
     #[cfg(feature = "testing")]
-    pub(super) fn of(space: &crate::LightSpace) -> Self {
+    pub(super) fn of(space: &crate::light_space::LightSpace) -> Self {
         let projection = space.clip_from_view;
         let perspective = projection.row(3) != glam::Vec4::W;
         let near = f64::from(projection.w_axis.z) / f64::from(projection.z_axis.z);

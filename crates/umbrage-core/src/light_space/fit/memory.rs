@@ -1,10 +1,13 @@
 //! A memory of the fits of one view.
 
 use crate::{
-    Layout, LightSpaces, Receivers, RecipeError,
-    gbuffer::seen_points::SeenPoints,
+    gbuffer::{receivers::Receivers, seen_points::SeenPoints},
     geometry::box_tree::BoxTree,
-    light_space::fit::{input::Cone, kind::Fit},
+    light_space::{
+        fit::{input::Cone, kind::Fit},
+        layers::{Layout, LightSpaces},
+    },
+    recipe_error::RecipeError,
 };
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 

@@ -25,13 +25,17 @@ pub use crate::light_space::fit::memory::FitMemory;
 pub use crate::light_space::fit::relevant::relevant_casters;
 
 use crate::{
-    Cascades, Invalid, Light, RecipeError, SliceEnds, View, invalid,
+    invalid::{self, Invalid},
     light_space::{
         Extents, LightSpace,
+        cascades::{Cascades, SliceEnds},
         fit::{cascades::CascadeInput, input::FitInput, stable::SphereCenter},
         layers::{Layout, LightSpaces},
         look_along, orthographic,
     },
+    recipe_error::RecipeError,
+    scene::light::Light,
+    view::View,
 };
 use glam::Vec3;
 

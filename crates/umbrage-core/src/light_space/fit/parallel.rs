@@ -1,7 +1,8 @@
 //! Tight fits of parallel light: boxes.
 
 use crate::{
-    Aabb, Geometry, Invalid,
+    geometry::{Geometry, aabb::Aabb},
+    invalid::Invalid,
     light_space::{
         Extents, LightSpace,
         fit::{

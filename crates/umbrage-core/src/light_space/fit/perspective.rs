@@ -1,9 +1,10 @@
 //! Fits of lights with a position: one pyramid, or a cube's six.
 
 use crate::{
-    CasterSet, Geometry, Light, RecipeError,
+    geometry::Geometry,
     light_space::{
         LightSpace,
+        caster_set::CasterSet,
         depth_range::{ViewPyramid, depth_range_of},
         fit::{
             ANGLE_PADDING, Fit, WIDEST_HALF_ANGLE,
@@ -14,6 +15,8 @@ use crate::{
         layers::{Arrangement, LightSpaces, cube_face_views},
         look_along, perspective,
     },
+    recipe_error::RecipeError,
+    scene::light::Light,
 };
 use glam::{Mat4, Vec3};
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! What a fit goes around.
 
 use crate::{
-    Aabb, Geometry,
     gbuffer::seen_points::SeenPoints,
+    geometry::{Geometry, aabb::Aabb},
     light_space::{
         fit::{
             input::FitInput,

@@ -1,12 +1,17 @@
 //! Which casters matter on maps that are fitted already.
 
 use crate::{
-    Geometry, LightSpace, LightSpaces, View,
     gbuffer::seen_points::SeenPoints,
-    light_space::fit::{
-        cull::{Lookups, Need, Receiving},
-        map_space::{MapBounds, MapSpace},
+    geometry::Geometry,
+    light_space::{
+        LightSpace,
+        fit::{
+            cull::{Lookups, Need, Receiving},
+            map_space::{MapBounds, MapSpace},
+        },
+        layers::LightSpaces,
     },
+    view::View,
 };
 use glam::DVec3;
 

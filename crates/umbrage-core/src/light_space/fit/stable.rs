@@ -10,7 +10,8 @@
 //! sum of products is then the same in every frame, and its place within a texel stays.
 
 use crate::{
-    Aabb, Invalid, View, invalid,
+    geometry::aabb::Aabb,
+    invalid::{self, Invalid},
     light_space::{
         LightSpace,
         fit::{
@@ -20,6 +21,7 @@ use crate::{
         },
         look_along,
     },
+    view::View,
 };
 use glam::{DAffine3, DVec2, DVec3, Mat4, Vec3, Vec4};
 

@@ -1,7 +1,11 @@
 //! Fits by themselves; snapshots of their matrices are among the suite's.
 
 use super::*;
-use crate::{Camera, Geometry, Instance, Mesh, Scene, math::transform};
+use crate::{
+    geometry::Geometry,
+    math::transform,
+    scene::{Instance, Mesh, Scene, camera::Camera},
+};
 use glam::{Affine3A, UVec2};
 
 /// A floor of 20 m through (0, 0, 0) and a small quad `h` above it.
@@ -169,7 +173,7 @@ fn a_memory_gives_what_was_found() {
         found.push(anew);
     }
     assert!(found[0] != found[1] && found[0] != found[2]);
-    let receivers = crate::Receivers::default();
+    let receivers = crate::gbuffer::receivers::Receivers::default();
     assert!(
         View::new(&camera, &light, &low)
             .with_fits(&memory)
