@@ -1,16 +1,17 @@
-//! The WGSL of every technique as it is pasted into a user's shader, kept in `shaders/assembled` to be read.
+//! The WGSL of every technique as it is pasted into a user's shader. A checksum of each is kept in
+//! git, and the last text with that checksum in cargo's target folder.
 
-use crate::stage;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use similar::TextDiff;
 use std::{fs, path::PathBuf};
-use umbrage_core::{Light, ShadowTechnique, View, glam::Vec3};
+use umbrage_core::ShadowTechnique;
+use umbrage_lab::assembled_wgsl;
 use umbrage_techniques::TechniquePreset;
-use umbrage_wgpu::receive_wgsl;
 
 /// Stands before every name of the kept texts.
 pub const PREFIX: &str = "shadow_";
 
-/// A technique's kept text.
+/// The text of a technique.
 #[derive(Clone, Debug)]
 pub struct Assembled {
     /// The technique's name.
@@ -41,25 +42,8 @@ pub fn all() -> Vec<Assembled> {
 /// # Panics
 /// Panics if the technique serves neither the sun nor a lamp, and if the prefix begins no name.
 pub fn assemble(technique: &dyn ShadowTechnique, prefix: &str) -> String {
-    let geometry = stage::geometry(1.0, Vec3::ZERO);
-    let camera = stage::camera();
-    let lights = [
-        Light::Directional {
-            direction: Vec3::new(1.0, -3.0, 1.0),
-            angular_diameter: 0.0093,
-        },
-        Light::Point {
-            position: Vec3::new(0.5, 4.0, 1.0),
-            radius: 0.1,
-        },
-    ];
-    let recipe = lights
-        .iter()
-        .find_map(|light| technique.recipe(&View::new(&camera, light, &geometry)).ok())
-        .unwrap_or_else(|| panic!("{} serves neither light", technique.name()));
-    let text = receive_wgsl(&recipe, 0, prefix).expect("the prefix begins a name");
-    // Files end with one line break.
-    format!("{}\n", text.trim_end())
+    let text = assembled_wgsl(technique, prefix);
+    text.unwrap_or_else(|why| panic!("{}: {why}", technique.name()))
 }
 
 /// Checks that a text is a valid WGSL module.
@@ -74,42 +58,88 @@ pub fn validate(text: &str) -> Result<(), String> {
     Ok(())
 }
 
+/// Returns the file of checksums: a line `NAME CHECKSUM` a technique.
+pub fn path() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assembled.txt")
+}
+
+/// Returns the names and the checksums that are kept.
+///
+/// # Errors
+/// Errors if the file can't be read.
+pub fn kept() -> Result<Vec<(String, String)>, String> {
+    let path = path();
+    let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let lines = text.lines().filter_map(|line| line.split_once(' '));
+    Ok(lines
+        .map(|(name, sum)| (name.to_owned(), sum.to_owned()))
+        .collect())
+}
+
+fn checksum(text: &str) -> String {
+    format!("{:08x}", crc32fast::hash(text.as_bytes()))
+}
+
 impl Assembled {
-    /// Returns where the text is kept.
-    pub fn path(&self) -> PathBuf {
+    /// Returns where the last text with the kept checksum is.
+    fn kept_text(&self) -> PathBuf {
         PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-            .join("../shaders/assembled")
+            .join("../target/assembled")
             .join(format!("{}.wgsl", self.name))
     }
 
-    /// Checks that the kept text is the one assembled now.
+    /// Checks that the kept checksum is that of the text assembled now, and keeps the text.
     ///
     /// # Errors
-    /// Errors with the first line that differs.
+    /// Errors with the difference to the kept text.
     pub fn check(&self) -> Result<(), String> {
-        let path = self.path();
-        let kept = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-        compare(&kept, &self.text).map_err(|why| format!("{}: {why}", path.display()))
+        let kept = kept()?;
+        let sum = kept.iter().find(|(name, _)| *name == self.name);
+        let name = &self.name;
+        let Some((_, sum)) = sum else {
+            return Err(format!("{name}: no checksum is kept"));
+        };
+        if *sum == checksum(&self.text) {
+            return self.keep_text();
+        }
+        let earlier = fs::read_to_string(self.kept_text()).unwrap_or_default();
+        if *sum == checksum(&earlier) {
+            return Err(format!("{name}:\n{}", difference(&earlier, &self.text)));
+        }
+        Err(format!(
+            "{name}: the text of this checksum is not in {}; tests of an earlier commit put it there",
+            self.kept_text().display()
+        ))
     }
 
-    /// Keeps the text as it is assembled now.
+    fn keep_text(&self) -> Result<(), String> {
+        let path = self.kept_text();
+        let told = |e: std::io::Error| format!("{}: {e}", path.display());
+        if fs::read_to_string(&path).is_ok_and(|text| text == self.text) {
+            return Ok(());
+        }
+        fs::create_dir_all(path.parent().expect("a folder")).map_err(told)?;
+        fs::write(&path, &self.text).map_err(told)
+    }
+
+    /// Keeps the checksum of the text as it is assembled now, and the text.
     ///
     /// # Errors
-    /// Errors if it can't be written.
+    /// Errors if a file can't be written.
     pub fn bless(&self) -> Result<(), String> {
-        fs::write(self.path(), &self.text).map_err(|e| format!("{}: {e}", self.path().display()))
+        let mut kept = kept().unwrap_or_default();
+        kept.retain(|(name, _)| *name != self.name);
+        kept.push((self.name.clone(), checksum(&self.text)));
+        kept.sort();
+        let lines: String = kept.iter().map(|(n, sum)| format!("{n} {sum}\n")).collect();
+        fs::write(path(), lines).map_err(|e| format!("{}: {e}", path().display()))?;
+        self.keep_text()
     }
 }
 
-/// Checks that two texts are equal.
-///
-/// # Errors
-/// Errors with the first line that differs.
-pub fn compare(kept: &str, now: &str) -> Result<(), String> {
-    if kept == now {
-        return Ok(());
-    }
-    let differs = kept.lines().zip(now.lines()).position(|(a, b)| a != b);
-    let line = differs.unwrap_or_else(|| kept.lines().count().min(now.lines().count()));
-    Err(format!("line {} differs", line + 1))
+/// Returns the lines that differ, with three lines around each change.
+pub fn difference(kept: &str, now: &str) -> String {
+    let difference = TextDiff::from_lines(kept, now);
+    let unified = difference.unified_diff().header("kept", "now").to_string();
+    unified
 }

@@ -1,4 +1,4 @@
-//! Says which kept files (golden images, assembled WGSL, the README's table of techniques) differ from what is made now, or writes those
+//! Says which kept files (golden images, checksums of assembled WGSL, the README's table of techniques) differ from what is made now, or writes those
 //! named: `cargo xtask bless`.
 
 use std::{path::PathBuf, process::ExitCode};
@@ -34,7 +34,7 @@ impl Kept {
     fn path(&self) -> PathBuf {
         match self {
             Self::Golden(golden) => golden.path(),
-            Self::Assembled(assembled) => assembled.path(),
+            Self::Assembled(_) => assembled::path(),
             Self::TechniqueTable => technique_table::path(),
         }
     }

@@ -79,7 +79,7 @@ const fn upkeep(name: &'static str, summary: &'static str) -> Command {
     }
 }
 
-pub(crate) const COMMANDS: [Command; 15] = [
+pub(crate) const COMMANDS: [Command; 16] = [
     measure(
         "compare",
         "Measure techniques on scenes: speed, and error against ray-traced truth",
@@ -119,6 +119,11 @@ pub(crate) const COMMANDS: [Command; 15] = [
         "card",
         "Measure a graphics card: how it rounds, whether it agrees with the CPU, how long it takes",
         include_str!("../help/card.snap"),
+    ),
+    measure(
+        "wgsl",
+        "Print the shader text of a technique, as it is pasted into a shader",
+        include_str!("../help/wgsl.snap"),
     ),
     upkeep("test", "Run all tests, with a graphics adapter"),
     upkeep(

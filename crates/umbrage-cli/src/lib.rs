@@ -1,5 +1,5 @@
 //! The commands that measure shadow techniques, as a library: a program of yours becomes `compare`, `stability`, `plan`,
-//! `which`, `bias`, `bench`, `card` and `merge` by one call.
+//! `which`, `bias`, `bench`, `card`, `wgsl` and `merge` by one call.
 //!
 //! ```no_run
 //! use umbrage_cli::Program;
@@ -37,6 +37,7 @@ mod summary;
 mod table;
 mod usage;
 mod verdicts;
+mod wgsl;
 mod which;
 
 pub use program::{LightSetRatios, Program};

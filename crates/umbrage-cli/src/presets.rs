@@ -37,7 +37,8 @@ pub(crate) fn add_soft(presets: &mut Vec<NamedPreset>, error: f32) -> Result<()>
     Ok(())
 }
 
-fn one(program: &Program, file: &Path) -> Result<NamedPreset> {
+/// Reads the preset in a file.
+pub(crate) fn one(program: &Program, file: &Path) -> Result<NamedPreset> {
     let unusable = |why: String| Usage(format!("--preset `{}`: {why}", file.display()));
     let text = std::fs::read_to_string(file).map_err(|e| {
         unusable(format!(

@@ -2,7 +2,7 @@
 
 use crate::{
     args::{self, Command},
-    bench, bias, card, compare, costs, list, merge, plan, regret, stability, usage, which,
+    bench, bias, card, compare, costs, list, merge, plan, regret, stability, usage, wgsl, which,
 };
 use anyhow::Result;
 use std::{
@@ -77,6 +77,7 @@ impl Program {
             Command::Bench(options) if options.costs => costs::costs(options),
             Command::Bench(options) => bench::bench(options),
             Command::Card(options) => card::card(self, options),
+            Command::Wgsl(options) => wgsl::wgsl(self, options),
             Command::Plan(options) if options.regret => regret::regret(self, options),
             Command::Plan(options) => plan::plan(self, options),
             Command::Bias(options) => bias::bias(self, options),

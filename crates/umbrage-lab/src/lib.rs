@@ -8,11 +8,12 @@
 //! * [`causes`]: an example of each cause of error ([`umbrage_core::metrics::Causes`]).
 //! * [`stability`]: where methods fail, scene by scene.
 //! * [`which`]: which technique to use, as a page made from the results of the two.
-//! * [`plan_files`]: plans on disk.
+//! * [`plan_files`]: plans on disk. [`assembled_wgsl`]: the shader text of a technique.
 //! * [`output`]: what all of these write with: folders, pictures, charts, pages and tables.
 //!
 //! Truth, costs, footprints and the planner are [`umbrage_plan`]'s; [`umbrage_core::metrics`] says how far a mask is from truth.
 
+mod assembled;
 pub mod baseline;
 pub mod bench;
 pub mod bias;
@@ -30,4 +31,5 @@ pub mod stability;
 pub mod textbook;
 pub mod which;
 
+pub use assembled::assembled_wgsl;
 pub use error::LabError;

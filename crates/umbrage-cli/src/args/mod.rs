@@ -7,6 +7,7 @@ mod compare;
 mod merge;
 mod plan;
 mod stability;
+mod wgsl;
 mod which;
 
 pub(crate) use bench::BenchArguments;
@@ -16,6 +17,7 @@ pub(crate) use compare::CompareArguments;
 pub(crate) use merge::{MergeArguments, Shard};
 pub(crate) use plan::{PlanArguments, PlanBackend, PlanRenderer, PlanWeight};
 pub(crate) use stability::StabilityArguments;
+pub(crate) use wgsl::WgslArguments;
 pub(crate) use which::WhichArguments;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
@@ -53,6 +55,8 @@ pub(crate) enum Command {
     Bench(BenchArguments),
     /// Measure a graphics card: how it rounds, whether it agrees with the CPU, how long it takes
     Card(CardArguments),
+    /// Print the shader text of a technique, as it is pasted into a shader
+    Wgsl(WgslArguments),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -154,7 +158,7 @@ mod tests {
     /// What wrong usage says.
     #[test]
     fn usage_errors() {
-        let wrong: [&[&str]; 19] = [
+        let wrong: [&[&str]; 21] = [
             &[],
             &["compere"],
             &["compare", "--size", "640"],
@@ -174,6 +178,8 @@ mod tests {
             &["compare", "--shard", "9/8"],
             &["compare", "--deterministic", "--runs", "3"],
             &["merge", "s1", "s2"],
+            &["wgsl"],
+            &["wgsl", "hard", "--preset", "a.toml"],
         ];
         let mut text = String::new();
         for arguments in wrong {

@@ -27,9 +27,6 @@ const LIMITS: [(&str, usize); 6] = [
 /// Files with fewer lines of code are too short to have a density.
 const LINES_FOR_DENSITY: usize = 30;
 
-/// The WGSL that is assembled from the other files, kept to be read.
-const ASSEMBLED: &str = "shaders/assembled/";
-
 /// A size, and whose.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Length {
@@ -62,7 +59,7 @@ fn measure(sources: &[Source]) -> Result<Lengths> {
     for source in sources {
         match source.extension() {
             "rs" => measure_rust(source, &mut out)?,
-            "wgsl" if !source.path.starts_with(ASSEMBLED) => {
+            "wgsl" => {
                 out[4].extend(wgsl::lengths(source));
                 out[5].push(lines_of(source));
             }

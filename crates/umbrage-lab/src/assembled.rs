@@ -1,0 +1,50 @@
+//! The WGSL of techniques, as it is pasted into a user's shader.
+
+use crate::LabError;
+use umbrage_core::{Geometry, Invalid, RecipeError, ShadowTechnique, View, glam::UVec2};
+use umbrage_wgpu::receive_wgsl;
+
+/// Scenes with the lights that techniques serve: a sun, and a lamp.
+const SCENES: [&str; 2] = ["cubes", "lamp-in-room"];
+
+/// Returns the text of a technique for the first of a sun and a lamp that it serves. All names of the
+/// text begin with `prefix`. Its bindings are in group 0.
+///
+/// # Errors
+/// Errors if the technique serves neither light, its settings are wrong, or the prefix can't begin a
+/// name.
+pub fn assembled_wgsl(technique: &dyn ShadowTechnique, prefix: &str) -> Result<String, LabError> {
+    let mut why = None;
+    for name in SCENES {
+        let entry = umbrage_scenes::find(name).expect("a built-in scene");
+        let mut scene = (entry.build)();
+        // Texts don't depend on the picture's size, and recipes of small pictures are made sooner.
+        scene.cameras[0].size = UVec2::splat(16);
+        let geometry = Geometry::bake(&scene)?;
+        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+        match technique.recipe(&view) {
+            Ok(recipe) => {
+                let text = receive_wgsl(&recipe, 0, prefix)?;
+                return Ok(format!("{}\n", text.trim_end()));
+            }
+            Err(RecipeError::Unsupported(reason)) => why = Some(reason),
+            Err(error) => return Err(error.into()),
+        }
+    }
+    let why = format!("serves neither a sun nor a lamp ({})", why.unwrap_or_default());
+    Err(Invalid::new(technique.name(), why, "assemble its recipe by `receive_wgsl`").into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_techniques::Hard;
+
+    #[test]
+    fn a_prefix_begins_each_name() {
+        let text = assembled_wgsl(&Hard::default(), "sun_").expect("served");
+        assert!(text.contains("fn sun_receive(r: sun_Receiver) -> f32"));
+        let error = assembled_wgsl(&Hard::default(), "1_").expect_err("no name");
+        assert!(error.to_string().contains("prefix"), "{error}");
+    }
+}
