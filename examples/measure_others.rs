@@ -5,9 +5,9 @@ use std::process::ExitCode;
 use umbrage::Invalid;
 use umbrage_cli::Program;
 use umbrage_examples::contact::ContactShadows;
-use umbrage_techniques::TechniqueEntry;
+use umbrage_plan::catalogue::CatalogueEntry;
 
 fn main() -> Result<ExitCode, Invalid> {
-    let program = Program::default().with(TechniqueEntry::of::<ContactShadows>())?;
+    let program = Program::default().with(CatalogueEntry::of::<ContactShadows>())?;
     Ok(program.run())
 }

@@ -5,9 +5,9 @@ use std::process::ExitCode;
 use umbrage::Invalid;
 use umbrage_cli::Program;
 use umbrage_examples::variance::Variance;
-use umbrage_techniques::TechniqueEntry;
+use umbrage_plan::catalogue::CatalogueEntry;
 
 fn main() -> Result<ExitCode, Invalid> {
-    let program = Program::default().with(TechniqueEntry::of::<Variance>())?;
+    let program = Program::default().with(CatalogueEntry::of::<Variance>())?;
     Ok(program.run())
 }

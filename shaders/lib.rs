@@ -21,8 +21,7 @@ pub use filtering::moments::of_depth::{MomentsKernel, MomentsUniforms};
 pub use filtering::moments::stored::MomentPrecision;
 pub use filtering::sample_pattern::Pattern;
 pub use listing::{
-    Candidate, ClosedFormDemand, ConfiguredTechniques, FrameRules, LightPreset, ListedTechnique,
-    PlannedBiases, RandomParameter, TechniqueEntry, TechniquePreset, Update,
+    FrameRules, LightPreset, ListedTechnique, TechniqueEntry, TechniquePreset, Update,
 };
 pub use registry::*;
 pub use shading::blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};

@@ -2,66 +2,7 @@
 
 use super::*;
 use crate::shadow_map::{Bias, Border, MapFormat, ShadowMap};
-use std::collections::HashSet;
-use umbrage_core::{Fit, Light, glam::Vec3};
-
-#[test]
-fn names_are_unique_and_select_techniques() {
-    let techniques = Techniques::built_in();
-    let names: HashSet<_> = techniques.names().into_iter().collect();
-    assert_eq!(names.len(), techniques.all().len());
-    assert!(
-        techniques
-            .clone()
-            .with(TechniqueEntry::of::<Pcss>())
-            .is_err()
-    );
-    let selected = techniques.select(&["pcf".to_owned(), "none".to_owned()]);
-    let selected: Vec<_> = selected.unwrap().iter().map(|entry| entry.name).collect();
-    assert_eq!(selected, ["none", "pcf"]);
-    let unknown = techniques.select(&["pfc".to_owned()]).unwrap_err();
-    assert!(unknown.to_string().contains("pcf_hardware"), "{unknown}");
-}
-
-/// Runs that go on compare their options as text.
-#[test]
-fn lists_show_names_alone() {
-    let shown = format!("{:?}", Techniques::built_in());
-    assert!(shown.starts_with("Techniques([none, hard, "), "{shown}");
-}
-
-#[test]
-fn every_setting_of_an_entry_is_of_its_technique() {
-    let lamp = Light::Disc {
-        center: Vec3::Y,
-        normal: -Vec3::Y,
-        radius: 0.1,
-    };
-    let map = ShadowMap::default();
-    for entry in all() {
-        let settings = [
-            (entry.settings)(&[64, 128], Fit::Tight),
-            (entry.exhaustive)(64),
-        ]
-        .concat();
-        assert!(
-            settings.iter().all(|t| t.name() == entry.name),
-            "{}",
-            entry.name
-        );
-        let compared = (entry.settings)(&[64], Fit::Tight);
-        assert!(
-            !compared.is_empty() && settings.len() > compared.len(),
-            "{}",
-            entry.name
-        );
-        assert!(
-            !(entry.candidates)(map, &lamp).is_empty(),
-            "{} is never tried",
-            entry.name
-        );
-    }
-}
+use umbrage_core::{Fit, glam::Vec3};
 
 #[test]
 fn a_file_that_only_names_a_technique_means_its_defaults() {

@@ -7,10 +7,8 @@ use umbrage_core::{
     AlphaCutout, AlphaFilter, Camera, Cascades, Cull, Extents, Fit, Instance, Layout, Light,
     MAX_CASCADES, Material, Mesh, RasterBias, Scene, ShadowTechnique, Split, Texture,
 };
-use umbrage_techniques::{
-    BeyondFar, Bias, Border, MapFormat, Pattern, RandomParameter, ShadowMap, Surface,
-    TechniqueEntry,
-};
+use umbrage_plan::catalogue::{self, CatalogueEntry, RandomParameter};
+use umbrage_techniques::{BeyondFar, Bias, Border, MapFormat, Pattern, ShadowMap, Surface};
 
 /// Something to render: one scene, one technique.
 #[derive(Clone, Debug)]
@@ -279,15 +277,15 @@ fn cameras() -> impl Strategy<Value = Camera> {
 
 /// Any built-in technique, as often as its registry entry says, with the settings that it makes of drawn numbers.
 fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
-    let weighted = umbrage_techniques::all()
+    let weighted = catalogue::all()
         .iter()
         .map(|entry| (entry.random_weight, random(entry)))
         .collect();
     Union::new_weighted(weighted)
 }
 
-fn random(entry: &'static TechniqueEntry) -> BoxedStrategy<Arc<dyn ShadowTechnique>> {
-    let maps = if entry.has_map {
+fn random(entry: &'static CatalogueEntry) -> BoxedStrategy<Arc<dyn ShadowTechnique>> {
+    let maps = if entry.technique.has_map {
         maps().boxed()
     } else {
         Just(ShadowMap::default()).boxed()

@@ -23,6 +23,7 @@ use umbrage::{
     },
     uniforms,
 };
+use umbrage_plan::catalogue::CataloguedTechnique;
 
 /// Greatest length of a walk, pixels.
 pub const MAX_PIXELS: u32 = 512;
@@ -74,7 +75,9 @@ impl ListedTechnique for ContactShadows {
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map, ..self }
     }
+}
 
+impl CataloguedTechnique for ContactShadows {
     /// Each map without the walk, with the one of Aldridge's length, and with a long one.
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut all = Vec::new();

@@ -15,6 +15,7 @@ use umbrage::{
     },
     uniforms,
 };
+use umbrage_plan::catalogue::CataloguedTechnique;
 
 /// The technique: its parameters are its fields.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,7 +39,7 @@ impl Default for Variance {
     }
 }
 
-/// With this, `compare`, `stability`, `plan` and presets take it like one of the library's own.
+/// With this, presets and lists take it like one of the library's own.
 impl ListedTechnique for Variance {
     const SUMMARY: &'static str =
         "Chebyshev's bound on blurred moments of depth (Donnelly, Lauritzen 2006)";
@@ -51,6 +52,9 @@ impl ListedTechnique for Variance {
         Self { map, ..self }
     }
 }
+
+/// With this, `compare`, `stability` and `plan` take its default settings.
+impl CataloguedTechnique for Variance {}
 
 impl ShadowTechnique for Variance {
     fn name(&self) -> &'static str {

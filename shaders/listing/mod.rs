@@ -1,4 +1,4 @@
-//! The description of a technique that all lists of techniques read: command line, comparison, planner, presets, tests.
+//! Techniques as rows of lists and as data in files.
 //!
 //! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] makes the row of a list from it, and
 //! [`TechniquePreset`] holds any technique that has the trait as data, and [`LightPreset`] what of its work may be left out besides.
@@ -6,7 +6,6 @@
 mod entry;
 mod light_preset;
 mod preset;
-pub mod sweeps;
 
 pub use entry::TechniqueEntry;
 pub use light_preset::{FrameRules, LightPreset, Update};
@@ -14,13 +13,9 @@ pub use preset::TechniquePreset;
 
 use crate::shadow_map::ShadowMap;
 use serde::{Serialize, de::DeserializeOwned};
-use std::{ops::Range, sync::Arc};
-use umbrage_core::{Fit, Light, Recipe, ShadowTechnique};
+use umbrage_core::ShadowTechnique;
 
-/// Techniques with their settings.
-pub type ConfiguredTechniques = Vec<Arc<dyn ShadowTechnique>>;
-
-/// A technique that lists can hold: its settings are plain data, and it says which of them are worth trying.
+/// A technique that lists and files can hold: its settings are plain data.
 ///
 /// Only [`SUMMARY`](Self::SUMMARY) has no default; techniques with a shadow map also say where it is
 /// ([`map`](Self::map), [`with_map`](Self::with_map)). In files, fields that are left out should have their defaults and
@@ -29,7 +24,7 @@ pub type ConfiguredTechniques = Vec<Arc<dyn ShadowTechnique>>;
 /// ```
 /// use serde::{Deserialize, Serialize};
 /// use umbrage_core::{RecipeError, Recipe, ShadowTechnique, View};
-/// use umbrage_techniques::{TechniqueEntry, Hard, ListedTechnique, ShadowMap, Techniques};
+/// use umbrage_techniques::{Hard, ListedTechnique, ShadowMap, TechniqueEntry, TechniquePreset};
 ///
 /// /// One comparison, under another name.
 /// #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -60,8 +55,8 @@ pub type ConfiguredTechniques = Vec<Arc<dyn ShadowTechnique>>;
 ///     }
 /// }
 ///
-/// let techniques = Techniques::built_in().with(TechniqueEntry::of::<Mine>())?;
-/// let preset = techniques.preset_from_toml("technique = 'mine'")?;
+/// let techniques = [TechniqueEntry::of::<Mine>()];
+/// let preset = TechniquePreset::read("technique = 'mine'", &techniques)?;
 /// assert_eq!(preset.get::<Mine>(), Some(&Mine::default()));
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
@@ -82,176 +77,4 @@ pub trait ListedTechnique:
         let _ = map;
         self
     }
-
-    /// The settings worth comparing, for maps with these sides (texels) and this fit. Techniques without a map ignore both.
-    ///
-    /// By default the default settings, on maps of all sizes.
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let default = Self::default();
-        let Some(bias) = default.map().map(|map| map.bias) else {
-            return vec![default];
-        };
-        sweeps::sweep(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
-    }
-
-    /// The few settings that stand for it where frames of real size are compared: those that a program would begin with.
-    ///
-    /// By default the default settings, on the middle map.
-    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let default = Self::default();
-        let Some(bias) = default.map().map(|map| map.bias) else {
-            return vec![default];
-        };
-        sweeps::middle(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
-    }
-
-    /// The most triangles of a scene in which `compare` plays it where all scenes are compared: in larger ones it takes minutes, and
-    /// whoever names such a scene, or asks for all settings, waits for it. None for no bound.
-    const MAX_COMPARED_TRIANGLES: Option<usize> = None;
-
-    /// Every setting that differs in code path, on maps of one small side (texels), for tests.
-    ///
-    /// By default the default settings, with every bias.
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        let default = Self::default();
-        if default.map().is_none() {
-            return vec![default];
-        }
-        sweeps::every_bias(map_size, |map| default.clone().with_map(map))
-    }
-
-    /// The settings that a planner tries under `light`. It puts those with a map on maps of all sides, and searches their
-    /// bias; `map` says all else of the map.
-    ///
-    /// By default the default settings.
-    fn candidates(map: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
-        let _ = light;
-        vec![Candidate::of(Self::default().with_map(map))]
-    }
-
-    /// Which biases a planner may give to its maps.
-    const PLANNED_BIASES: PlannedBiases = PlannedBiases::All;
-
-    /// Why a planner chose these settings, in a few words for people, where there is more to say than what was measured.
-    /// `error` is the estimated RMSE, and `recipe` what is played. Asked of techniques without a map alone.
-    fn why_chosen(&self, error: f64, recipe: &Recipe) -> Option<String> {
-        let _ = (error, recipe);
-        None
-    }
-
-    /// What the closed forms of ideal lights demand of it at single points, with `map`; `None` where it can't be asked
-    /// for single points, or doesn't meet them.
-    ///
-    /// By default the default settings are right where no edge lies within
-    /// [`kernel_reach`](ShadowTechnique::kernel_reach); techniques without a map aren't asked.
-    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        let technique = Self::default().with_map(map);
-        technique.map()?;
-        let reach = technique.kernel_reach()?;
-        Some(ClosedFormDemand::new(technique, reach))
-    }
-
-    /// How often random scenes are played with it, relative to a technique with 1.
-    const RANDOM_WEIGHT: u32 = 1;
-
-    /// The ranges that [`random`](Self::random)'s numbers are drawn from, for tests.
-    fn random_parameters() -> Vec<RandomParameter> {
-        Vec::new()
-    }
-
-    /// Random settings: with a random map, and a number drawn for each of
-    /// [`random_parameters`](Self::random_parameters), in their order.
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        let _ = numbers;
-        Self::default().with_map(map)
-    }
-
-    /// Whether any of its shaders branches on a uniform. Mesa's lavapipe 22.3 compiles such shaders anew for every value
-    /// of the uniform buffer's first word, so that word must not follow the light; tests see to it.
-    const BRANCHES_ON_UNIFORMS: bool = true;
-
-    /// Whether quick comparisons of all techniques play it. They leave out what takes long and seldom wins; by its name it is always played.
-    const IS_PREVIEWED: bool = true;
-}
-
-/// What a planner tries of one technique and kernel.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Candidate<T> {
-    /// One setting. On maps of all sides, if it has a map.
-    One(T),
-    /// Settings from cheap to dear, each of which errs less than the one before.
-    Series {
-        /// Rising in cost.
-        settings: Vec<T>,
-        /// The factor by which one step divides the error at most.
-        max_gain: f64,
-    },
-}
-
-impl<T> Candidate<T> {
-    /// One setting.
-    pub fn of(setting: T) -> Self {
-        Self::One(setting)
-    }
-
-    /// The same with every setting converted.
-    pub fn map<U>(self, convert: impl Fn(T) -> U) -> Candidate<U> {
-        match self {
-            Self::One(setting) => Candidate::One(convert(setting)),
-            Self::Series { settings, max_gain } => Candidate::Series {
-                settings: settings.into_iter().map(convert).collect(),
-                max_gain,
-            },
-        }
-    }
-}
-
-/// Which biases a planner may choose from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlannedBiases {
-    /// All kinds.
-    All,
-    /// All that don't need a polygon offset: for maps that are peeled.
-    WithoutPolygonOffset,
-    /// The technique's own alone.
-    Own,
-}
-
-/// What closed forms demand of a technique: at points farther from all edges than its kernel reaches, its answer must be
-/// the formula's.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ClosedFormDemand<T> {
-    /// The technique, with its settings.
-    pub technique: T,
-    /// How far its kernel reaches beyond the receiver's own texel, texels.
-    pub reach: f32,
-    /// How far its answer may be from the formula's: 0 for comparisons, which know light and dark alone.
-    pub tolerance: f32,
-    /// Whether it serves closed bodies alone, and neither sheets nor rooms without an outside.
-    pub closed_bodies: bool,
-}
-
-impl<T> ClosedFormDemand<T> {
-    /// Demands that `technique`, whose kernel reaches `reach` texels, is right in all scenes.
-    pub fn new(technique: T, reach: f32) -> Self {
-        Self {
-            technique,
-            reach,
-            tolerance: 0.0,
-            closed_bodies: false,
-        }
-    }
-}
-
-/// A number of a technique's settings, as tests draw it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum RandomParameter {
-    /// A whole number.
-    Count(Range<u32>),
-    /// A length.
-    Length(Range<f32>),
-    /// The place of a [`Pattern`](crate::Pattern) in [`Pattern::ALL`](crate::Pattern::ALL).
-    Pattern,
-    /// 0 or 1.
-    Switch,
 }

@@ -1,10 +1,10 @@
 //! Techniques as data: any listed one with its settings, to be kept in a file.
 
-use super::{ListedTechnique, PlannedBiases, TechniqueEntry, light_preset};
+use super::{ListedTechnique, TechniqueEntry, light_preset};
 use crate::shadow_map::ShadowMap;
 use serde::{Serialize, Serializer};
 use std::{any::Any, sync::Arc};
-use umbrage_core::{Invalid, Recipe, ShadowTechnique};
+use umbrage_core::{Invalid, ShadowTechnique};
 
 /// A technique and its settings. In a file the field `technique` names it as [`ShadowTechnique::name`] does, and all other
 /// fields are those of its struct; those left out have its defaults.
@@ -23,8 +23,6 @@ trait AnyTechnique: ShadowTechnique + Any {
     fn equals(&self, other: &TechniquePreset) -> bool;
     fn shadow_map(&self) -> Option<&ShadowMap>;
     fn on_map(&self, map: ShadowMap) -> TechniquePreset;
-    fn planned_biases(&self) -> PlannedBiases;
-    fn reason(&self, error: f64, recipe: &Recipe) -> Option<String>;
     fn as_data(&self) -> &dyn erased_serde::Serialize;
 }
 
@@ -39,14 +37,6 @@ impl<T: ListedTechnique> AnyTechnique for T {
 
     fn on_map(&self, map: ShadowMap) -> TechniquePreset {
         TechniquePreset::from(self.clone().with_map(map))
-    }
-
-    fn planned_biases(&self) -> PlannedBiases {
-        T::PLANNED_BIASES
-    }
-
-    fn reason(&self, error: f64, recipe: &Recipe) -> Option<String> {
-        self.why_chosen(error, recipe)
     }
 
     fn as_data(&self) -> &dyn erased_serde::Serialize {
@@ -104,7 +94,11 @@ impl TechniquePreset {
     }
 
     /// Reads a preset of one of `techniques` from TOML.
-    pub(crate) fn read(text: &str, techniques: &[TechniqueEntry]) -> Result<Self, Invalid> {
+    ///
+    /// # Errors
+    /// Errors if the text is not TOML, names none of these techniques, or has a field that the
+    /// technique doesn't have.
+    pub fn read(text: &str, techniques: &[TechniqueEntry]) -> Result<Self, Invalid> {
         let table: toml::Table =
             toml::from_str(text).map_err(|e| unreadable(&e.to_string(), techniques))?;
         Self::from_table(table, techniques)
@@ -142,16 +136,6 @@ impl TechniquePreset {
     #[must_use]
     pub fn with_map(&self, map: ShadowMap) -> Self {
         self.0.on_map(map)
-    }
-
-    /// Returns which biases a planner may give to its map.
-    pub fn planned_biases(&self) -> PlannedBiases {
-        self.0.planned_biases()
-    }
-
-    /// Returns why a planner chose it: [`ListedTechnique::why_chosen`].
-    pub fn why_chosen(&self, error: f64, recipe: &Recipe) -> Option<String> {
-        self.0.reason(error, recipe)
     }
 }
 

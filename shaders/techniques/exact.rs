@@ -23,11 +23,7 @@ mod outline;
 mod tile;
 mod touches;
 
-use crate::{
-    listing::{Candidate, ClosedFormDemand, ListedTechnique},
-    shadow_map::ShadowMap,
-    techniques::traced::longest_ray,
-};
+use crate::{listing::ListedTechnique, techniques::traced::longest_ray};
 use at_once::answer_all;
 use holes::CasterHoles;
 use lists::{KeptLists, Lists, Rows};
@@ -39,9 +35,9 @@ use std::{
     sync::Arc,
 };
 use umbrage_core::{
-    CutOuts, DeviceRecipe, Fit, Geometry, Inputs, Kernel, KernelCost, Light, Module, Receive,
-    ReceiveKernel, Receivers, Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows,
-    UniformBlock, View,
+    CutOuts, DeviceRecipe, Geometry, Inputs, Kernel, KernelCost, Module, Receive, ReceiveKernel,
+    Receivers, Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock,
+    View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     glam::{UVec4, Vec4},
@@ -142,22 +138,6 @@ fn recipe_of(kernel: ExactKernel) -> Recipe {
 impl ListedTechnique for Exact {
     const SUMMARY: &'static str =
         "lists of casters in the light's cells (Haines, Greenberg 1986): traced's answer";
-
-    fn candidates(_: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        vec![Candidate::One(Self {})]
-    }
-
-    fn compared(_: &[u32], _: Fit) -> Vec<Self> {
-        vec![Self {}]
-    }
-
-    fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
-        Some("its answer is that of rays, without a map or a bias".to_owned())
-    }
-
-    fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        Some(ClosedFormDemand::new(Self {}, 0.0))
-    }
 }
 
 /// The cell that is asked for a receiver: to look at what lookups cost.

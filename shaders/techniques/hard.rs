@@ -6,13 +6,13 @@
 
 use crate::{
     lanes::{batch::look_up_span, single::OwnTexel},
-    listing::{ListedTechnique, sweeps},
-    shadow_map::{Bias, MapFormat, ShadowMap, layers::MapOnlyUniforms},
+    listing::ListedTechnique,
+    shadow_map::{ShadowMap, layers::MapOnlyUniforms},
 };
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
+    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View,
 };
 
@@ -47,18 +47,6 @@ impl ShadowTechnique for Hard {
     }
 }
 
-/// One comparison shows best what each bias does. The first is compared at every map size.
-const COMPARED_BIASES: [Bias; 8] = [
-    Bias::ADAPTIVE,
-    Bias::RECEIVER_PLANE,
-    Bias::NONE,
-    Bias::CONSTANT,
-    Bias::SLOPE,
-    Bias::POLYGON_OFFSET,
-    Bias::NORMAL_OFFSET,
-    Bias::FRONT_CULL,
-];
-
 impl ListedTechnique for Hard {
     const SUMMARY: &'static str = "one comparison with one texel (Williams 1978)";
 
@@ -69,35 +57,6 @@ impl ListedTechnique for Hard {
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map }
     }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let mut out = sweeps::sweep(map_sizes, fit, &COMPARED_BIASES, |map| Self { map });
-        for format in [MapFormat::Depth16, MapFormat::Rgba8] {
-            out.extend(sweeps::middle(map_sizes, fit, &[Bias::SLOPE], |map| Self {
-                map: ShadowMap { format, ..map },
-            }));
-        }
-        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
-            Self { map }
-        }));
-        out
-    }
-
-    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let mut out = sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Self { map });
-        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
-            Self { map }
-        }));
-        out
-    }
-
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::every_bias(map_size, |map| Self { map });
-        out.extend(sweeps::kinds_of_map(map_size).map(|map| Self { map }));
-        out
-    }
-
-    const RANDOM_WEIGHT: u32 = 2;
 }
 
 /// The receive kernel.

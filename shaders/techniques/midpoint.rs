@@ -11,12 +11,12 @@
 //! see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    listing::{Candidate, ListedTechnique, PlannedBiases, RandomParameter, sweeps},
-    shadow_map::{Bias, ShadowMap, Surface},
+    listing::ListedTechnique,
+    shadow_map::{ShadowMap, Surface},
     techniques::pcf::Pcf,
 };
 use serde::{Deserialize, Serialize};
-use umbrage_core::{Fit, Light, Recipe, RecipeError, ShadowTechnique, View};
+use umbrage_core::{Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// Comparisons with the middle between the nearest two surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -72,34 +72,5 @@ impl ListedTechnique for Midpoint {
 
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map, ..self }
-    }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let biases = [Bias::NONE, Bias::ADAPTIVE];
-        sweeps::sweep(map_sizes, fit, &biases, |map| Self { map, radius: 0 })
-    }
-
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        sweeps::every_bias(map_size, |map| Self { map, radius: 1 })
-    }
-
-    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [0, 1]
-            .map(|radius| Candidate::of(Self { map, radius }))
-            .to_vec()
-    }
-
-    // Peeling takes no polygon offset.
-    const PLANNED_BIASES: PlannedBiases = PlannedBiases::WithoutPolygonOffset;
-
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![RandomParameter::Count(0..4)]
-    }
-
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
-            radius: numbers[0] as u32,
-        }
     }
 }

@@ -28,16 +28,14 @@ use crate::{
         of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
     },
-    listing::{
-        Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
-    },
+    listing::ListedTechnique,
     shadow_map::{ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
 };
 use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View, uniforms,
 };
 
 /// Which distributions of depth the moments may belong to.
@@ -157,8 +155,6 @@ const MOMENT_BIAS_16: f32 = 6e-5;
 impl ListedTechnique for Msm {
     const SUMMARY: &'static str =
         "the least shadow that four blurred powers of depth allow (Peters, Klein 2015)";
-    // Its filters take longer than most techniques' lookups, above all on software drivers.
-    const IS_PREVIEWED: bool = false;
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -166,89 +162,6 @@ impl ListedTechnique for Msm {
 
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map, ..self }
-    }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::blurs(map_sizes, fit, |map, blur| Self {
-            map,
-            blur,
-            ..Self::default()
-        })
-    }
-
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = Vec::new();
-        for reconstruction in [Reconstruction::Hamburger, Reconstruction::Hausdorff] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                reconstruction,
-                ..Self::default()
-            }));
-        }
-        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-            map,
-            precision: MomentPrecision::Bits16,
-            ..Self::default()
-        }));
-        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                precision,
-                mipmaps,
-                ..Self::default()
-            }));
-        }
-        out
-    }
-
-    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [3, 8]
-            .map(|blur| {
-                Candidate::of(Self {
-                    map,
-                    blur,
-                    ..Self::default()
-                })
-            })
-            .to_vec()
-    }
-
-    // The receiver's plane, which the default bias follows, is all that this needs of a bias.
-    const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
-
-    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        let technique = Self {
-            map: map::closed_form_map(map),
-            ..Self::default()
-        };
-        Some(map::closed_form_demand(technique, technique.blur))
-    }
-
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![
-            RandomParameter::Count(0..8),
-            RandomParameter::Length(0.0..1e-4),
-            RandomParameter::Length(0.0..0.9),
-            RandomParameter::Switch,
-            RandomParameter::Switch,
-            RandomParameter::Count(0..4),
-        ]
-    }
-
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
-            blur: numbers[0] as u32,
-            mipmaps: numbers[5] as u32,
-            precision: MomentPrecision::of_switch(numbers[4]),
-            moment_bias: Some(numbers[1]),
-            bleeding_reduction: numbers[2],
-            reconstruction: if numbers[3] > 0.0 {
-                Reconstruction::Hausdorff
-            } else {
-                Reconstruction::Hamburger
-            },
-        }
     }
 }
 

@@ -13,14 +13,14 @@ use crate::{
         sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
-    listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
-    shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
+    listing::ListedTechnique,
+    shadow_map::{ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{UVec2, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Fit, Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
@@ -122,98 +122,6 @@ impl ListedTechnique for PcfDisc {
 
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map, ..self }
-    }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let few = Self {
-            taps: 8,
-            ..Self::default()
-        };
-        let usual = Self {
-            taps: 16,
-            ..Self::default()
-        };
-        let many = Self {
-            taps: 32,
-            ..Self::default()
-        };
-        let poisson = Self {
-            pattern: Pattern::Poisson,
-            ..Self::default()
-        };
-        let bias = [Bias::ADAPTIVE];
-        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| few.with_map(map));
-        out.extend(sweeps::sweep(map_sizes, fit, &bias, |map| {
-            usual.with_map(map)
-        }));
-        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
-            many.with_map(map)
-        }));
-        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
-            poisson.with_map(map)
-        }));
-        out
-    }
-
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::every_bias(map_size, |map| Self {
-            map,
-            ..Self::default()
-        });
-        for pattern in [Pattern::Grid, Pattern::Poisson] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                pattern,
-                rotate: false,
-                taps: 9,
-                ..Self::default()
-            }));
-        }
-        out
-    }
-
-    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        let mut out = Vec::new();
-        for (radius, taps) in [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)] {
-            out.push(Candidate::of(Self {
-                map,
-                radius,
-                taps,
-                ..Self::default()
-            }));
-        }
-        out
-    }
-
-    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        let radius = 2.0;
-        let technique = Self {
-            map,
-            radius,
-            ..Self::default()
-        };
-        Some(ClosedFormDemand::new(technique, radius))
-    }
-
-    const RANDOM_WEIGHT: u32 = 2;
-
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![
-            RandomParameter::Length(0.1..6.0),
-            RandomParameter::Count(1..40),
-            RandomParameter::Pattern,
-            RandomParameter::Switch,
-        ]
-    }
-
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
-            radius: numbers[0],
-            taps: numbers[1] as u32,
-            pattern: Pattern::ALL[numbers[2] as usize],
-            rotate: numbers[3] > 0.0,
-        }
     }
 }
 

@@ -12,14 +12,14 @@ use crate::{
         single::single_taps,
         whole::floor,
     },
-    listing::{ListedTechnique, sweeps},
+    listing::ListedTechnique,
     shadow_map::{ShadowMap, layers::MapOnlyUniforms, texel_compare::DepthMap},
 };
 use glam::{UVec2, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Span, UniformBlock, View,
+    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View,
 };
 
 /// Four dithered comparisons.
@@ -65,12 +65,6 @@ impl ListedTechnique for PcfDithered {
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map }
     }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::sweep(map_sizes, fit, &sweeps::two_biases(1.5), |map| Self { map })
-    }
-
-    const RANDOM_WEIGHT: u32 = 2;
 }
 
 /// The receive kernel.

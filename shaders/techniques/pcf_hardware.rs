@@ -15,16 +15,16 @@
 use crate::{
     filtering::comparison_sampler::{self, Axis, LANES, Samples},
     lanes::batch::{Taps, look_up_span},
-    listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
+    listing::ListedTechnique,
     shadow_map::{
-        Bias, MapFormat, ShadowMap, Surface, coord::ShadowCoord, layers::ShadowMapUniforms,
+        MapFormat, ShadowMap, Surface, coord::ShadowCoord, layers::ShadowMapUniforms,
         texel_compare::DepthMap,
     },
 };
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
@@ -92,65 +92,6 @@ impl ListedTechnique for PcfHardware {
 
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map, ..self }
-    }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let swept = |samples: u32| {
-            let biases = sweeps::two_biases(Self::reach(samples));
-            sweeps::sweep(map_sizes, fit, &biases, |map| Self { map, samples })
-        };
-        let mut out = swept(1);
-        let samples = 2;
-        out.extend(sweeps::middle(map_sizes, fit, &[Bias::ADAPTIVE], |map| {
-            Self { map, samples }
-        }));
-        out.extend(swept(3));
-        out
-    }
-
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::every_bias(map_size, |map| Self { map, samples: 2 });
-        for samples in [1, 3] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                samples,
-            }));
-        }
-        let kinds = sweeps::sampled_maps(map_size).into_iter();
-        out.extend(kinds.map(|map| Self { map, samples: 2 }));
-        out
-    }
-
-    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [1, 2, 3]
-            .map(|samples| Candidate::of(Self { map, samples }))
-            .to_vec()
-    }
-
-    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        // The default leaves samples up to 6 % grey on a faceted sphere, where a facet meets a flatter one (`bias.rs` says
-        // why).
-        let map = ShadowMap {
-            bias: Bias::RECEIVER_PLANE,
-            ..map
-        };
-        Some(ClosedFormDemand::new(
-            Self { map, samples: 2 },
-            Self::reach(2),
-        ))
-    }
-
-    const RANDOM_WEIGHT: u32 = 2;
-
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![RandomParameter::Count(1..5)]
-    }
-
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
-            samples: numbers[0] as u32,
-        }
     }
 }
 

@@ -15,17 +15,17 @@ use crate::{
         comparison_sampler::{self, Axis, Samples},
     },
     lanes::batch::{Taps, look_up_span},
-    listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
+    listing::ListedTechnique,
     shadow_map::{
-        Bias, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
+        ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
     techniques::pcf_hardware::{check_map, check_samples},
 };
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View, uniforms,
 };
 
 /// A smooth filter.
@@ -97,66 +97,6 @@ impl ListedTechnique for PcfMerged {
 
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map, ..self }
-    }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let mut out = Vec::new();
-        for radius in [1, 2] {
-            let biases = sweeps::two_biases(Self::reach(radius));
-            out.extend(sweeps::sweep(map_sizes, fit, &biases, |map| Self {
-                map,
-                radius,
-            }));
-        }
-        let radius = 3;
-        out.extend(sweeps::middle(map_sizes, fit, &[Bias::ADAPTIVE], |map| {
-            Self { map, radius }
-        }));
-        out
-    }
-
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::every_bias(map_size, |map| Self { map, radius: 1 });
-        for radius in [2, 3] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                radius,
-            }));
-        }
-        let kinds = sweeps::sampled_maps(map_size).into_iter();
-        out.extend(kinds.map(|map| Self { map, radius: 2 }));
-        out
-    }
-
-    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [1, 2, 3]
-            .map(|radius| Candidate::of(Self { map, radius }))
-            .to_vec()
-    }
-
-    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        // As for `PcfHardware`.
-        let map = ShadowMap {
-            bias: Bias::RECEIVER_PLANE,
-            ..map
-        };
-        Some(ClosedFormDemand::new(
-            Self { map, radius: 1 },
-            Self::reach(1),
-        ))
-    }
-
-    const RANDOM_WEIGHT: u32 = 2;
-
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![RandomParameter::Count(1..4)]
-    }
-
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
-            radius: numbers[0] as u32,
-        }
     }
 }
 

@@ -53,9 +53,9 @@ use crate::{
         sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
-    listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
+    listing::ListedTechnique,
     shadow_map::{
-        Bias, CompareMethod, MapFormat, ShadowMap,
+        CompareMethod, MapFormat, ShadowMap,
         coord::{ShadowCoord, shadow_coord},
         layers::ShadowMapUniforms,
     },
@@ -68,7 +68,7 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Fit, ImageView, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    ImageView, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
@@ -163,17 +163,6 @@ impl ShadowTechnique for Pcss {
     }
 }
 
-impl Pcss {
-    /// The default settings with other counts of taps.
-    fn with_taps(blocker_taps: u32, filter_taps: u32) -> Self {
-        Self {
-            blocker_taps,
-            filter_taps,
-            ..Self::default()
-        }
-    }
-}
-
 impl ListedTechnique for Pcss {
     const SUMMARY: &'static str = "soft shadows: looks for blockers, then filters with a width that follows from their distance (Fernando 2005)";
 
@@ -183,88 +172,6 @@ impl ListedTechnique for Pcss {
 
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map, ..self }
-    }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let few = Self::with_taps(8, 16);
-        let usual = Self::with_taps(16, 32);
-        let many = Self::with_taps(32, 64);
-        let bias = [Bias::ADAPTIVE];
-        let biases = [Bias::ADAPTIVE, Bias::SLOPE];
-        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| few.with_map(map));
-        out.extend(sweeps::sweep(map_sizes, fit, &biases, |map| {
-            usual.with_map(map)
-        }));
-        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
-            many.with_map(map)
-        }));
-        out
-    }
-
-    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let usual = Self::default();
-        let many = Self::with_taps(32, 64);
-        let bias = [Bias::ADAPTIVE];
-        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| usual.with_map(map));
-        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
-            many.with_map(map)
-        }));
-        out
-    }
-
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        let default = Self::default();
-        let mut out = sweeps::every_bias(map_size, |map| default.with_map(map));
-        for pattern in [Pattern::Grid, Pattern::Poisson] {
-            let still = Self {
-                pattern,
-                rotate: false,
-                ..Self::with_taps(7, 9)
-            };
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
-                still.with_map(map)
-            }));
-        }
-        out.extend(sweeps::kinds_of_map(map_size).map(|map| default.with_map(map)));
-        out
-    }
-
-    fn candidates(map: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
-        // Ideal lights have no penumbrae.
-        if light.is_ideal() {
-            return Vec::new();
-        }
-        [(4, 8), (8, 16), (16, 32), (32, 64)]
-            .map(|(blocker_taps, filter_taps)| {
-                Candidate::of(Self::with_taps(blocker_taps, filter_taps).with_map(map))
-            })
-            .to_vec()
-    }
-
-    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        // An ideal light has no extent to search.
-        Some(ClosedFormDemand::new(Self::default().with_map(map), 0.0))
-    }
-
-    const RANDOM_WEIGHT: u32 = 3;
-
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![
-            RandomParameter::Count(1..40),
-            RandomParameter::Count(1..40),
-            RandomParameter::Pattern,
-            RandomParameter::Switch,
-        ]
-    }
-
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
-            blocker_taps: numbers[0] as u32,
-            filter_taps: numbers[1] as u32,
-            pattern: Pattern::ALL[numbers[2] as usize],
-            rotate: numbers[3] > 0.0,
-        }
     }
 }
 

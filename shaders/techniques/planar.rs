@@ -19,7 +19,6 @@ pub use matrix::planar_shadow_matrix;
 use crate::{
     listing::ListedTechnique,
     shading::facing::{FACING, homogeneous, turned_away},
-    shadow_map::ShadowMap,
     techniques::{
         check_no_holes,
         infinite_far::InfiniteFarView,
@@ -91,24 +90,6 @@ impl ShadowTechnique for Planar {
 
 impl ListedTechnique for Planar {
     const SUMMARY: &'static str = "casters flattened onto flat receivers, exact (Blinn 1988)";
-
-    fn exhaustive(_: u32) -> Vec<Self> {
-        vec![Self { planes: 64 }]
-    }
-
-    fn why_chosen(&self, _: f64, recipe: &Recipe) -> Option<String> {
-        let layers = recipe.images.first().map_or(0, |image| image.layers);
-        Some(format!(
-            "all that is seen lit is flat, in {layers} planes: flattened casters have exact edges there"
-        ))
-    }
-
-    fn random(_: ShadowMap, _: &[f32]) -> Self {
-        Self { planes: 40 }
-    }
-
-    // It begins with the light, but nothing is compiled anew for that.
-    const BRANCHES_ON_UNIFORMS: bool = false;
 }
 
 /// Returns the recipe with one layer for each plane.

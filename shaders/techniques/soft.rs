@@ -28,20 +28,19 @@ mod light_plane;
 pub mod search;
 
 use crate::{
-    listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter},
-    shadow_map::ShadowMap,
+    listing::ListedTechnique,
     techniques::traced::{check_stack, longest_ray},
 };
 use footprint::FOOTPRINT;
 use hidden::{HIDDEN, sorted};
 use holes::{HOLES, NO_HOLES};
-use lattice::{LATTICE, LATTICES, Lattices, MAX_ROWS, rows_for};
+use lattice::{LATTICE, LATTICES, Lattices, rows_for};
 use light_plane::{LIGHT_PLANE, domain_of, spread_of};
 use search::{Search, look_up_span};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Bvh, CutOuts, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
+    Bvh, CutOuts, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
     ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE, SHAFT},
     cut_out::{CUT_OUT, HOLE},
@@ -182,62 +181,9 @@ impl SortedTriangles {
     }
 }
 
-/// The errors that are compared.
-const COMPARED: [f32; 3] = [0.04, 0.015, 0.006];
-
-/// The errors that a planner tries: each takes 1.6 to 2.5 times the points of the one before.
-const PLANNED: [f32; 9] = [0.1, 0.07, 0.05, 0.035, 0.025, 0.015, 0.01, 0.006, 0.003];
-
-/// From one of them to the next the error is divided by at most 2, and by somewhat more by chance.
-const GAIN_OF_POINTS: f64 = 2.5;
-
 impl ListedTechnique for Soft {
     const SUMMARY: &'static str =
         "points of the light behind the casters of a shaft (Haines, Wallace 1991; Wang 2014)";
-
-    fn compared(_: &[u32], _: Fit) -> Vec<Self> {
-        COMPARED.map(|error| Self { error }).to_vec()
-    }
-
-    fn headline(_: &[u32], _: Fit) -> Vec<Self> {
-        vec![Self { error: COMPARED[1] }]
-    }
-
-    fn exhaustive(_: u32) -> Vec<Self> {
-        [0.05, 0.015, 0.002].map(|error| Self { error }).to_vec()
-    }
-
-    fn candidates(_: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
-        // Ideal lights have one point: one ray is as exact, and cheaper.
-        if light.is_ideal() {
-            return Vec::new();
-        }
-        vec![Candidate::Series {
-            settings: PLANNED.map(|error| Self { error }).to_vec(),
-            max_gain: GAIN_OF_POINTS,
-        }]
-    }
-
-    fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
-        Some("hundreds of points of the light for the price of a few rays".to_owned())
-    }
-
-    fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        Some(ClosedFormDemand::new(Self::default(), 0.0))
-    }
-
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![RandomParameter::Count(1..MAX_ROWS as u32 + 1)]
-    }
-
-    fn random(_: ShadowMap, numbers: &[f32]) -> Self {
-        let [least, greatest] = SOFT_ERRORS;
-        // As many rows as the number says, about: what `rows_for` makes of discs, the other way round.
-        let error = 0.42 * numbers[0].powf(-1.5);
-        Self {
-            error: error.clamp(least, greatest),
-        }
-    }
 }
 
 impl Soft {

@@ -57,13 +57,6 @@ impl ShadowTechnique for Unshadowed {
 
 impl ListedTechnique for Unshadowed {
     const SUMMARY: &'static str = "no shadows: for scenes in which nothing casts onto what is seen";
-
-    // It begins with the light, but nothing is compiled anew for that.
-    const BRANCHES_ON_UNIFORMS: bool = false;
-
-    fn why_chosen(&self, error: f64, _: &Recipe) -> Option<String> {
-        (error > 0.0).then(|| format!("leaving all shadows out errs by only {error:.4}"))
-    }
 }
 
 uniforms! {

@@ -117,18 +117,6 @@ impl ShadowTechnique for ShadowVolumes {
 impl ListedTechnique for ShadowVolumes {
     const SUMMARY: &'static str =
         "stencil shadow volumes, exact (Crow 1977; Everitt, Kilgard 2002)";
-
-    fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
-        Some("volumes have exact edges".to_owned())
-    }
-
-    // Of 2.4 million triangles, a plan takes 7 seconds, and a software driver draws the volumes in 11.
-    const MAX_COMPARED_TRIANGLES: Option<usize> = Some(1_000_000);
-
-    const RANDOM_WEIGHT: u32 = 2;
-
-    // It begins with the light, but nothing is compiled anew for that.
-    const BRANCHES_ON_UNIFORMS: bool = false;
 }
 
 /// Returns the recipe that counts `faces` behind what the camera sees. Image 0 holds the nearest depths of all there is and of

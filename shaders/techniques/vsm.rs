@@ -19,16 +19,14 @@ use crate::{
         of_depth::MomentKind,
         stored::{Encoding, MomentPrecision},
     },
-    listing::{
-        Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, RandomParameter, sweeps,
-    },
-    shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
+    listing::ListedTechnique,
+    shadow_map::{ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View, uniforms,
 };
 
 /// Chebyshev's bound.
@@ -133,8 +131,6 @@ const SMALLEST_VARIANCE: f32 = 1e-12;
 impl ListedTechnique for Vsm {
     const SUMMARY: &'static str =
         "Chebyshev's bound by blurred depth and its square (Donnelly, Lauritzen 2006)";
-    // Its filters take longer than most techniques' lookups, above all on software drivers.
-    const IS_PREVIEWED: bool = false;
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -142,92 +138,6 @@ impl ListedTechnique for Vsm {
 
     fn with_map(self, map: ShadowMap) -> Self {
         Self { map, ..self }
-    }
-
-    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::blurs(map_sizes, fit, |map, blur| Self {
-            map,
-            blur,
-            ..Self::default()
-        })
-    }
-
-    fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::slope_and_adaptive(map_size, |map| Self {
-            map,
-            ..Self::default()
-        });
-        for blur in [0, 9] {
-            out.extend(sweeps::middle(
-                &[map_size],
-                Fit::Tight,
-                &[Bias::NONE],
-                |map| Self {
-                    map,
-                    blur,
-                    ..Self::default()
-                },
-            ));
-        }
-        let kinds = sweeps::kinds_of_map(map_size).into_iter();
-        out.extend(kinds.map(|map| Self {
-            map,
-            ..Self::default()
-        }));
-        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-            map,
-            precision: MomentPrecision::Bits16,
-            ..Self::default()
-        }));
-        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                precision,
-                mipmaps,
-                ..Self::default()
-            }));
-        }
-        out
-    }
-
-    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        // A wider blur bleeds more; `evsm` and `msm` are tried with one.
-        vec![Candidate::of(Self {
-            map,
-            ..Self::default()
-        })]
-    }
-
-    // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
-    const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
-
-    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        let technique = Self {
-            map: map::closed_form_map(map),
-            ..Self::default()
-        };
-        Some(map::closed_form_demand(technique, technique.blur))
-    }
-
-    fn random_parameters() -> Vec<RandomParameter> {
-        vec![
-            RandomParameter::Count(0..8),
-            RandomParameter::Length(0.0..0.01),
-            RandomParameter::Length(0.0..0.9),
-            RandomParameter::Switch,
-            RandomParameter::Count(0..4),
-        ]
-    }
-
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
-            blur: numbers[0] as u32,
-            mipmaps: numbers[4] as u32,
-            precision: MomentPrecision::of_switch(numbers[3]),
-            least_deviation: Some(numbers[1]),
-            bleeding_reduction: numbers[2],
-        }
     }
 }
 

@@ -4,8 +4,9 @@ use proptest::{prelude::*, test_runner::RngSeed};
 use std::cell::{Cell, RefCell};
 use umbrage_core::{Aabb, Anchor, Backend as _, Geometry, View};
 use umbrage_cpu::Cpu;
+use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::{Bounds, PlanOptions, Planner, RendererData};
-use umbrage_techniques::{Techniques, all};
+use umbrage_techniques::all;
 use umbrage_tests::absurd_values::{camera, light, number, scene, spoilt, vector};
 
 fn config(cases: u32) -> ProptestConfig {
@@ -107,7 +108,7 @@ fn planners_answer_or_refuse() {
         // Techniques without maps: trying maps of all sizes takes seconds a plan, and what is tested is the planner.
         let few = |name: &str| ["none", "exact", "soft", "traced"].contains(&name);
         let options = PlanOptions {
-            registry: Techniques::built_in().retain(few),
+            catalogue: Catalogue::built_in().retain(few),
             samples,
             ..PlanOptions::default()
         };

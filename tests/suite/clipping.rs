@@ -194,7 +194,7 @@ fn exact_techniques_stay_exact() {
 
 /// Returns the headline settings of all techniques, and `pcf` on cascades.
 fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
-    let mut out: Vec<_> = umbrage_techniques::all()
+    let mut out: Vec<_> = umbrage_plan::catalogue::all()
         .iter()
         .flat_map(|entry| (entry.headline)(&[256], Fit::Tight))
         .collect();

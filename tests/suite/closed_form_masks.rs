@@ -7,9 +7,10 @@ use umbrage_core::{
     View,
 };
 use umbrage_cpu::Cpu;
+use umbrage_plan::catalogue::ClosedFormDemand;
 use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, all};
-use umbrage_techniques::{Bias, ClosedFormDemand, ShadowMap, TechniquePreset};
+use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 use umbrage_tests::gpu::gpu;
 use umbrage_wgpu::Gpu;
 
@@ -20,7 +21,7 @@ fn demands() -> Vec<ClosedFormDemand<TechniquePreset>> {
         bias: Bias::ADAPTIVE,
         ..ShadowMap::default()
     };
-    let entries = umbrage_techniques::all().iter();
+    let entries = umbrage_plan::catalogue::all().iter();
     let own = entries.filter_map(|entry| (entry.closed_form)(map));
     own.chain(narrow_moment_maps(map)).collect()
 }
@@ -28,7 +29,7 @@ fn demands() -> Vec<ClosedFormDemand<TechniquePreset>> {
 /// Moment maps with the narrowest blur: the one by default reaches farther.
 fn narrow_moment_maps(map: ShadowMap) -> impl Iterator<Item = ClosedFormDemand<TechniquePreset>> {
     let wide = ["vsm", "evsm", "msm"].into_iter().filter_map(move |name| {
-        let entry = umbrage_techniques::find(name).expect("a built-in technique");
+        let entry = umbrage_plan::catalogue::find(name).expect("a built-in technique");
         (entry.closed_form)(map)
     });
     wide.map(|demand| {

@@ -10,8 +10,9 @@ use umbrage_core::{
     metrics::{MAX_EXCESS_RMSE, ReferenceMask},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
+use umbrage_plan::catalogue::{self, CatalogueEntry};
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
-use umbrage_techniques::{Bias, Hard, ShadowMap, TechniqueEntry};
+use umbrage_techniques::{Bias, Hard, ShadowMap};
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 const SIDE: u32 = 512;
@@ -48,8 +49,8 @@ const BY_TURNS: [Snapping; 4] = [
 
 /// Map techniques as they are by default: the first setting of each.
 fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
-    let first = |entry: &TechniqueEntry| (entry.settings)(&[SIDE], Fit::Tight).into_iter().next();
-    umbrage_techniques::all()
+    let first = |entry: &CatalogueEntry| (entry.settings)(&[SIDE], Fit::Tight).into_iter().next();
+    catalogue::all()
         .iter()
         .filter_map(first)
         .filter(|t| t.kernel_reach().is_some())

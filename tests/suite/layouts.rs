@@ -26,9 +26,9 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
         View::new(&camera, &light, &geometry),
         View::new(&camera, &bulb, &geometry),
     ];
-    for entry in umbrage_techniques::all() {
+    for entry in umbrage_plan::catalogue::all() {
         for technique in (entry.exhaustive)(64) {
-            let name = format!("{}, {}", entry.name, technique.settings());
+            let name = format!("{}, {}", entry.technique.name, technique.settings());
             // Cubes don't serve the sun; everything serves one of the two.
             let recipe = views.iter().find_map(|view| technique.recipe(view).ok());
             let recipe = recipe.unwrap_or_else(|| panic!("{name}: serves neither light"));
@@ -63,9 +63,9 @@ fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
         radius: 0.1,
     };
     let pairs = [[sun(1.0), sun(-0.5)], [bulb(0.5), bulb(-0.25)]];
-    for entry in umbrage_techniques::all() {
+    for entry in umbrage_plan::catalogue::all() {
         for technique in (entry.exhaustive)(64) {
-            let name = format!("{}, {}", entry.name, technique.settings());
+            let name = format!("{}, {}", entry.technique.name, technique.settings());
             let plan = |light: &Light| technique.recipe(&View::new(&camera, light, &geometry)).ok();
             let plans = |[a, b]: &[Light; 2]| plan(a).zip(plan(b));
             let both: Vec<_> = pairs.iter().filter_map(plans).collect();

@@ -23,16 +23,23 @@ const SUN: Light = Light::Directional {
 
 /// Asks all techniques, one setting of each, to plan; the error must hold `words`.
 fn refused(view: &View<'_>, words: &str) {
-    for entry in umbrage_techniques::all() {
+    for entry in umbrage_plan::catalogue::all() {
         let technique = &(entry.settings)(&[64], Fit::Tight)[0];
         match technique.recipe(view) {
             Err(RecipeError::Invalid(why)) => {
-                assert!(why.to_string().contains(words), "{}: {why}", entry.name)
+                assert!(
+                    why.to_string().contains(words),
+                    "{}: {why}",
+                    entry.technique.name
+                )
             }
             Err(RecipeError::Unsupported(why)) => {
-                panic!("{}: `{words}` should be at fault, not: {why}", entry.name)
+                panic!(
+                    "{}: `{words}` should be at fault, not: {why}",
+                    entry.technique.name
+                )
             }
-            Ok(_) => panic!("{} plans with a bad {words}", entry.name),
+            Ok(_) => panic!("{} plans with a bad {words}", entry.technique.name),
         }
     }
 }

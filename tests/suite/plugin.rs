@@ -1,16 +1,14 @@
 //! A technique from outside, on both backends: nothing of ours knows it.
 
 use glam::UVec2;
-use umbrage::{
-    Backend, Geometry, ShadowTechnique, View,
-    techniques::{ShadowMap, TechniqueEntry, Techniques},
-};
+use umbrage::{Backend, Geometry, ShadowTechnique, View, techniques::ShadowMap};
 use umbrage_cpu::Cpu;
 use umbrage_examples::variance::Variance;
 use umbrage_lab::{
     compare::{self, Backends, SceneInput},
     stability,
 };
+use umbrage_plan::catalogue::{Catalogue, CatalogueEntry};
 use umbrage_plan::{self as plan, footprint};
 use umbrage_tests::gpu::gpu;
 
@@ -85,16 +83,16 @@ fn a_users_map_has_figures() {
     );
 }
 
-fn registry() -> Techniques {
-    Techniques::built_in()
-        .with(TechniqueEntry::of::<Variance>())
+fn catalogue() -> Catalogue {
+    Catalogue::built_in()
+        .with(CatalogueEntry::of::<Variance>())
         .expect("a new name")
 }
 
 #[test]
 fn a_users_technique_is_compared_as_ours_are() {
     let options = compare::CompareOptions {
-        registry: registry(),
+        catalogue: catalogue(),
         techniques: vec!["variance".to_owned()],
         runs: None,
         ..compare::CompareOptions::quick()
@@ -109,7 +107,7 @@ fn a_users_technique_is_compared_as_ours_are() {
     let rmse = rows[0].measured().and_then(|measured| measured.rmse());
     assert!(rmse.is_some_and(|rmse| rmse < 0.3), "{rows:?}");
     let unknown = compare::CompareOptions {
-        registry: Techniques::built_in(),
+        catalogue: Catalogue::built_in(),
         ..options
     };
     let none = compare::compare(&[], &unknown, &mut backends, sink, &|_| ());
@@ -120,7 +118,7 @@ fn a_users_technique_is_compared_as_ours_are() {
 #[test]
 fn a_users_technique_is_judged_as_ours_are() {
     let options = stability::StabilityOptions {
-        registry: registry(),
+        catalogue: catalogue(),
         rows: vec!["thin-plate".to_owned()],
         techniques: vec!["variance".to_owned()],
         ..stability::StabilityOptions::quick()
@@ -139,7 +137,7 @@ fn a_users_technique_is_judged_as_ours_are() {
 #[test]
 fn a_users_technique_moves_as_ours_do() {
     let options = stability::StabilityOptions {
-        registry: registry(),
+        catalogue: catalogue(),
         rows: vec!["hills-pan".to_owned(), "hills-pan-stable".to_owned()],
         techniques: vec!["variance".to_owned()],
         ..stability::StabilityOptions::quick()
@@ -168,7 +166,7 @@ fn a_users_technique_moves_as_ours_do() {
 fn a_users_technique_is_planned_as_ours_are() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let options = plan::PlanOptions {
-        registry: registry(),
+        catalogue: catalogue(),
         samples: 512,
         // Large enough for maps to be cheaper than a ray for each pixel.
         size: Some(UVec2::new(384, 256)),
@@ -197,7 +195,7 @@ fn a_users_preset_is_toml() {
     let text = umbrage::techniques::TechniquePreset::from(technique)
         .to_toml()
         .expect("numbers");
-    let preset = registry().preset_from_toml(&text).expect("as written");
+    let preset = catalogue().preset_from_toml(&text).expect("as written");
     assert_eq!(preset.get(), Some(&technique), "{text}");
-    assert!(Techniques::built_in().preset_from_toml(&text).is_err());
+    assert!(Catalogue::built_in().preset_from_toml(&text).is_err());
 }

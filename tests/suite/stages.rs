@@ -5,8 +5,9 @@ use glam::UVec2;
 use umbrage_core::{Backend, Geometry, Image, Receivers, Recipe, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
 use umbrage_examples::variance::Variance;
+use umbrage_plan::catalogue::all;
 use umbrage_scenes::find;
-use umbrage_techniques::{ShadowMap, all};
+use umbrage_techniques::ShadowMap;
 use umbrage_tests::gpu::gpu;
 
 /// Scenes with different lights and plenty of edges.

@@ -4,7 +4,8 @@ use glam::UVec2;
 use std::sync::atomic::{AtomicBool, Ordering};
 use umbrage_core::{Backend, Geometry, ShadowTechnique, Simd, View};
 use umbrage_cpu::{Cpu, CpuOptions};
-use umbrage_techniques::{Hard, all};
+use umbrage_plan::catalogue::all;
+use umbrage_techniques::Hard;
 use umbrage_tests::gpu::gpu;
 
 #[test]

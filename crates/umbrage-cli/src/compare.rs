@@ -344,7 +344,7 @@ fn left_out(program: &Program, arguments: &CompareArguments) -> Option<String> {
     let all = program.techniques.all().iter();
     let names: Vec<&str> = all
         .filter(|entry| !entry.is_previewed)
-        .map(|entry| entry.name)
+        .map(|entry| entry.technique.name)
         .collect();
     (!names.is_empty()).then(|| names.join(", "))
 }
@@ -384,7 +384,12 @@ fn content_options(program: &Program, arguments: &CompareArguments) -> Result<Co
 }
 
 fn options_of(program: &Program, arguments: &CompareArguments) -> Result<CompareOptions> {
-    let known: Vec<&str> = program.techniques.all().iter().map(|e| e.name).collect();
+    let known: Vec<&str> = program
+        .techniques
+        .all()
+        .iter()
+        .map(|e| e.technique.name)
+        .collect();
     let unknown = arguments
         .techniques
         .iter()
@@ -416,7 +421,7 @@ fn set_common(
     program: &Program,
     arguments: &CompareArguments,
 ) -> Result<()> {
-    out.registry = program.techniques.clone();
+    out.catalogue = program.techniques.clone();
     out.techniques.clone_from(&arguments.techniques);
     // Whoever names a scene wants to see all techniques in it.
     out.is_preview &= arguments.scenes.is_empty();

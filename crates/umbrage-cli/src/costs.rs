@@ -5,8 +5,8 @@ use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;
 use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
+use umbrage_plan::catalogue::all;
 use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, fit, time_work};
-use umbrage_techniques::all;
 
 /// Scenes that are timed alike.
 struct Stage {

@@ -19,7 +19,7 @@ pub(crate) fn list(program: &Program) -> Result<()> {
         .load_style(NOTHING)
         .set_header(["technique", "what it does"]);
     for entry in program.techniques.all() {
-        techniques.add_row([entry.name, entry.summary]);
+        techniques.add_row([entry.technique.name, entry.technique.summary]);
     }
     println!(
         "{scenes}\n\n{techniques}\n\nOr give the path of a scene file (.toml) or a model (.obj, .glb, .gltf)."

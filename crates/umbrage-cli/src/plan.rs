@@ -17,11 +17,11 @@ use umbrage_lab::{
     plan_files::{Written, write, write_lights},
     stability::{Demand, Stability},
 };
+use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::{
     Bounds, Coverage, LightsBudget, LightsPlan, Plan, PlanOptions, RendererData, Setting,
     Weighting, cost::CostModel, plan as find, plan_by_clock, plan_lights,
 };
-use umbrage_techniques::Techniques;
 
 /// The image size that plans are made for if nobody says otherwise, pixels: no smaller than what people play at, since the size decides
 /// which technique is the least.
@@ -132,7 +132,7 @@ pub(crate) fn clock_of(arguments: &PlanArguments) -> Result<Option<Backends>> {
 pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result<PlanOptions> {
     let prices = inputs::prices(arguments.prices.as_deref())?;
     Ok(PlanOptions {
-        registry: demanded(&program.techniques, arguments)?,
+        catalogue: demanded(&program.techniques, arguments)?,
         samples: arguments.samples,
         seed: arguments.seed,
         cost: prices.of(kind(arguments)),
@@ -166,7 +166,7 @@ fn options_for(program: &Program, arguments: &PlanArguments, scene: &Scene) -> R
 }
 
 /// Returns the techniques that meet what is asked of the stability matrix.
-fn demanded(techniques: &Techniques, arguments: &PlanArguments) -> Result<Techniques> {
+fn demanded(techniques: &Catalogue, arguments: &PlanArguments) -> Result<Catalogue> {
     let Some(path) = &arguments.stability else {
         return Ok(techniques.clone());
     };

@@ -47,7 +47,13 @@ pub(crate) fn one(program: &Program, file: &Path) -> Result<NamedPreset> {
     })?;
     let preset = program.techniques.preset_from_toml(&text);
     let preset = preset.map_err(|e| unusable(e.to_string()))?;
-    let is_taken = |name: &str| program.techniques.all().iter().any(|e| e.name == name);
+    let is_taken = |name: &str| {
+        program
+            .techniques
+            .all()
+            .iter()
+            .any(|e| e.technique.name == name)
+    };
     Ok(NamedPreset {
         name: name_of(file, is_taken),
         preset,

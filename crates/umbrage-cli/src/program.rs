@@ -11,7 +11,7 @@ use std::{
     process::ExitCode,
 };
 use umbrage_core::Invalid;
-use umbrage_techniques::{TechniqueEntry, Techniques};
+use umbrage_plan::catalogue::{Catalogue, CatalogueEntry};
 use umbrage_wgpu::AdapterChoice;
 
 /// A program that measures shadow techniques, controlled by its command line.
@@ -22,7 +22,7 @@ pub struct Program {
     /// Folder for reports where `--out` names none: that of `compare` goes to its subfolder `compare`.
     pub reports: PathBuf,
     /// The techniques that `compare`, `stability` and `plan` know: the built-in ones, and those of the program.
-    pub techniques: Techniques,
+    pub techniques: Catalogue,
     /// Times light sets against a program written by hand, for `card`; `None` if the program has none.
     pub light_set_ratios: Option<LightSetRatios>,
 }
@@ -36,7 +36,7 @@ impl Default for Program {
         Self {
             invocation: "umbrage",
             reports: PathBuf::from("umbrage-reports"),
-            techniques: Techniques::built_in(),
+            techniques: Catalogue::built_in(),
             light_set_ratios: None,
         }
     }
@@ -48,7 +48,7 @@ impl Program {
     ///
     /// # Errors
     /// Errors if there is a technique of that name.
-    pub fn with(mut self, technique: TechniqueEntry) -> Result<Self, Invalid> {
+    pub fn with(mut self, technique: CatalogueEntry) -> Result<Self, Invalid> {
         self.techniques = self.techniques.with(technique)?;
         Ok(self)
     }

@@ -88,7 +88,7 @@ fn options_of(program: &Program, arguments: &StabilityArguments) -> Result<Stabi
         StabilityOptions::default()
     };
     let out = StabilityOptions {
-        registry: program.techniques.clone(),
+        catalogue: program.techniques.clone(),
         rows: arguments.rows.clone(),
         techniques: arguments.techniques.clone(),
         ..base

@@ -20,7 +20,7 @@ fn chosen(program: &Program, arguments: &WgslArguments) -> Result<TechniquePrese
     let names: Vec<String> = arguments.name.iter().cloned().collect();
     let entries = program.techniques.select(&names);
     let entries = entries.map_err(|e| Usage(e.to_string()))?;
-    Ok((entries[0].preset)())
+    Ok((entries[0].technique.preset)())
 }
 
 fn in_usage(error: LabError) -> anyhow::Error {

@@ -31,8 +31,16 @@ pub fn assembled_wgsl(technique: &dyn ShadowTechnique, prefix: &str) -> Result<S
             Err(error) => return Err(error.into()),
         }
     }
-    let why = format!("serves neither a sun nor a lamp ({})", why.unwrap_or_default());
-    Err(Invalid::new(technique.name(), why, "assemble its recipe by `receive_wgsl`").into())
+    let why = format!(
+        "serves neither a sun nor a lamp ({})",
+        why.unwrap_or_default()
+    );
+    Err(Invalid::new(
+        technique.name(),
+        why,
+        "assemble its recipe by `receive_wgsl`",
+    )
+    .into())
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Finds the cheapest shadow technique and setting that a scene needs, by measurement on the CPU.
 //!
+//! * [`catalogue`]: a row a technique: what is compared, planned and tested of it.
 //! * [`truth`]: what every shadow should have been, with its own error bars.
 //! * [`cost`]: milliseconds by counting, the same on every run.
 //! * [`footprint`]: how much of their maps techniques use, and how fine these are on screen.
@@ -22,6 +23,7 @@
 //! ```
 
 mod cancel;
+pub mod catalogue;
 pub mod cost;
 mod error;
 mod estimate;

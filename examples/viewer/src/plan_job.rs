@@ -2,10 +2,10 @@
 
 use crate::measure::cost::prices;
 use serde::{Deserialize, Serialize};
+use umbrage::plan::catalogue::Catalogue;
 use umbrage::{
     Camera, Geometry, Light,
     plan::{Bounds, Cancel, MeasureError, Plan, PlanOptions, Planner, Step, motion::FrameMotion},
-    techniques::Techniques,
 };
 
 /// What is asked for. Browsers send it to a worker as bytes.
@@ -221,7 +221,7 @@ pub(crate) fn planned(
 ) -> Result<Plan, MeasureError> {
     let is_playable = |name: &str| !request.refused.iter().any(|refused| refused == name);
     let options = PlanOptions {
-        registry: Techniques::built_in().retain(is_playable),
+        catalogue: Catalogue::built_in().retain(is_playable),
         motion: request.planned_for.motion,
         cancel: cancel.clone(),
         cost: prices(),

@@ -8,7 +8,6 @@ use crate::{
         of_depth::{MomentKind, MomentsKernel},
         stored::{Encoding, MomentPrecision},
     },
-    listing::ClosedFormDemand,
     shadow_map::{CompareMethod, MapFormat, ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::UVec2;
@@ -20,19 +19,6 @@ pub const MAX_BLUR: u32 = 32;
 
 /// Greatest light-bleeding reduction: beyond, nothing is left of penumbrae.
 pub const MAX_BLEEDING_REDUCTION: f32 = 0.95;
-
-/// How far from light or darkness a bound may be where a formula knows either: what is mixed into moments, the least variance, and the
-/// variance of curved surfaces leave a little of both.
-const CLOSED_FORM_TOLERANCE: f32 = 0.05;
-
-/// Returns the map with which closed forms are asked: of half the side, as each of its texels is averaged with 48 others, on software
-/// drivers too.
-pub(crate) fn closed_form_map(map: ShadowMap) -> ShadowMap {
-    ShadowMap {
-        size: map.size / 2,
-        ..map
-    }
-}
 
 /// How far a lookup reaches beyond the receiver's own texel, texels: as the blur does, and one more for the blend of four texels.
 pub(crate) fn reach(blur: u32) -> f32 {
@@ -62,14 +48,6 @@ impl BleedingReduction {
             amount,
             scale: 1.0 / (1.0 - amount),
         })
-    }
-}
-
-/// Returns what closed forms demand of a technique that blurs by `blur` texels to each side.
-pub(crate) fn closed_form_demand<T>(technique: T, blur: u32) -> ClosedFormDemand<T> {
-    ClosedFormDemand {
-        tolerance: CLOSED_FORM_TOLERANCE,
-        ..ClosedFormDemand::new(technique, reach(blur))
     }
 }
 

@@ -22,15 +22,6 @@ pub enum MomentPrecision {
 }
 
 impl MomentPrecision {
-    /// Returns what a random switch ([`RandomParameter::Switch`](crate::listing::RandomParameter::Switch)) chooses.
-    pub(crate) fn of_switch(number: f32) -> Self {
-        if number > 0.0 {
-            Self::Bits16
-        } else {
-            Self::Bits32
-        }
-    }
-
     /// Returns the words that name it in settings, with a comma after them; none for the default.
     pub(crate) fn words(self) -> &'static str {
         match self {

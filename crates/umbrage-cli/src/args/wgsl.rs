@@ -10,7 +10,11 @@ use std::path::PathBuf;
   cargo xtask wgsl pcf --prefix sun_ > sun.wgsl    with a prefix of yours before each name")]
 pub(crate) struct WgslArguments {
     /// The technique
-    #[arg(value_name = "NAME", required_unless_present = "preset", conflicts_with = "preset")]
+    #[arg(
+        value_name = "NAME",
+        required_unless_present = "preset",
+        conflicts_with = "preset"
+    )]
     pub(crate) name: Option<String>,
     /// File with the settings of a technique, as `plan` writes it
     #[arg(long, value_name = "FILE")]

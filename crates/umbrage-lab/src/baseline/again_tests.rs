@@ -92,7 +92,7 @@ fn stage() -> Stage {
         SceneInput::new(scene, "")
     };
     let options = CompareOptions {
-        registry: umbrage_techniques::Techniques::built_in(),
+        catalogue: umbrage_plan::catalogue::Catalogue::built_in(),
         techniques: vec!["hard".to_owned()],
         map_sizes: vec![48, 64, 80],
         max_settings: Some(3),

@@ -81,8 +81,11 @@ fn techniques() -> Vec<Planned> {
         ("whole fit", Fit::Whole, false),
     ];
     let mut out = Vec::new();
-    for entry in TECHNIQUES.into_iter().filter_map(umbrage_techniques::find) {
-        let preset = (entry.preset)();
+    for entry in TECHNIQUES
+        .into_iter()
+        .filter_map(umbrage_plan::catalogue::find)
+    {
+        let preset = (entry.technique.preset)();
         let map = preset.map().copied().unwrap_or_default();
         for (name, fit, is_seen_known) in fits {
             let map = ShadowMap {

@@ -5,12 +5,13 @@ use crate::compare::{Backends, CompareOptions, Comparison, SceneInput, compare};
 use glam::Affine3A;
 use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
 use umbrage_cpu::Cpu;
+use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::{TruthOptions, trace};
-use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Techniques, Traced};
+use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Traced};
 
 fn options(techniques: &[&str]) -> CompareOptions {
     CompareOptions {
-        registry: Techniques::built_in(),
+        catalogue: Catalogue::built_in(),
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![1024],
         max_settings: Some(1),

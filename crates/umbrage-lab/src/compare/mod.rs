@@ -43,7 +43,7 @@ pub use umbrage_plan::motion::FrameMotion;
 use crate::LabError;
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
-use umbrage_techniques::ConfiguredTechniques;
+use umbrage_plan::catalogue::ConfiguredTechniques;
 
 /// In comparisons of at most this many scenes every row gets its pictures: whoever names a scene wants to see it.
 pub(crate) const FEW_SCENES: usize = 3;

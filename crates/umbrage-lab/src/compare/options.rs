@@ -5,8 +5,9 @@ use crate::LabError;
 use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
+use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::{cost::PriceList, truth::TruthOptions};
-use umbrage_techniques::{TechniquePreset, Techniques};
+use umbrage_techniques::TechniquePreset;
 
 /// What a scene is compared for.
 #[derive(
@@ -67,11 +68,11 @@ pub struct NamedPreset {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompareOptions {
     /// The techniques that there are.
-    pub registry: Techniques,
+    pub catalogue: Catalogue,
     /// Names of those that are compared; all when empty.
     pub techniques: Vec<String>,
     /// Whether techniques that are not named are left out if they take too long for a preview: see
-    /// [`ListedTechnique::IS_PREVIEWED`](umbrage_techniques::ListedTechnique::IS_PREVIEWED).
+    /// [`CataloguedTechnique::IS_PREVIEWED`](umbrage_plan::catalogue::CataloguedTechnique::IS_PREVIEWED).
     pub is_preview: bool,
     /// Settings of the user's, played before the others; they are neither cut by [`max_settings`](Self::max_settings) nor put on other
     /// maps.
@@ -81,7 +82,7 @@ pub struct CompareOptions {
     /// The most settings of each technique that are compared; none: all of them.
     pub max_settings: Option<usize>,
     /// Whether only the few settings are compared that stand for each technique: see
-    /// [`ListedTechnique::headline`](umbrage_techniques::ListedTechnique::headline).
+    /// [`CataloguedTechnique::headline`](umbrage_plan::catalogue::CataloguedTechnique::headline).
     pub headline: bool,
     /// Whether recipes are made with the receivers that are seen, so that maps lie tightly around them. Programs rarely have them: a
     /// renderer on the GPU would have to read them back.
@@ -184,7 +185,7 @@ impl Default for Runs {
 impl Default for CompareOptions {
     fn default() -> Self {
         Self {
-            registry: Techniques::built_in(),
+            catalogue: Catalogue::built_in(),
             techniques: Vec::new(),
             is_preview: false,
             presets: Vec::new(),
@@ -268,7 +269,7 @@ impl CompareOptions {
     /// # Errors
     /// Errors if a name is unknown or a map size is missing.
     pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
-        let mut chosen = self.registry.select(&self.techniques)?;
+        let mut chosen = self.catalogue.select(&self.techniques)?;
         if self.is_preview && self.techniques.is_empty() {
             chosen.retain(|entry| entry.is_previewed);
         }

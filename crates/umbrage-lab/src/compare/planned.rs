@@ -38,7 +38,7 @@ impl SceneRun<'_> {
 
     /// Returns why a technique is left out where the few settings of all scenes are compared; `None` if it isn't.
     fn too_slow(&self, technique: &dyn ShadowTechnique) -> Option<String> {
-        let entry = self.options.registry.find(technique.name())?;
+        let entry = self.options.catalogue.find(technique.name())?;
         let most = entry.max_compared_triangles?;
         let triangles = self.view.core().geometry?.triangles().len();
         if !self.options.headline || triangles <= most {

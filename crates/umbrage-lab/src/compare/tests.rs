@@ -9,7 +9,7 @@ use umbrage_plan::{footprint::measure, truth::TruthOptions};
 
 fn quick(techniques: &[&str]) -> CompareOptions {
     CompareOptions {
-        registry: umbrage_techniques::Techniques::built_in(),
+        catalogue: umbrage_plan::catalogue::Catalogue::built_in(),
         color: false,
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![256],

@@ -2,11 +2,11 @@
 
 use super::measure::Measure;
 use umbrage_core::Fit;
+use umbrage_plan::catalogue::ConfiguredTechniques;
 use umbrage_scenes::{
     SceneEntry,
     motion::{Motion, MovingScene},
 };
-use umbrage_techniques::ConfiguredTechniques;
 
 /// A way in which shadow methods fail, and the scenes that provoke it.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +97,7 @@ impl StabilityCase {
         }
     }
 
-    /// Returns the case with settings tried beside those of the registry: [`StabilityCase::extra`].
+    /// Returns the case with settings tried beside those of the catalogue: [`StabilityCase::extra`].
     pub(super) const fn also(self, extra: fn(map_size: u32) -> ConfiguredTechniques) -> Self {
         Self {
             extra: Some(extra),

@@ -8,10 +8,10 @@ use super::{
 use glam::Vec3;
 use std::sync::Arc;
 use umbrage_core::{Cascades, Fit, Layout, Split};
+use umbrage_plan::catalogue::ConfiguredTechniques;
 use umbrage_scenes::motion::MovingScene;
 use umbrage_techniques::{
-    Bias, ConfiguredTechniques, Evsm, EvsmMoments, Hard, MapFormat, Msm, Pcf, Reconstruction,
-    ShadowMap, Vsm,
+    Bias, Evsm, EvsmMoments, Hard, MapFormat, Msm, Pcf, Reconstruction, ShadowMap, Vsm,
 };
 
 /// All rows, by number.

@@ -22,8 +22,8 @@ use std::{
     thread,
 };
 use umbrage_core::{Backend, Invalid};
+use umbrage_plan::catalogue::{Catalogue, ConfiguredTechniques};
 use umbrage_plan::truth::TruthOptions;
-use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
 /// What to play, and how carefully.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub struct StabilityOptions {
     /// Rows by number, or cases by name; all when empty.
     pub rows: Vec<String>,
     /// The techniques that there are.
-    pub registry: Techniques,
+    pub catalogue: Catalogue,
     /// Techniques by name; all when empty.
     pub techniques: Vec<String>,
     /// Image size, pixels.
@@ -53,7 +53,7 @@ impl Default for StabilityOptions {
         };
         Self {
             rows: Vec::new(),
-            registry: Techniques::built_in(),
+            catalogue: Catalogue::built_in(),
             techniques: Vec::new(),
             size: UVec2::new(240, 180),
             map_size: 1024,
@@ -106,7 +106,7 @@ impl StabilityOptions {
                 ));
             }
         }
-        self.registry.select(&self.techniques)?;
+        self.catalogue.select(&self.techniques)?;
         Ok(())
     }
 }
@@ -352,7 +352,7 @@ pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
 /// Returns the settings that a case is played with: those of the registry, then the case's own.
 fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> ConfiguredTechniques {
     let mut out = settings(
-        &options.registry,
+        &options.catalogue,
         &options.techniques,
         options.map_size,
         case.fit,

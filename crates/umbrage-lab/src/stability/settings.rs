@@ -2,24 +2,24 @@
 
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
-use umbrage_techniques::{ConfiguredTechniques, Techniques};
+use umbrage_plan::catalogue::{Catalogue, ConfiguredTechniques};
 
 /// Returns the settings of every technique of the registry (or of those named) that are played: the one that textbooks have (the first
 /// with a slope bias or a polygon offset, else the first), and those that stand for it in a comparison of frames of real size
-/// ([`TechniqueEntry::headline`](umbrage_techniques::TechniqueEntry::headline)), so that a comparison's rows have verdicts of their
+/// ([`CatalogueEntry::headline`](umbrage_plan::catalogue::CatalogueEntry::headline)), so that a comparison's rows have verdicts of their
 /// own. With another fit than the tight one, techniques without a map are left out: it changes nothing for them.
 pub fn settings(
-    registry: &Techniques,
+    catalogue: &Catalogue,
     techniques: &[String],
     map_size: u32,
     fit: Fit,
 ) -> ConfiguredTechniques {
     let mut out = Vec::new();
-    for entry in registry.all() {
-        if fit != Fit::Tight && !entry.has_map {
+    for entry in catalogue.all() {
+        if fit != Fit::Tight && !entry.technique.has_map {
             continue;
         }
-        if techniques.is_empty() || techniques.iter().any(|name| name == entry.name) {
+        if techniques.is_empty() || techniques.iter().any(|name| name == entry.technique.name) {
             let all = (entry.settings)(&[map_size], fit);
             let headline = (entry.headline)(&[map_size], fit);
             out.extend(distinct(textbook(&all).into_iter().chain(headline)));
@@ -61,41 +61,41 @@ mod tests {
 
     #[test]
     fn every_technique_has_one_to_four_settings_that_differ() {
-        let chosen = settings(&Techniques::built_in(), &[], 256, Fit::Tight);
-        for entry in umbrage_techniques::all() {
+        let chosen = settings(&Catalogue::built_in(), &[], 256, Fit::Tight);
+        for entry in umbrage_plan::catalogue::all() {
             let its: Vec<String> = chosen
                 .iter()
-                .filter(|t| t.name() == entry.name)
+                .filter(|t| t.name() == entry.technique.name)
                 .map(|t| t.settings())
                 .collect();
             let distinct: HashSet<&String> = its.iter().collect();
             assert!(
                 matches!(its.len(), 1..=4) && distinct.len() == its.len(),
                 "{}: {its:?}",
-                entry.name
+                entry.technique.name
             );
-            let default = (entry.preset)();
+            let default = (entry.technique.preset)();
             let bias = default.map().map(|map| map.bias.label());
             assert!(
                 bias.is_none_or(|bias| its.iter().any(|words| words.ends_with(&bias))),
                 "{}: its default bias is played: {its:?}",
-                entry.name
+                entry.technique.name
             );
         }
         let stable = Fit::Stable { range: 8.0 };
-        let with_map: Vec<&str> = umbrage_techniques::all()
+        let with_map: Vec<&str> = umbrage_plan::catalogue::all()
             .iter()
-            .filter(|entry| entry.has_map)
-            .map(|entry| entry.name)
+            .filter(|entry| entry.technique.has_map)
+            .map(|entry| entry.technique.name)
             .collect();
-        let mut in_stable_fit: Vec<&str> = settings(&Techniques::built_in(), &[], 256, stable)
+        let mut in_stable_fit: Vec<&str> = settings(&Catalogue::built_in(), &[], 256, stable)
             .iter()
             .map(|t| t.name())
             .collect();
         in_stable_fit.dedup();
         assert_eq!(in_stable_fit, with_map);
         let names = ["hard".to_owned()];
-        let of_hard = settings(&Techniques::built_in(), &names, 256, Fit::Tight);
+        let of_hard = settings(&Catalogue::built_in(), &names, 256, Fit::Tight);
         let hard: Vec<String> = of_hard.iter().map(|t| t.settings()).collect();
         assert!(
             hard.len() == 3

@@ -156,8 +156,8 @@ pub fn windows(
         stages.push(Stage::new(case, options)?);
     }
     let mut presets = Vec::new();
-    for entry in options.registry.select(&options.techniques)? {
-        let preset = (entry.preset)();
+    for entry in options.catalogue.select(&options.techniques)? {
+        let preset = (entry.technique.preset)();
         let Some(map) = preset.map().copied() else {
             continue;
         };
@@ -165,7 +165,7 @@ pub fn windows(
             size: options.map_size,
             ..map
         };
-        presets.push((entry.name, preset, map));
+        presets.push((entry.technique.name, preset, map));
     }
     let backends = SharedBackends::new(backends);
     let on_technique = Mutex::new(on_technique);

@@ -1,9 +1,10 @@
 //! The kinds and amounts of bias that are searched for the least estimated error.
 
+use crate::catalogue::PlannedBiases;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::SQRT_2;
 use umbrage_core::RasterBias;
-use umbrage_techniques::{Bias, PlannedBiases, TechniquePreset};
+use umbrage_techniques::{Bias, TechniquePreset};
 
 /// A kind of bias with an amount.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -74,8 +75,8 @@ impl BiasAmounts {
 }
 
 /// Returns the kinds of bias worth trying with a technique, with amounts around the one that frees a plane of acne.
-pub(super) fn bias_amounts(preset: &TechniquePreset) -> Vec<BiasAmounts> {
-    let Some(reach) = reach(preset) else {
+pub(super) fn bias_amounts(preset: &TechniquePreset, planned: PlannedBiases) -> Vec<BiasAmounts> {
+    let Some(reach) = reach(preset, planned) else {
         return vec![BiasAmounts {
             kind: BiasKind::Own,
             amounts: vec![0.0],
@@ -97,7 +98,7 @@ pub(super) fn bias_amounts(preset: &TechniquePreset) -> Vec<BiasAmounts> {
         amounts: offsets.map(|factor| sure_offset * factor).to_vec(),
         first_index: 4,
     });
-    if preset.planned_biases() == PlannedBiases::All {
+    if planned == PlannedBiases::All {
         let slopes = [0.25, 0.5, 1.0, 2.0];
         out.push(BiasAmounts {
             kind: BiasKind::PolygonOffset,
@@ -109,8 +110,8 @@ pub(super) fn bias_amounts(preset: &TechniquePreset) -> Vec<BiasAmounts> {
 }
 
 /// Returns how far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
-fn reach(preset: &TechniquePreset) -> Option<f32> {
-    if preset.planned_biases() == PlannedBiases::Own {
+fn reach(preset: &TechniquePreset, planned: PlannedBiases) -> Option<f32> {
+    if planned == PlannedBiases::Own {
         None
     } else {
         preset.technique().kernel_reach()
@@ -125,7 +126,7 @@ mod tests {
     #[test]
     fn first_tries_are_the_biases_that_free_planes_of_acne() {
         let pcf = TechniquePreset::from(Pcf::default());
-        let firsts: Vec<Bias> = bias_amounts(&pcf)
+        let firsts: Vec<Bias> = bias_amounts(&pcf, PlannedBiases::All)
             .iter()
             .map(|biases| biases.kind.bias(biases.first(), Bias::NONE))
             .collect();
@@ -141,7 +142,10 @@ mod tests {
 
     #[test]
     fn amounts_rise() {
-        for biases in TechniquePreset::defaults().iter().flat_map(bias_amounts) {
+        for biases in crate::catalogue::all()
+            .iter()
+            .flat_map(|entry| bias_amounts(&(entry.technique.preset)(), entry.planned_biases))
+        {
             assert!(
                 biases.amounts.windows(2).all(|w| w[0] < w[1])
                     && biases.first_index < biases.amounts.len(),

@@ -2,7 +2,7 @@
 
 use super::{
     Setting,
-    bias::{BiasAmounts, BiasKind, bias_amounts},
+    bias::{BiasAmounts, BiasKind},
     families::Family,
     trials::Trials,
 };
@@ -29,7 +29,7 @@ pub(super) fn best_bias(
 ) -> Result<Option<Setting>, MeasureError> {
     let is_within_limit =
         |setting: &Setting| error_limit.is_some_and(|limit| setting.estimate.high <= limit);
-    let kinds = bias_amounts(family.preset());
+    let kinds = family.bias_amounts();
     let mut firsts: Vec<(&BiasAmounts, Setting)> = Vec::new();
     for biases in &kinds {
         let preset = family.at(candidate, biases.kind, biases.first());
@@ -118,7 +118,7 @@ pub(super) fn all_biases(
     candidate: usize,
 ) -> Result<Vec<Biased>, MeasureError> {
     let mut out = Vec::new();
-    for BiasAmounts { kind, amounts, .. } in bias_amounts(family.preset()) {
+    for BiasAmounts { kind, amounts, .. } in family.bias_amounts() {
         for texels in amounts {
             let setting = trials.try_out(&family.at(candidate, kind, texels))?;
             out.extend(setting.map(|setting| Biased {

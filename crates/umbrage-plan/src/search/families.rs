@@ -1,9 +1,15 @@
 //! The candidates: every technique with every kernel worth trying, on maps from coarse to fine.
 
-use super::{bias::BiasKind, resolution};
-use crate::estimate::scene::PlanScene;
+use super::{
+    bias::{BiasAmounts, BiasKind, bias_amounts},
+    resolution,
+};
+use crate::{
+    catalogue::{Candidate, Catalogue, PlannedBiases},
+    estimate::scene::PlanScene,
+};
 use umbrage_core::{Cascades, Fit, Layout, Light, math::transform};
-use umbrage_techniques::{Candidate, MapFormat, ShadowMap, TechniquePreset, Techniques};
+use umbrage_techniques::{MapFormat, ShadowMap, TechniquePreset};
 
 /// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
 pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
@@ -20,25 +26,30 @@ pub(super) struct Family {
     pub(super) candidates: Vec<TechniquePreset>,
     /// By how much the step from one candidate to the next divides the error at most.
     pub(super) max_gain: f64,
+    /// Which biases its maps may have.
+    planned_biases: PlannedBiases,
 }
 
 impl Family {
-    fn new(candidate: Candidate<TechniquePreset>) -> Self {
-        match candidate {
-            Candidate::One(preset) if preset.map().is_some() => Self::of_maps(preset),
-            Candidate::One(preset) => Self::single(preset),
-            Candidate::Series { settings, max_gain } => Self {
-                candidates: settings,
-                max_gain,
-            },
+    fn new(candidate: Candidate<TechniquePreset>, planned_biases: PlannedBiases) -> Self {
+        let (candidates, max_gain) = match candidate {
+            Candidate::One(preset) if preset.map().is_some() => {
+                let maps = SIZES.map(|side| with_map_side(&preset, side));
+                (maps.to_vec(), MAX_GAIN_OF_MAPS)
+            }
+            Candidate::One(preset) => (vec![preset], 1.0),
+            Candidate::Series { settings, max_gain } => (settings, max_gain),
+        };
+        Self {
+            candidates,
+            max_gain,
+            planned_biases,
         }
     }
 
-    fn single(preset: TechniquePreset) -> Self {
-        Self {
-            candidates: vec![preset],
-            max_gain: 1.0,
-        }
+    /// Returns the kinds of bias worth trying, with their amounts.
+    pub(super) fn bias_amounts(&self) -> Vec<BiasAmounts> {
+        bias_amounts(self.preset(), self.planned_biases)
     }
 
     /// Returns the family with one map more, of `side` texels a side, unless it has one of about that side or has no maps.
@@ -92,13 +103,6 @@ impl Family {
             candidates: sides.iter().map(on_side).collect(),
             ..self.clone()
         })
-    }
-
-    fn of_maps(preset: TechniquePreset) -> Self {
-        Self {
-            candidates: SIZES.map(|side| with_map_side(&preset, side)).to_vec(),
-            max_gain: MAX_GAIN_OF_MAPS,
-        }
     }
 
     /// Whether a candidate's error over that of the candidate two before it shows what finer maps are worth: its map has at
@@ -205,12 +209,12 @@ fn two_digits(value: f32) -> f32 {
 /// Returns all candidates for a view: those for its light, each family of maps with one more of the side that the view's
 /// pixels ask for.
 pub(super) fn families_for(
-    techniques: &Techniques,
+    catalogue: &Catalogue,
     scene: &PlanScene<'_>,
     needs: FamilyNeeds,
 ) -> Vec<Family> {
     let side = resolution::side(scene).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
-    let mut families = families(techniques, scene.light, needs.small);
+    let mut families = families(catalogue, scene.light, needs.small);
     let is_sun = matches!(scene.light, Light::Directional { .. });
     let distances = seen_distances(scene);
     let cascades = cascades_for(&distances).filter(|_| is_sun);
@@ -237,15 +241,15 @@ pub(super) fn families_for(
 
 /// Returns all candidates for a light, in the order in which equally cheap ones are tried: single settings without a map,
 /// maps, then series without a map. `small` asks for maps of 16 bits, too, which take half the memory.
-pub(super) fn families(techniques: &Techniques, light: &Light, small: bool) -> Vec<Family> {
-    let without_map = families_of(techniques, light, MapFormat::Depth32, false);
+pub(super) fn families(catalogue: &Catalogue, light: &Light, small: bool) -> Vec<Family> {
+    let without_map = families_of(catalogue, light, MapFormat::Depth32, false);
     let (single, series): (Vec<Family>, Vec<Family>) = without_map
         .into_iter()
         .partition(|family| family.candidates.len() == 1 && family.max_gain == 1.0);
     let mut out = single;
-    out.extend(families_of(techniques, light, MapFormat::Depth32, true));
+    out.extend(families_of(catalogue, light, MapFormat::Depth32, true));
     if small {
-        out.extend(families_of(techniques, light, MapFormat::Depth16, true));
+        out.extend(families_of(catalogue, light, MapFormat::Depth16, true));
     }
     out.extend(series);
     out
@@ -253,7 +257,7 @@ pub(super) fn families(techniques: &Techniques, light: &Light, small: bool) -> V
 
 /// Returns the families of the techniques with maps of this format, or of those without maps.
 fn families_of(
-    techniques: &Techniques,
+    catalogue: &Catalogue,
     light: &Light,
     format: MapFormat,
     has_map: bool,
@@ -262,12 +266,14 @@ fn families_of(
         format,
         ..ShadowMap::default()
     };
-    techniques
+    catalogue
         .all()
         .iter()
-        .filter(|entry| entry.has_map == has_map)
-        .flat_map(|entry| (entry.candidates)(map, light))
-        .map(Family::new)
+        .filter(|entry| entry.technique.has_map == has_map)
+        .flat_map(|entry| {
+            let candidates = (entry.candidates)(map, light).into_iter();
+            candidates.map(|candidate| Family::new(candidate, entry.planned_biases))
+        })
         .collect()
 }
 
@@ -278,6 +284,10 @@ mod tests {
     use umbrage_core::glam::Vec3;
     use umbrage_techniques::{Hard, Traced};
 
+    fn family_of(technique: impl Into<TechniquePreset>) -> Family {
+        Family::new(Candidate::One(technique.into()), PlannedBiases::All)
+    }
+
     /// A technique that is added to the registry must be a candidate, too.
     #[test]
     fn every_technique_is_a_candidate() {
@@ -286,7 +296,7 @@ mod tests {
             normal: -Vec3::Y,
             radius: 0.1,
         };
-        let names: HashSet<_> = families(&Techniques::built_in(), &lamp, false)
+        let names: HashSet<_> = families(&Catalogue::built_in(), &lamp, false)
             .iter()
             .map(|f| f.preset().technique().name())
             .collect();
@@ -297,7 +307,7 @@ mod tests {
 
     #[test]
     fn one_more_side_stands_in_its_place() {
-        let family = Family::of_maps(Hard::default().into());
+        let family = family_of(Hard::default());
         let sides = |side| {
             let candidates = family.clone().with_side(side).candidates;
             candidates
@@ -309,13 +319,13 @@ mod tests {
         for near in [64, 480, 560, 1024, 4096] {
             assert_eq!(sides(near), SIZES, "{near}");
         }
-        let rays = Family::single(Traced::default().into());
+        let rays = family_of(Traced::default());
         assert_eq!(rays.clone().with_side(704), rays);
     }
 
     #[test]
     fn stable_families_differ_in_their_fit_alone() {
-        let hard = Family::of_maps(Hard::default().into());
+        let hard = family_of(Hard::default());
         let stable = hard.stable(20.0).expect("has maps");
         let map = stable.candidates[0].map().expect("a map");
         assert_eq!(map.fit, Fit::Stable { range: 20.0 });
@@ -324,12 +334,12 @@ mod tests {
             ..*map
         };
         assert_eq!(stable.candidates[0].with_map(tight), hard.candidates[0]);
-        assert_eq!(Family::single(Traced::default().into()).stable(20.0), None);
+        assert_eq!(family_of(Traced::default()).stable(20.0), None);
     }
 
     #[test]
     fn cascaded_families_take_no_more_memory() {
-        let hard = Family::of_maps(Hard::default().into());
+        let hard = family_of(Hard::default());
         let cascaded = hard.cascaded(Cascades::default()).expect("has maps");
         let largest = |family: &Family| map_side(family.candidates.last().expect("some"));
         assert_eq!(2 * largest(&cascaded), largest(&hard));
@@ -341,7 +351,7 @@ mod tests {
             Layout::Cascades(Cascades::default())
         );
         assert_eq!(
-            Family::single(Traced::default().into()).cascaded(Cascades::default()),
+            family_of(Traced::default()).cascaded(Cascades::default()),
             None
         );
     }
@@ -373,7 +383,7 @@ mod tests {
             position: Vec3::Y,
             radius: 0.0,
         };
-        let names: HashSet<_> = families(&Techniques::built_in(), &bulb, true)
+        let names: HashSet<_> = families(&Catalogue::built_in(), &bulb, true)
             .iter()
             .map(|f| f.preset().technique().name())
             .collect();

@@ -2,18 +2,17 @@
 
 use super::Hold;
 use crate::{
-    Cancel, cost::CostModel, estimate::weighting::Weighting, motion::FrameMotion,
-    truth::TruthOptions,
+    Cancel, catalogue::Catalogue, cost::CostModel, estimate::weighting::Weighting,
+    motion::FrameMotion, truth::TruthOptions,
 };
 use glam::UVec2;
 use umbrage_core::Camera;
-use umbrage_techniques::Techniques;
 
 /// Options of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanOptions {
     /// The techniques that are tried.
-    pub registry: Techniques,
+    pub catalogue: Catalogue,
     /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each. Several
     /// cameras share them, down to a quarter of them each.
     pub samples: u32,
@@ -47,7 +46,7 @@ impl Default for PlanOptions {
             ..TruthOptions::default()
         };
         Self {
-            registry: Techniques::built_in(),
+            catalogue: Catalogue::built_in(),
             samples: 4096,
             seed: 1,
             truth,

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::{
     MeasureError,
+    catalogue::Catalogue,
     cost::CostModel,
     estimate::{
         density::{Pilot, density},
@@ -24,13 +25,13 @@ use crate::{
     truth::TruthOptions,
 };
 use umbrage_core::{Backend, Camera, Geometry, Invalid, Light};
-use umbrage_techniques::{Bias, ShadowMap, TechniquePreset, Techniques};
+use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 use web_time::Instant;
 
 /// Some cameras' views of a scene with their samples, and what was tried on them.
 pub struct Planner<'a> {
     pub(super) search: Search<'a>,
-    pub(super) techniques: Techniques,
+    pub(super) catalogue: Catalogue,
     truth: TruthOptions,
     pub(super) motion: FrameMotion,
     /// Seconds that receivers, sample and truth took.
@@ -115,7 +116,7 @@ impl<'a> Planner<'a> {
                 cancel: options.cancel.clone(),
                 is_timed: false,
             },
-            techniques: options.registry.clone(),
+            catalogue: options.catalogue.clone(),
             truth: options.truth,
             motion: options.motion,
             sampling_seconds: start.elapsed().as_secs_f64(),
@@ -178,7 +179,8 @@ impl<'a> Planner<'a> {
         let none = self.search.trials.error_of_no_shadow()?;
         let trials = &self.search.trials;
         let facts = Facts::find(trials, &self.truth)?;
-        let mut reasons = facts.reasons(trials, bounds, chosen.as_ref(), &curve)?;
+        let mut reasons =
+            facts.reasons(trials, &self.catalogue, bounds, chosen.as_ref(), &curve)?;
         reasons.extend(super::reasons::by_the_clock(chosen.as_ref(), &timed));
         let scene = &trials.views[0].scene;
         Ok(Plan {
@@ -226,7 +228,7 @@ impl<'a> Planner<'a> {
             small: bounds.max_bytes.is_some(),
             stable: bounds.max_shimmer.is_some(),
         };
-        search.families = families_for(&self.techniques, &search.trials.views[0].scene, needs);
+        search.families = families_for(&self.catalogue, &search.trials.views[0].scene, needs);
         let found = match max_error {
             Some(max_error) => search.cheapest(bounds, max_error, spread)?,
             None => search.most_accurate(bounds)?,

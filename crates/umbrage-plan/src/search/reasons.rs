@@ -3,6 +3,7 @@
 use super::{Bounds, CurvePoint, Setting, families::SIZES, trials::Trials};
 use crate::{
     MeasureError,
+    catalogue::Catalogue,
     estimate::{
         penumbra::{self, Penumbra},
         sampled_truth::SampledTruth,
@@ -46,6 +47,7 @@ impl Facts {
     pub(super) fn reasons(
         &self,
         trials: &Trials<'_>,
+        catalogue: &Catalogue,
         bounds: &Bounds,
         chosen: Option<&Setting>,
         curve: &[CurvePoint],
@@ -53,7 +55,7 @@ impl Facts {
         let mut out = vec![self.shadows(trials)];
         out.extend(self.widths(trials, chosen)?);
         let Some(chosen) = chosen else { return Ok(out) };
-        out.extend(exactness(trials, chosen)?);
+        out.extend(exactness(trials, catalogue, chosen)?);
         let all = trials.all();
         out.extend(map_use(&trials.views[0].scene, chosen)?);
         out.extend(smaller_map(&all, chosen));
@@ -123,12 +125,17 @@ fn share(sampled: &SampledTruth, is_met: impl Fn(f32) -> bool) -> f64 {
 }
 
 /// What is known of techniques without a map.
-fn exactness(trials: &Trials<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
+fn exactness(
+    trials: &Trials<'_>,
+    catalogue: &Catalogue,
+    chosen: &Setting,
+) -> Result<Option<String>, MeasureError> {
     if chosen.preset.map().is_some() {
         return Ok(None);
     }
     let recipe = trials.views[0].scene.recipe(&chosen.preset)?;
-    Ok(chosen.preset.why_chosen(chosen.estimate.error, &recipe))
+    let entry = catalogue.find(chosen.preset.technique().name());
+    Ok(entry.and_then(|entry| (entry.why_chosen)(&chosen.preset, chosen.estimate.error, &recipe)))
 }
 
 /// Says how well a chosen map is used; none without one.

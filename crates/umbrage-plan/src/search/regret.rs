@@ -2,7 +2,6 @@
 
 use super::{
     Bounds, PlanOptions, Planner, Setting,
-    bias::bias_amounts,
     bias_search::best_bias,
     clock::{self, Race},
     families::{FamilyNeeds, families_for},
@@ -247,7 +246,7 @@ impl<'a> Sweep<'a> {
     ) -> Result<(), MeasureError> {
         let strictest = regrets.iter().map(|r| r.bound).fold(1.0, f64::min);
         let scene = &self.planner.search.trials.views[0].scene;
-        let families = families_for(&self.planner.techniques, scene, FamilyNeeds::default());
+        let families = families_for(&self.planner.catalogue, scene, FamilyNeeds::default());
         // What keeps the loosest bound, with its error.
         let mut keeping: Vec<(Setting, f64)> = Vec::new();
         for family in &families {
@@ -344,10 +343,10 @@ impl<'a> Sweep<'a> {
     fn candidates(&mut self) -> Result<Vec<TechniquePreset>, MeasureError> {
         let mut priced: Vec<(f64, Vec<TechniquePreset>)> = Vec::new();
         let scene = &self.planner.search.trials.views[0].scene;
-        for family in families_for(&self.planner.techniques, scene, FamilyNeeds::default()) {
+        for family in families_for(&self.planner.catalogue, scene, FamilyNeeds::default()) {
             for size in 0..family.candidates.len() {
                 let mut presets: Vec<TechniquePreset> = Vec::new();
-                for biases in bias_amounts(family.preset()) {
+                for biases in family.bias_amounts() {
                     for texels in biases.amounts {
                         presets.push(family.at(size, biases.kind, texels));
                     }

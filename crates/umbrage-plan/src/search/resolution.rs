@@ -15,13 +15,13 @@ pub(super) fn side(scene: &PlanScene<'_>) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::catalogue::Catalogue;
     use crate::{
         estimate::weighting::Weighting,
         search::families::{FamilyNeeds, SIZES, families_for},
     };
     use glam::UVec2;
     use umbrage_core::{Camera, Geometry, Light};
-    use umbrage_techniques::Techniques;
 
     fn with_scene<R>(name: &str, size: UVec2, f: impl FnOnce(PlanScene<'_>) -> R) -> R {
         let scene = umbrage_scenes::by_argument(name).unwrap();
@@ -35,7 +35,7 @@ mod tests {
     fn more(name: &str, size: UVec2) -> Vec<u32> {
         with_scene(name, size, |scene| {
             let families = families_for(
-                &Techniques::built_in(),
+                &Catalogue::built_in(),
                 &scene,
                 FamilyNeeds {
                     small: true,

@@ -1,10 +1,7 @@
 //! The order in which candidates are tried: from the cheapest up until one keeps the bound of the error, or the finest ones
 //! that can be afforded.
 
-use super::{
-    Bounds, Miss, Setting, bias::bias_amounts, bias_search::best_bias, families::Family,
-    trials::Trials,
-};
+use super::{Bounds, Miss, Setting, bias_search::best_bias, families::Family, trials::Trials};
 use crate::{
     Cancel, MeasureError,
     progress::{OnStep, Step},
@@ -260,7 +257,7 @@ impl Search<'_> {
         last_errors: [f64; 2],
     ) -> Result<Option<Candidate>, MeasureError> {
         let family = &self.families[place.family];
-        let biases = &bias_amounts(family.preset())[0];
+        let biases = &family.bias_amounts()[0];
         let preset = family.at(place.candidate, biases.kind, biases.first());
         let price = self.trials.price(&preset)?;
         Ok(price.map(|price| Candidate {

@@ -1,13 +1,13 @@
 //! Plans of scenes whose best technique is known, and samples that must tell what whole images do.
 
 use super::{
-    bias::bias_amounts,
     bias_search::best_bias,
     families::{Family, families},
     *,
 };
 use crate::{
-    Estimate, Step,
+    Estimate, Step, catalogue,
+    catalogue::Catalogue,
     cost::{CostModel, KIND_NAMES, KINDS},
     motion::FrameMotion,
     truth,
@@ -20,7 +20,7 @@ use umbrage_core::{
     metrics::{Errors, Pixel},
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{TechniquePreset, Techniques};
+use umbrage_techniques::TechniquePreset;
 
 pub(super) fn scene(name: &str) -> Scene {
     umbrage_scenes::by_argument(name).expect("built in")
@@ -98,7 +98,7 @@ fn exact_techniques_are_told_apart_by_cost() {
 fn a_soft_lamp_needs_soft_shadows() {
     with_planner("rising-boxes", |mut planner| {
         let all = families(
-            &planner.techniques,
+            &planner.catalogue,
             planner.search.trials.views[0].scene.light,
             false,
         );
@@ -452,7 +452,7 @@ fn receivers_asked_alone_answer_the_same() {
         let receivers = cpu.receivers(&camera, &geometry).expect("valid");
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
         let pixels: Vec<u32> = (0..receivers.len() as u32).filter(|i| i % 7 != 3).collect();
-        for technique in umbrage_techniques::all()
+        for technique in catalogue::all()
             .iter()
             .flat_map(|e| (e.settings)(&[128], Fit::Tight))
         {
@@ -536,14 +536,14 @@ fn a_sweep_finds_nothing_much_cheaper() {
 #[test]
 fn biases_are_those_of_their_kinds() {
     for family in families(
-        &Techniques::built_in(),
+        &Catalogue::built_in(),
         &Light::Point {
             position: glam::Vec3::Y,
             radius: 0.1,
         },
         true,
     ) {
-        for biases in bias_amounts(family.preset()) {
+        for biases in family.bias_amounts() {
             let preset = family.at(0, biases.kind, biases.first());
             let own = family
                 .preset()

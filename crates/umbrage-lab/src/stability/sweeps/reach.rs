@@ -120,7 +120,7 @@ pub(super) fn sweep(
         let error_of_ideal = Measure::Rmse.figure(&case_truth, &case_truth.ideal);
         perfect_map.points.push([value, error_of_ideal]);
         let techniques = settings(
-            &options.registry,
+            &options.catalogue,
             &TECHNIQUES.map(str::to_owned),
             map_size,
             Fit::Tight,

@@ -19,10 +19,9 @@ use std::{
 };
 use umbrage_core::{Backend, BackendError, Fit, Invalid, Recipe, ShadowTechnique, Shadows, View};
 use umbrage_cpu::Cpu;
+use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::{self, TruthOptions};
-use umbrage_techniques::{
-    Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Techniques, Traced,
-};
+use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
 
 /// Small enough that all cases take seconds.
 fn small() -> StabilityOptions {
@@ -529,7 +528,7 @@ fn runs_repeat_to_the_bit() {
 #[test]
 fn settings_serve_any_fit() {
     assert!(
-        settings(&Techniques::built_in(), &[], 64, Fit::Tight).len()
+        settings(&Catalogue::built_in(), &[], 64, Fit::Tight).len()
             >= umbrage_techniques::all().len()
     );
 }

@@ -1,7 +1,7 @@
 //! Settings over maps and biases: what techniques compare, and what tests play.
 
-use crate::shadow_map::{BeyondFar, Bias, Border, MapFormat, ShadowMap, Surface};
 use umbrage_core::{Cascades, Fit, Layout, Split};
+use umbrage_techniques::{BeyondFar, Bias, Border, MapFormat, ShadowMap, Surface};
 
 /// Returns biases for kernels that reach `reach` texels beyond the receiver's own, and need more for it; the textbooks' slope bias is
 /// theirs for 3x3.

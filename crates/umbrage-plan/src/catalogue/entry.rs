@@ -1,0 +1,195 @@
+//! Rows of a list of measured techniques, and the list.
+
+use super::{
+    Candidate, CataloguedTechnique, ClosedFormDemand, ConfiguredTechniques, PlannedBiases,
+    RandomParameter,
+};
+use std::{
+    fmt::{self, Debug, Formatter},
+    sync::{Arc, LazyLock},
+};
+use umbrage_core::{Fit, Invalid, Light, Recipe, ShadowTechnique};
+use umbrage_techniques::{ShadowMap, TechniqueEntry, TechniquePreset, for_each_technique};
+
+/// A technique of a catalogue: what its [`CataloguedTechnique`] says, whatever its type.
+#[derive(Clone, Copy)]
+pub struct CatalogueEntry {
+    /// Its row in the library's list: name, summary, default settings.
+    pub technique: TechniqueEntry,
+    /// The settings worth comparing, for the given map sides (texels) and fit: [`CataloguedTechnique::compared`].
+    pub settings: fn(map_sizes: &[u32], fit: Fit) -> ConfiguredTechniques,
+    /// The few settings that stand for it, for the given map sides (texels) and fit: [`CataloguedTechnique::headline`].
+    pub headline: fn(map_sizes: &[u32], fit: Fit) -> ConfiguredTechniques,
+    /// As [`CataloguedTechnique::MAX_COMPARED_TRIANGLES`].
+    pub max_compared_triangles: Option<usize>,
+    /// Every setting that differs in code path, at one map side (texels): [`CataloguedTechnique::exhaustive`].
+    pub exhaustive: fn(map_size: u32) -> ConfiguredTechniques,
+    /// What a planner tries: [`CataloguedTechnique::candidates`].
+    pub candidates: fn(map: ShadowMap, light: &Light) -> Vec<Candidate<TechniquePreset>>,
+    /// Which biases a planner may give to its maps.
+    pub planned_biases: PlannedBiases,
+    /// Why a planner chose these settings: [`CataloguedTechnique::why_chosen`]. `None` of another
+    /// technique's, too.
+    pub why_chosen: fn(preset: &TechniquePreset, error: f64, recipe: &Recipe) -> Option<String>,
+    /// What closed forms demand of it: [`CataloguedTechnique::closed_form`].
+    pub closed_form: fn(map: ShadowMap) -> Option<ClosedFormDemand<TechniquePreset>>,
+    /// How often random scenes are rendered with it, relative to a technique with 1.
+    pub random_weight: u32,
+    /// The ranges of the numbers that [`CatalogueEntry::random`] takes.
+    pub random_parameters: fn() -> Vec<RandomParameter>,
+    /// Random settings: [`CataloguedTechnique::random`].
+    pub random: fn(map: ShadowMap, numbers: &[f32]) -> TechniquePreset,
+    /// Whether any of its shaders branches on a uniform.
+    pub branches_on_uniforms: bool,
+    /// As [`CataloguedTechnique::IS_PREVIEWED`].
+    pub is_previewed: bool,
+}
+
+/// Its name alone: addresses of functions differ from run to run.
+impl Debug for CatalogueEntry {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.technique.name)
+    }
+}
+
+impl CatalogueEntry {
+    /// Returns the row of a technique.
+    pub fn of<T: CataloguedTechnique>() -> Self {
+        Self {
+            technique: TechniqueEntry::of::<T>(),
+            settings: |map_sizes, fit| erased(T::compared(map_sizes, fit)),
+            headline: |map_sizes, fit| erased(T::headline(map_sizes, fit)),
+            max_compared_triangles: T::MAX_COMPARED_TRIANGLES,
+            exhaustive: |map_size| erased(T::exhaustive(map_size)),
+            candidates: |map, light| {
+                let candidates = T::candidates(map, light).into_iter();
+                candidates.map(|c| c.map(TechniquePreset::from)).collect()
+            },
+            planned_biases: T::PLANNED_BIASES,
+            why_chosen: |preset, error, recipe| preset.get::<T>()?.why_chosen(error, recipe),
+            closed_form: |map| {
+                let demand = T::closed_form(map)?;
+                Some(ClosedFormDemand {
+                    technique: TechniquePreset::from(demand.technique),
+                    reach: demand.reach,
+                    tolerance: demand.tolerance,
+                    closed_bodies: demand.closed_bodies,
+                })
+            },
+            random_weight: T::RANDOM_WEIGHT,
+            random_parameters: T::random_parameters,
+            random: |map, numbers| TechniquePreset::from(T::random(map, numbers)),
+            branches_on_uniforms: T::BRANCHES_ON_UNIFORMS,
+            is_previewed: T::IS_PREVIEWED,
+        }
+    }
+}
+
+fn erased<T: CataloguedTechnique>(settings: Vec<T>) -> ConfiguredTechniques {
+    settings
+        .into_iter()
+        .map(|technique| Arc::new(technique) as Arc<dyn ShadowTechnique>)
+        .collect()
+}
+
+macro_rules! rows {
+    ($($technique:path,)*) => {
+        vec![$(CatalogueEntry::of::<$technique>()),*]
+    };
+}
+
+static BUILT_IN: LazyLock<Vec<CatalogueEntry>> = LazyLock::new(|| for_each_technique!(rows));
+
+/// Returns the rows of all built-in techniques, cheapest first.
+pub fn all() -> &'static [CatalogueEntry] {
+    &BUILT_IN
+}
+
+/// Returns the row of the built-in technique with this name.
+pub fn find(name: &str) -> Option<&'static CatalogueEntry> {
+    all().iter().find(|entry| entry.technique.name == name)
+}
+
+/// The techniques that a program knows: the built-in ones, and those that it brings.
+#[derive(Clone, Debug)]
+pub struct Catalogue(Vec<CatalogueEntry>);
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        Self::built_in()
+    }
+}
+
+/// Lists are equal if they have the same names in the same order.
+impl PartialEq for Catalogue {
+    fn eq(&self, other: &Self) -> bool {
+        self.names() == other.names()
+    }
+}
+
+impl Catalogue {
+    /// The built-in techniques, cheapest first.
+    pub fn built_in() -> Self {
+        Self(all().to_vec())
+    }
+
+    /// The same list and one technique more.
+    ///
+    /// # Errors
+    /// Errors if a technique of that name is in the list.
+    pub fn with(mut self, entry: CatalogueEntry) -> Result<Self, Invalid> {
+        if self.find(entry.technique.name).is_some() {
+            let why = format!("`{}` is in the list already", entry.technique.name);
+            return Err(Invalid::new("technique", why, "give it another name"));
+        }
+        self.0.push(entry);
+        Ok(self)
+    }
+
+    /// The same list without the techniques whose names `keep` refuses.
+    #[must_use]
+    pub fn retain(mut self, keep: impl Fn(&str) -> bool) -> Self {
+        self.0.retain(|entry| keep(entry.technique.name));
+        self
+    }
+
+    /// All of them, in order.
+    pub fn all(&self) -> &[CatalogueEntry] {
+        &self.0
+    }
+
+    /// The technique with this name.
+    pub fn find(&self, name: &str) -> Option<&CatalogueEntry> {
+        self.0.iter().find(|entry| entry.technique.name == name)
+    }
+
+    /// All names, in order.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.0.iter().map(|entry| entry.technique.name).collect()
+    }
+
+    /// The techniques with these names, in the list's order; all of them if no names are given.
+    ///
+    /// # Errors
+    /// Errors if there is no technique with one of the names.
+    pub fn select(&self, names: &[String]) -> Result<Vec<&CatalogueEntry>, Invalid> {
+        if let Some(unknown) = names.iter().find(|name| self.find(name).is_none()) {
+            let why = format!("there is none called `{unknown}`");
+            let help = format!("use some of {}", self.names().join(", "));
+            return Err(Invalid::new("technique", why, help));
+        }
+        let wanted = |entry: &&CatalogueEntry| {
+            names.is_empty() || names.iter().any(|n| n == entry.technique.name)
+        };
+        Ok(self.0.iter().filter(wanted).collect())
+    }
+
+    /// Reads a preset of one of these techniques from TOML.
+    ///
+    /// # Errors
+    /// Errors if the text is not TOML, names none of these techniques, or has a field that the technique doesn't have.
+    pub fn preset_from_toml(&self, text: &str) -> Result<TechniquePreset, Invalid> {
+        let entries: Vec<TechniqueEntry> = self.0.iter().map(|entry| entry.technique).collect();
+        TechniquePreset::read(text, &entries)
+    }
+}

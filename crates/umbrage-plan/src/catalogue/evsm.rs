@@ -1,0 +1,111 @@
+//! What is measured and planned of `evsm`.
+
+use super::{
+    Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter, moments,
+    sweeps,
+};
+use umbrage_core::{Fit, Light};
+use umbrage_techniques::{Bias, Evsm, EvsmMoments, MomentPrecision, ShadowMap};
+
+impl CataloguedTechnique for Evsm {
+    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    const IS_PREVIEWED: bool = false;
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        sweeps::blurs(map_sizes, fit, |map, blur| Self {
+            map,
+            blur,
+            ..Self::default()
+        })
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = Vec::new();
+        for moments in [EvsmMoments::Two, EvsmMoments::Four] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                moments,
+                ..Self::default()
+            }));
+        }
+        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+            map,
+            precision: MomentPrecision::Bits16,
+            ..Self::default()
+        }));
+        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                precision,
+                mipmaps,
+                ..Self::default()
+            }));
+        }
+        out.extend(sweeps::middle(
+            &[map_size],
+            Fit::Tight,
+            &[Bias::ADAPTIVE],
+            |map| Self {
+                map,
+                moments: EvsmMoments::Two,
+                precision: MomentPrecision::Bits16,
+                ..Self::default()
+            },
+        ));
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [3, 8]
+            .map(|blur| {
+                Candidate::of(Self {
+                    map,
+                    blur,
+                    ..Self::default()
+                })
+            })
+            .to_vec()
+    }
+
+    // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
+    const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        let technique = Self {
+            map: moments::closed_form_map(map),
+            ..Self::default()
+        };
+        Some(moments::closed_form_demand(technique))
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Count(0..8),
+            RandomParameter::Length(0.0..0.01),
+            RandomParameter::Length(0.0..0.9),
+            RandomParameter::Switch,
+            RandomParameter::Length(0.0..42.0),
+            RandomParameter::Length(0.0..42.0),
+            RandomParameter::Switch,
+            RandomParameter::Count(0..4),
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            blur: numbers[0] as u32,
+            mipmaps: numbers[7] as u32,
+            precision: moments::precision_of_switch(numbers[6]),
+            least_deviation: Some(numbers[1]),
+            bleeding_reduction: numbers[2],
+            moments: if numbers[3] > 0.0 {
+                EvsmMoments::Four
+            } else {
+                EvsmMoments::Two
+            },
+            positive_exponent: numbers[4],
+            negative_exponent: numbers[5],
+        }
+    }
+}

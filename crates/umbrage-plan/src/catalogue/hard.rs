@@ -1,0 +1,48 @@
+//! What is measured and planned of `hard`.
+
+use super::{CataloguedTechnique, sweeps};
+use umbrage_core::Fit;
+use umbrage_techniques::{Bias, Hard, MapFormat, ShadowMap};
+
+/// One comparison shows best what each bias does. The first is compared at every map size.
+const COMPARED_BIASES: [Bias; 8] = [
+    Bias::ADAPTIVE,
+    Bias::RECEIVER_PLANE,
+    Bias::NONE,
+    Bias::CONSTANT,
+    Bias::SLOPE,
+    Bias::POLYGON_OFFSET,
+    Bias::NORMAL_OFFSET,
+    Bias::FRONT_CULL,
+];
+
+impl CataloguedTechnique for Hard {
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let mut out = sweeps::sweep(map_sizes, fit, &COMPARED_BIASES, |map| Self { map });
+        for format in [MapFormat::Depth16, MapFormat::Rgba8] {
+            out.extend(sweeps::middle(map_sizes, fit, &[Bias::SLOPE], |map| Self {
+                map: ShadowMap { format, ..map },
+            }));
+        }
+        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
+            Self { map }
+        }));
+        out
+    }
+
+    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let mut out = sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Self { map });
+        out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
+            Self { map }
+        }));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = sweeps::every_bias(map_size, |map| Self { map });
+        out.extend(sweeps::kinds_of_map(map_size).map(|map| Self { map }));
+        out
+    }
+
+    const RANDOM_WEIGHT: u32 = 2;
+}

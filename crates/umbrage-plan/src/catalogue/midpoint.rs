@@ -1,0 +1,36 @@
+//! What is measured and planned of `midpoint`.
+
+use super::{Candidate, CataloguedTechnique, PlannedBiases, RandomParameter, sweeps};
+use umbrage_core::{Fit, Light};
+use umbrage_techniques::{Bias, Midpoint, ShadowMap};
+
+impl CataloguedTechnique for Midpoint {
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let biases = [Bias::NONE, Bias::ADAPTIVE];
+        sweeps::sweep(map_sizes, fit, &biases, |map| Self { map, radius: 0 })
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        sweeps::every_bias(map_size, |map| Self { map, radius: 1 })
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [0, 1]
+            .map(|radius| Candidate::of(Self { map, radius }))
+            .to_vec()
+    }
+
+    // Peeling takes no polygon offset.
+    const PLANNED_BIASES: PlannedBiases = PlannedBiases::WithoutPolygonOffset;
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![RandomParameter::Count(0..4)]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            radius: numbers[0] as u32,
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! What is measured and planned of `msm`.
+
+use super::{
+    Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter, moments,
+    sweeps,
+};
+use umbrage_core::{Fit, Light};
+use umbrage_techniques::{MomentPrecision, Msm, Reconstruction, ShadowMap};
+
+impl CataloguedTechnique for Msm {
+    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    const IS_PREVIEWED: bool = false;
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        sweeps::blurs(map_sizes, fit, |map, blur| Self {
+            map,
+            blur,
+            ..Self::default()
+        })
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = Vec::new();
+        for reconstruction in [Reconstruction::Hamburger, Reconstruction::Hausdorff] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                reconstruction,
+                ..Self::default()
+            }));
+        }
+        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+            map,
+            precision: MomentPrecision::Bits16,
+            ..Self::default()
+        }));
+        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                precision,
+                mipmaps,
+                ..Self::default()
+            }));
+        }
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [3, 8]
+            .map(|blur| {
+                Candidate::of(Self {
+                    map,
+                    blur,
+                    ..Self::default()
+                })
+            })
+            .to_vec()
+    }
+
+    // The receiver's plane, which the default bias follows, is all that this needs of a bias.
+    const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        let technique = Self {
+            map: moments::closed_form_map(map),
+            ..Self::default()
+        };
+        Some(moments::closed_form_demand(technique))
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Count(0..8),
+            RandomParameter::Length(0.0..1e-4),
+            RandomParameter::Length(0.0..0.9),
+            RandomParameter::Switch,
+            RandomParameter::Switch,
+            RandomParameter::Count(0..4),
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            blur: numbers[0] as u32,
+            mipmaps: numbers[5] as u32,
+            precision: moments::precision_of_switch(numbers[4]),
+            moment_bias: Some(numbers[1]),
+            bleeding_reduction: numbers[2],
+            reconstruction: if numbers[3] > 0.0 {
+                Reconstruction::Hausdorff
+            } else {
+                Reconstruction::Hamburger
+            },
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! What is measured and planned of `pcf_disc`.
+
+use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter, sweeps};
+use umbrage_core::{Fit, Light};
+use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, PcfDisc, ShadowMap};
+
+impl CataloguedTechnique for PcfDisc {
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let few = Self {
+            taps: 8,
+            ..Self::default()
+        };
+        let usual = Self {
+            taps: 16,
+            ..Self::default()
+        };
+        let many = Self {
+            taps: 32,
+            ..Self::default()
+        };
+        let poisson = Self {
+            pattern: Pattern::Poisson,
+            ..Self::default()
+        };
+        let bias = [Bias::ADAPTIVE];
+        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| few.with_map(map));
+        out.extend(sweeps::sweep(map_sizes, fit, &bias, |map| {
+            usual.with_map(map)
+        }));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
+            many.with_map(map)
+        }));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
+            poisson.with_map(map)
+        }));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = sweeps::every_bias(map_size, |map| Self {
+            map,
+            ..Self::default()
+        });
+        for pattern in [Pattern::Grid, Pattern::Poisson] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                pattern,
+                rotate: false,
+                taps: 9,
+                ..Self::default()
+            }));
+        }
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        let mut out = Vec::new();
+        for (radius, taps) in [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)] {
+            out.push(Candidate::of(Self {
+                map,
+                radius,
+                taps,
+                ..Self::default()
+            }));
+        }
+        out
+    }
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        let radius = 2.0;
+        let technique = Self {
+            map,
+            radius,
+            ..Self::default()
+        };
+        Some(ClosedFormDemand::new(technique, radius))
+    }
+
+    const RANDOM_WEIGHT: u32 = 2;
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Length(0.1..6.0),
+            RandomParameter::Count(1..40),
+            RandomParameter::Pattern,
+            RandomParameter::Switch,
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            radius: numbers[0],
+            taps: numbers[1] as u32,
+            pattern: Pattern::ALL[numbers[2] as usize],
+            rotate: numbers[3] > 0.0,
+        }
+    }
+}

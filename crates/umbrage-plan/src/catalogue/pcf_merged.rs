@@ -1,0 +1,67 @@
+//! What is measured and planned of `pcf_merged`.
+
+use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter, sweeps};
+use umbrage_core::{Fit, Light};
+use umbrage_techniques::{Bias, PcfMerged, ShadowMap};
+
+impl CataloguedTechnique for PcfMerged {
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let mut out = Vec::new();
+        for radius in [1, 2] {
+            let biases = sweeps::two_biases(Self::reach(radius));
+            out.extend(sweeps::sweep(map_sizes, fit, &biases, |map| Self {
+                map,
+                radius,
+            }));
+        }
+        let radius = 3;
+        out.extend(sweeps::middle(map_sizes, fit, &[Bias::ADAPTIVE], |map| {
+            Self { map, radius }
+        }));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = sweeps::every_bias(map_size, |map| Self { map, radius: 1 });
+        for radius in [2, 3] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                radius,
+            }));
+        }
+        let kinds = sweeps::sampled_maps(map_size).into_iter();
+        out.extend(kinds.map(|map| Self { map, radius: 2 }));
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [1, 2, 3]
+            .map(|radius| Candidate::of(Self { map, radius }))
+            .to_vec()
+    }
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        // As for `PcfHardware`.
+        let map = ShadowMap {
+            bias: Bias::RECEIVER_PLANE,
+            ..map
+        };
+        Some(ClosedFormDemand::new(
+            Self { map, radius: 1 },
+            Self::reach(1),
+        ))
+    }
+
+    const RANDOM_WEIGHT: u32 = 2;
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![RandomParameter::Count(1..4)]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            radius: numbers[0] as u32,
+        }
+    }
+}

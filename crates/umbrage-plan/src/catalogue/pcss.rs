@@ -1,0 +1,98 @@
+//! What is measured and planned of `pcss`.
+
+use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter, sweeps};
+use umbrage_core::{Fit, Light};
+use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, Pcss, ShadowMap};
+
+impl CataloguedTechnique for Pcss {
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let few = with_taps(8, 16);
+        let usual = with_taps(16, 32);
+        let many = with_taps(32, 64);
+        let bias = [Bias::ADAPTIVE];
+        let biases = [Bias::ADAPTIVE, Bias::SLOPE];
+        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| few.with_map(map));
+        out.extend(sweeps::sweep(map_sizes, fit, &biases, |map| {
+            usual.with_map(map)
+        }));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
+            many.with_map(map)
+        }));
+        out
+    }
+
+    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let usual = Self::default();
+        let many = with_taps(32, 64);
+        let bias = [Bias::ADAPTIVE];
+        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| usual.with_map(map));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
+            many.with_map(map)
+        }));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let default = Self::default();
+        let mut out = sweeps::every_bias(map_size, |map| default.with_map(map));
+        for pattern in [Pattern::Grid, Pattern::Poisson] {
+            let still = Self {
+                pattern,
+                rotate: false,
+                ..with_taps(7, 9)
+            };
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                still.with_map(map)
+            }));
+        }
+        out.extend(sweeps::kinds_of_map(map_size).map(|map| default.with_map(map)));
+        out
+    }
+
+    fn candidates(map: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
+        // Ideal lights have no penumbrae.
+        if light.is_ideal() {
+            return Vec::new();
+        }
+        [(4, 8), (8, 16), (16, 32), (32, 64)]
+            .map(|(blocker_taps, filter_taps)| {
+                Candidate::of(with_taps(blocker_taps, filter_taps).with_map(map))
+            })
+            .to_vec()
+    }
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        // An ideal light has no extent to search.
+        Some(ClosedFormDemand::new(Self::default().with_map(map), 0.0))
+    }
+
+    const RANDOM_WEIGHT: u32 = 3;
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Count(1..40),
+            RandomParameter::Count(1..40),
+            RandomParameter::Pattern,
+            RandomParameter::Switch,
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            blocker_taps: numbers[0] as u32,
+            filter_taps: numbers[1] as u32,
+            pattern: Pattern::ALL[numbers[2] as usize],
+            rotate: numbers[3] > 0.0,
+        }
+    }
+}
+
+/// Returns the default settings with other counts of taps.
+fn with_taps(blocker_taps: u32, filter_taps: u32) -> Pcss {
+    Pcss {
+        blocker_taps,
+        filter_taps,
+        ..Pcss::default()
+    }
+}

@@ -1,0 +1,68 @@
+//! No technique is forgotten.
+
+use super::*;
+use std::collections::HashSet;
+use umbrage_core::glam::Vec3;
+use umbrage_techniques::Pcss;
+
+#[test]
+fn names_are_unique_and_select_catalogue() {
+    let catalogue = Catalogue::built_in();
+    let names: HashSet<_> = catalogue.names().into_iter().collect();
+    assert_eq!(names.len(), catalogue.all().len());
+    assert!(
+        catalogue
+            .clone()
+            .with(CatalogueEntry::of::<Pcss>())
+            .is_err()
+    );
+    let selected = catalogue.select(&["pcf".to_owned(), "none".to_owned()]);
+    let selected: Vec<_> = selected
+        .unwrap()
+        .iter()
+        .map(|entry| entry.technique.name)
+        .collect();
+    assert_eq!(selected, ["none", "pcf"]);
+    let unknown = catalogue.select(&["pfc".to_owned()]).unwrap_err();
+    assert!(unknown.to_string().contains("pcf_hardware"), "{unknown}");
+}
+
+/// Runs that go on compare their options as text.
+#[test]
+fn lists_show_names_alone() {
+    let shown = format!("{:?}", Catalogue::built_in());
+    assert!(shown.starts_with("Catalogue([none, hard, "), "{shown}");
+}
+
+#[test]
+fn every_setting_of_an_entry_is_of_its_technique() {
+    let lamp = Light::Disc {
+        center: Vec3::Y,
+        normal: -Vec3::Y,
+        radius: 0.1,
+    };
+    let map = ShadowMap::default();
+    for entry in all() {
+        let settings = [
+            (entry.settings)(&[64, 128], Fit::Tight),
+            (entry.exhaustive)(64),
+        ]
+        .concat();
+        assert!(
+            settings.iter().all(|t| t.name() == entry.technique.name),
+            "{}",
+            entry.technique.name
+        );
+        let compared = (entry.settings)(&[64], Fit::Tight);
+        assert!(
+            !compared.is_empty() && settings.len() > compared.len(),
+            "{}",
+            entry.technique.name
+        );
+        assert!(
+            !(entry.candidates)(map, &lamp).is_empty(),
+            "{} is never tried",
+            entry.technique.name
+        );
+    }
+}

@@ -1,0 +1,59 @@
+//! What is measured and planned of `traced`.
+
+use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter};
+use umbrage_core::{Fit, Light, Recipe};
+use umbrage_techniques::{ShadowMap, Traced};
+
+/// Rays a receiver that a planner tries, each a fifth or so more than the one before (or one more), as each costs so much
+/// more.
+const PLANNED_SAMPLES: [u32; 23] = [
+    1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 33, 40, 49, 60, 74, 91, 112, 170, 256,
+];
+
+/// Twice the rays divide the error by at most 2 (the samples are stratified), and no step is more than from one to two.
+const GAIN_OF_RAYS: f64 = 2.0;
+
+impl CataloguedTechnique for Traced {
+    fn compared(_: &[u32], _: Fit) -> Vec<Self> {
+        [1, 4, 32].map(|samples| Self { samples }).to_vec()
+    }
+
+    fn headline(_: &[u32], _: Fit) -> Vec<Self> {
+        vec![Self { samples: 4 }]
+    }
+
+    fn exhaustive(_: u32) -> Vec<Self> {
+        vec![Self { samples: 3 }]
+    }
+
+    fn candidates(_: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
+        // Ideal lights take one ray, whatever is asked.
+        let counts = if light.is_ideal() {
+            &PLANNED_SAMPLES[..1]
+        } else {
+            &PLANNED_SAMPLES[..]
+        };
+        vec![Candidate::Series {
+            settings: counts.iter().map(|&samples| Self { samples }).collect(),
+            max_gain: GAIN_OF_RAYS,
+        }]
+    }
+
+    fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
+        Some("rays need no map, and no bias".to_owned())
+    }
+
+    fn closed_form(_: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        Some(ClosedFormDemand::new(Self { samples: 1 }, 0.0))
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![RandomParameter::Count(1..5)]
+    }
+
+    fn random(_: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            samples: numbers[0] as u32,
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! What is measured and planned of `vsm`.
+
+use super::{
+    Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter, moments,
+    sweeps,
+};
+use umbrage_core::{Fit, Light};
+use umbrage_techniques::{Bias, MomentPrecision, ShadowMap, Vsm};
+
+impl CataloguedTechnique for Vsm {
+    // Its filters take longer than most techniques' lookups, above all on software drivers.
+    const IS_PREVIEWED: bool = false;
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        sweeps::blurs(map_sizes, fit, |map, blur| Self {
+            map,
+            blur,
+            ..Self::default()
+        })
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = sweeps::slope_and_adaptive(map_size, |map| Self {
+            map,
+            ..Self::default()
+        });
+        for blur in [0, 9] {
+            out.extend(sweeps::middle(
+                &[map_size],
+                Fit::Tight,
+                &[Bias::NONE],
+                |map| Self {
+                    map,
+                    blur,
+                    ..Self::default()
+                },
+            ));
+        }
+        let kinds = sweeps::kinds_of_map(map_size).into_iter();
+        out.extend(kinds.map(|map| Self {
+            map,
+            ..Self::default()
+        }));
+        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+            map,
+            precision: MomentPrecision::Bits16,
+            ..Self::default()
+        }));
+        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                precision,
+                mipmaps,
+                ..Self::default()
+            }));
+        }
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        // A wider blur bleeds more; `evsm` and `msm` are tried with one.
+        vec![Candidate::of(Self {
+            map,
+            ..Self::default()
+        })]
+    }
+
+    // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
+    const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        let technique = Self {
+            map: moments::closed_form_map(map),
+            ..Self::default()
+        };
+        Some(moments::closed_form_demand(technique))
+    }
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Count(0..8),
+            RandomParameter::Length(0.0..0.01),
+            RandomParameter::Length(0.0..0.9),
+            RandomParameter::Switch,
+            RandomParameter::Count(0..4),
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            blur: numbers[0] as u32,
+            mipmaps: numbers[4] as u32,
+            precision: moments::precision_of_switch(numbers[3]),
+            least_deviation: Some(numbers[1]),
+            bleeding_reduction: numbers[2],
+        }
+    }
+}
