@@ -3,8 +3,8 @@
 
 use std::process::ExitCode;
 use umbrage::Invalid;
-use umbrage_cli::Program;
 use umbrage_examples::contact::ContactShadows;
+use umbrage_lab::cli::Program;
 use umbrage_plan::catalogue::CatalogueEntry;
 
 fn main() -> Result<ExitCode, Invalid> {

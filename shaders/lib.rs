@@ -9,7 +9,7 @@ pub mod shading;
 pub mod shadow_map;
 pub mod techniques;
 
-pub use filtering::comparison_sampler::WEIGHT_ERROR;
+pub use filtering::comparison_sampler::{WEIGHT_ERROR, sampler_tolerance};
 pub use filtering::depth_in_reach::{DepthInReachKernel, DepthInReachUniforms};
 pub use filtering::horizon::Horizon;
 pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};

@@ -10,12 +10,18 @@ use crate::{
     shadow_map::{coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap},
 };
 use glam::Vec2;
-use umbrage_core::Module;
+use umbrage_core::{Kernel, Module};
 
 /// How far a sampler with weights of 8 bits may be from the exact blend: each of two weights is off by less than 1/256,
 /// and answers differ by at most 1 along each axis. (7.3e-3 was the most over 786,432 random lookups.) Means of samples
 /// are no farther off, since their weights add to 1.
 pub const WEIGHT_ERROR: f32 = 2.0 / 256.0;
+
+/// Returns how far the answers of a kernel's halves may lie apart, 0..=1, beyond what rounding does:
+/// more than 0 if it reads through the comparison sampler.
+pub fn sampler_tolerance(kernel: &dyn Kernel) -> f32 {
+    if kernel.compares() { WEIGHT_ERROR } else { 0.0 }
+}
 
 /// The most samples along one side of the square.
 pub(crate) const LANES: usize = 4;

@@ -160,10 +160,6 @@ impl Kernel for HardwareKernel {
     fn compares(&self) -> bool {
         true
     }
-
-    fn tolerance(&self) -> f32 {
-        crate::WEIGHT_ERROR
-    }
 }
 
 impl ReceiveKernel for HardwareKernel {

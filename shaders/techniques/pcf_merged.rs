@@ -138,10 +138,6 @@ impl Kernel for MergedKernel {
     fn compares(&self) -> bool {
         true
     }
-
-    fn tolerance(&self) -> f32 {
-        crate::WEIGHT_ERROR
-    }
 }
 
 impl ReceiveKernel for MergedKernel {

@@ -1,7 +1,7 @@
 //! Starts the project's own commands. Each is part of one of two programs, which are built when they are first asked for:
 //! `xtask-measure` (optimised) and `xtask-upkeep`.
 
-#[path = "../../crates/umbrage-cli/src/print.rs"]
+#[path = "../../crates/umbrage-lab/src/print.rs"]
 #[macro_use]
 mod print;
 

@@ -319,7 +319,7 @@ pub struct Agreement {
 
 impl Agreement {
     /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond
-    /// [`AGREEMENT_TOLERANCE`] ([`Kernel::tolerance`](crate::Kernel::tolerance)).
+    /// [`AGREEMENT_TOLERANCE`], 0..=1: comparison samplers' weights are left to devices, say.
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.

@@ -9,6 +9,7 @@
 //! * [`stability`]: where methods fail, scene by scene.
 //! * [`which`]: which technique to use, as a page made from the results of the two.
 //! * [`plan_files`]: plans on disk. [`assembled_wgsl`]: the shader text of a technique.
+//! * [`cli`]: the commands, for programs of one's own, too.
 //! * [`output`]: what all of these write with: folders, pictures, charts, pages and tables.
 //!
 //! Truth, costs, footprints and the planner are [`umbrage_plan`]'s; [`umbrage_core::metrics`] says how far a mask is from truth.
@@ -30,6 +31,11 @@ pub mod report;
 pub mod stability;
 pub mod textbook;
 pub mod which;
+
+// Its macros are for the modules after it.
+#[macro_use]
+mod print;
+pub mod cli;
 
 pub use assembled::assembled_wgsl;
 pub use error::LabError;

@@ -6,11 +6,11 @@ use std::{path::Path, process::ExitCode};
 fn main() -> ExitCode {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     let repository = package.ancestors().nth(2).unwrap_or(package);
-    let program = umbrage_cli::Program {
+    let program = umbrage_lab::cli::Program {
         invocation: "cargo xtask",
         reports: repository.join("target"),
         light_set_ratios: Some(umbrage_examples::light_set::ratios),
-        ..umbrage_cli::Program::default()
+        ..umbrage_lab::cli::Program::default()
     };
     program.run()
 }

@@ -218,7 +218,7 @@ fn a_tiny_difference_is_told_but_tolerated() {
 
 /// What a kernel allows comes on top of a step of 255, and no more than that.
 #[test]
-fn kernels_may_ask_for_tolerance() {
+fn a_tolerance_excuses_differences() {
     let mut mask = truth();
     mask[0] = (mask[0] - 0.01).abs();
     let violations = |tolerance| {

@@ -37,11 +37,6 @@ pub trait Kernel: Debug + Send + Sync {
     fn needs_triangles(&self) -> bool {
         false
     }
-    /// How much farther than usual the answers of the halves may lie apart, 0..=1, where a device rounds what WGSL leaves
-    /// open: comparison samplers' weights, say.
-    fn tolerance(&self) -> f32 {
-        0.0
-    }
 }
 
 /// A kernel that returns, for seen points, how much light arrives: visibility, 0..=1. Its WGSL entry is `fn receive(r:

@@ -11,6 +11,7 @@ use umbrage_core::{
     metrics::{AGREEMENT_TOLERANCE, Agreement, Doubt},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
+use umbrage_techniques::sampler_tolerance;
 
 /// Compares a backend's mask with the one that the CPU makes when it rounds vertices so, too. `of_cpu` is what it makes of
 /// the same recipe by its own rule; [`Agreement::differing`] and [`Agreement::largest`] tell the difference from that.
@@ -36,7 +37,7 @@ pub fn agree(
         Some(cpu.render(view, recipe)?)
     };
     let expected = played.as_ref().unwrap_or(of_cpu);
-    let tolerance = recipe.receive.kernel.tolerance();
+    let tolerance = sampler_tolerance(&*recipe.receive.kernel);
     let mut doubts = different_triangles(
         expected.receivers.as_ref(),
         other.receivers.as_ref(),

@@ -24,6 +24,7 @@ use umbrage_core::{
     metrics::{AGREEMENT_TOLERANCE, ERROR_THRESHOLD, Pixel, near},
 };
 use umbrage_plan::{footprint, truth::Truth};
+use umbrage_techniques::sampler_tolerance;
 
 /// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its mask. `recipe` and
 /// `with_casters` are what it planned and showed with them. None where it can't be planned without casters.
@@ -50,7 +51,7 @@ pub(super) fn run(
     let without = backend.render(&seen, &bare_recipe)?;
     let expected = expected_without_casters(&bare_view, truth, &bare_recipe);
     let kernel = &bare_recipe.receive.kernel;
-    let tolerance = AGREEMENT_TOLERANCE + kernel.tolerance();
+    let tolerance = AGREEMENT_TOLERANCE + sampler_tolerance(&**kernel);
     let horizon_error = kernel.horizon_error();
     let is_counted = |i: usize| truth.pixels[i] == Pixel::Counted;
     let wrong_without = (0..expected.len())

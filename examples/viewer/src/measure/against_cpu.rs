@@ -12,6 +12,7 @@ use umbrage::{
     cpu::{Cpu, CpuOptions, PlaneShift},
     glam::Vec2,
     metrics::{Agreement, Doubt},
+    techniques::sampler_tolerance,
 };
 
 /// How far maps move in depth, of 0 to 1: 2^-20.
@@ -102,7 +103,7 @@ impl<'a> Compared<'a> {
         let options = CpuOptions::default().snapping(snapping);
         let mut cpu = Cpu::with_options(&options)?;
         let expected = cpu.render(view, recipe)?;
-        let tolerance = recipe.receive.kernel.tolerance();
+        let tolerance = sampler_tolerance(&*recipe.receive.kernel);
         let mut doubts = vec![Doubt::None; mask.len()];
         let measure = |doubts: &[Doubt]| {
             Agreement::measure(expected.size, &expected.mask, mask, doubts, tolerance)

@@ -1,9 +1,9 @@
 //! The tables that `stability` prints: the matrix of single rows, the windows of bias, and the list of rows.
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::stability::{
+use crate::stability::{
     Base, BiasWindow, CaseResult, Cell, CriterionResult, Stability, Verdict, rows,
 };
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 
 /// Returns a line for each technique: the normal offsets at which it has neither acne nor a gap.
 pub(crate) fn windows_table(windows: &[BiasWindow]) -> Table {

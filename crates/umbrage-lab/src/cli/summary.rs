@@ -1,6 +1,6 @@
 //! What a comparison comes to, in the last lines that it prints.
 
-use umbrage_lab::{
+use crate::{
     compare::{
         Comparison, CostBasis, Relative, SceneResult, Section, SettingGroup, percent,
         setting_groups, times,
@@ -102,9 +102,7 @@ fn line(group: &SettingGroup, setting: &Relative, stability: Option<&StabilitySo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_lab::compare::{
-        CompareRow, Measured, RowOutcome, RowTimes, SceneResult, TimingStats,
-    };
+    use crate::compare::{CompareRow, Measured, RowOutcome, RowTimes, SceneResult, TimingStats};
 
     fn row(technique: &str, backend: &str, rmse: f64, ms: f64) -> CompareRow {
         let total = TimingStats {

@@ -1,22 +1,22 @@
 //! `plan`: plans the technique for a scene within bounds, prints the reasons, and writes the preset.
 
-use crate::program::Program;
-use crate::{
+use crate::cli::program::Program;
+use crate::cli::{
     args::{Backend as BackendName, PlanArguments, PlanBackend, PlanRenderer, PlanWeight},
     usage::Usage,
 };
-use crate::{
+use crate::cli::{
     inputs,
     planning::{self, Progress},
 };
-use anyhow::{Result, bail};
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_core::{Backend, Geometry, Scene, glam::UVec2};
-use umbrage_lab::{
+use crate::{
     compare::{Backends, FrameMotion},
     plan_files::{Written, write, write_lights},
     stability::{Demand, Stability},
 };
+use anyhow::{Result, bail};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use umbrage_core::{Backend, Geometry, Scene, glam::UVec2};
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::{
     Bounds, Coverage, LightsBudget, LightsPlan, Plan, PlanOptions, RendererData, Setting,
@@ -132,7 +132,7 @@ pub(crate) fn clock_of(arguments: &PlanArguments) -> Result<Option<Backends>> {
 pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result<PlanOptions> {
     let prices = inputs::prices(arguments.prices.as_deref())?;
     Ok(PlanOptions {
-        catalogue: demanded(&program.techniques, arguments)?,
+        catalogue: demanded(&program.catalogue, arguments)?,
         samples: arguments.samples,
         seed: arguments.seed,
         cost: prices.of(kind(arguments)),

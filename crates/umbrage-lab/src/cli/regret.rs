@@ -1,16 +1,16 @@
 //! `plan --regret`: compares plans with exhaustive sweeps.
 
-use crate::args::PlanArguments;
-use crate::program::Program;
-use crate::{
+use crate::cli::args::PlanArguments;
+use crate::cli::program::Program;
+use crate::cli::{
     inputs::scene,
     plan::{clock_of, options_of},
     planning::Progress,
 };
+use crate::plan_files::write_regret;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::{Backend, Scene};
-use umbrage_lab::plan_files::write_regret;
 use umbrage_plan::{
     ClockRegret, MAX_REGRET, MIN_KEPT, PlanOptions, Regret, regret as measure, statistics::Sorted,
     truth::TruthOptions,

@@ -1,6 +1,6 @@
 //! Progress and formats that `plan` and its regret table share.
 
-use crate::{
+use crate::cli::{
     cost::spoken,
     progress::{LOG_INTERVAL, Repeater},
 };

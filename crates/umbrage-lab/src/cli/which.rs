@@ -1,8 +1,8 @@
 //! `which`: writes the page that says which technique to use, from what was measured.
 
-use crate::{args::WhichArguments, program::Program, usage::Usage};
+use crate::cli::{args::WhichArguments, program::Program, usage::Usage};
+use crate::{LabError, which::write};
 use anyhow::Result;
-use umbrage_lab::{LabError, which::write};
 
 /// Writes the page; errors if a folder holds no such results.
 pub(crate) fn which(program: &Program, arguments: &WhichArguments) -> Result<()> {

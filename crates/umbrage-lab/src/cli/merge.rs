@@ -1,8 +1,8 @@
 //! `merge`: shards in, one report out.
 
-use crate::{args::MergeArguments, verdicts};
+use crate::cli::{args::MergeArguments, verdicts};
+use crate::report::merge as join;
 use anyhow::Result;
-use umbrage_lab::report::merge as join;
 
 /// Joins, and fails if any shard had faults.
 pub(crate) fn merge(options: &MergeArguments) -> Result<()> {
@@ -16,6 +16,6 @@ pub(crate) fn merge(options: &MergeArguments) -> Result<()> {
         comparison.scenes.len(),
         options.folders.len()
     );
-    crate::compare::conclude(&comparison, stability.as_ref(), &page);
-    crate::compare::verdict(&comparison)
+    crate::cli::compare::conclude(&comparison, stability.as_ref(), &page);
+    crate::cli::compare::verdict(&comparison)
 }

@@ -1,8 +1,8 @@
-//! The commands that measure shadow techniques, as a library: a program of yours becomes `compare`, `stability`, `plan`,
+//! The commands that measure shadow techniques: a program of yours becomes `compare`, `stability`, `plan`,
 //! `which`, `bias`, `bench`, `card`, `wgsl` and `merge` by one call.
 //!
 //! ```no_run
-//! use umbrage_cli::Program;
+//! use umbrage_lab::cli::Program;
 //!
 //! fn main() -> std::process::ExitCode {
 //!     Program::default().run()
@@ -10,9 +10,6 @@
 //! ```
 //!
 //! Techniques of your own come in by [`Program::with`]; `examples/measure_variance.rs` in the repository does that.
-
-#[macro_use]
-mod print;
 
 mod args;
 mod bench;

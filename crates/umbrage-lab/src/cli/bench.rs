@@ -1,9 +1,9 @@
 //! `bench`: prints speeds as ratios.
 
-use crate::args::BenchArguments;
+use crate::bench::{BenchOptions, Pair, lists, plans, run, soft};
+use crate::cli::args::BenchArguments;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::bench::{BenchOptions, Pair, lists, plans, run, soft};
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Prints each ratio as it comes, then the table of all.

@@ -1,6 +1,6 @@
 //! `list`: prints the scenes and techniques that can be compared.
 
-use crate::program::Program;
+use crate::cli::program::Program;
 use anyhow::Result;
 use comfy_table::{Table, presets::NOTHING};
 
@@ -18,7 +18,7 @@ pub(crate) fn list(program: &Program) -> Result<()> {
     techniques
         .load_style(NOTHING)
         .set_header(["technique", "what it does"]);
-    for entry in program.techniques.all() {
+    for entry in program.catalogue.all() {
         techniques.add_row([entry.technique.name, entry.technique.summary]);
     }
     println!(

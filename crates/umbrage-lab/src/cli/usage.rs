@@ -1,7 +1,7 @@
 //! Wrong usage that only a command itself can see, such as a scene's name, and the exit codes.
 
+use crate::LabError;
 use umbrage_core::{BackendError, Invalid, RecipeError};
-use umbrage_lab::LabError;
 use umbrage_plan::MeasureError;
 use umbrage_scenes::SceneError;
 

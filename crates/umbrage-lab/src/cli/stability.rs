@@ -1,15 +1,12 @@
 //! `stability`: plays the rows, prints the matrix and writes the report.
 
-use crate::program::Program;
-use crate::{
+use crate::cli::program::Program;
+use crate::cli::{
     args::{Backend, StabilityArguments},
     inputs, stability_summary, stability_tables as tables,
     usage::Usage,
 };
-use anyhow::{Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
-use std::time::Instant;
-use umbrage_lab::{
+use crate::{
     compare::Backends,
     stability::{
         BiasWindow, CaseResult, Cell, Stability, StabilityEvent, StabilityOptions, check_state,
@@ -19,6 +16,9 @@ use umbrage_lab::{
         windows,
     },
 };
+use anyhow::{Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::time::Instant;
 
 /// Plays, prints and reports; errors if there are faults.
 pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Result<()> {
@@ -88,7 +88,7 @@ fn options_of(program: &Program, arguments: &StabilityArguments) -> Result<Stabi
         StabilityOptions::default()
     };
     let out = StabilityOptions {
-        catalogue: program.techniques.clone(),
+        catalogue: program.catalogue.clone(),
         rows: arguments.rows.clone(),
         techniques: arguments.techniques.clone(),
         ..base

@@ -1,6 +1,7 @@
 //! Shows the progress of a comparison, and how long it still takes.
 
-use crate::cost::spoken;
+use crate::cli::cost::spoken;
+use crate::compare::CompareEvent;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::{
     sync::{
@@ -10,7 +11,6 @@ use std::{
     thread::JoinHandle,
     time::{Duration, Instant},
 };
-use umbrage_lab::compare::CompareEvent;
 
 /// Without a terminal for a bar, a line is printed this often.
 pub(crate) const LOG_INTERVAL: Duration = Duration::from_secs(30);

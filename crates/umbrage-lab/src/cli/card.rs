@@ -1,11 +1,15 @@
 //! `card`: measures one graphics adapter, or writes the page of those that were measured.
 
-use crate::{
+use crate::cli::{
     args::{Backend, CardArguments, CardPart},
     costs, inputs,
     program::Program,
     progress::Progress,
     usage::Usage,
+};
+use crate::{
+    card::{Card, CardTime, FRAMES, measure_agreement, measure_times, page, read, read_all, write},
+    compare::Backends,
 };
 use anyhow::{Context as _, Result, bail};
 use clap::ValueEnum as _;
@@ -14,10 +18,6 @@ use std::{
     fs,
     path::{Path, PathBuf},
     time::Instant,
-};
-use umbrage_lab::{
-    card::{Card, CardTime, FRAMES, measure_agreement, measure_times, page, read, read_all, write},
-    compare::Backends,
 };
 use umbrage_plan::cost::fit;
 
@@ -257,7 +257,7 @@ mod tests {
 
     fn card(adapter: &str) -> Card {
         Card {
-            schema: umbrage_lab::card::SCHEMA,
+            schema: crate::card::SCHEMA,
             adapter: adapter.to_owned(),
             commit: Some("292d276c".to_owned()),
             ..Card::default()

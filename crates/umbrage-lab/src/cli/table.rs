@@ -1,7 +1,7 @@
 //! Prints a comparison's figures on the terminal.
 
+use crate::compare::{CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, SceneResult};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::compare::{CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, SceneResult};
 use umbrage_plan::{footprint, pareto::front};
 
 /// With more rows than this, only those are printed that no other beats in both time and error.

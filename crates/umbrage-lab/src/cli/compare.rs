@@ -1,15 +1,12 @@
 //! `compare`: compares scenes, prints a table and writes the report.
 
-use crate::program::Program;
-use crate::{
+use crate::cli::program::Program;
+use crate::cli::{
     args::{CompareArguments, Shard},
     usage::Usage,
 };
-use crate::{cost, inputs, presets, progress::Progress, summary, table, verdicts};
-use anyhow::{Result, bail};
-use std::path::Path;
-use umbrage_core::{Backend, Invalid, Scene, glam::UVec2};
-use umbrage_lab::{
+use crate::cli::{cost, inputs, presets, progress::Progress, summary, table, verdicts};
+use crate::{
     baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{
         Backends, CompareEvent, CompareOptions, Comparison, FrameMotion, KeptTruth, Runs,
@@ -17,6 +14,9 @@ use umbrage_lab::{
     },
     report::{ComparisonPlan, Report, StabilitySource},
 };
+use anyhow::{Result, bail};
+use std::path::Path;
+use umbrage_core::{Backend, Invalid, Scene, glam::UVec2};
 use umbrage_scenes::{Kind, SceneEntry};
 
 /// Compares, prints and reports; errors if backends disagree, a control has no effect, or something got worse.
@@ -341,7 +341,7 @@ fn left_out(program: &Program, arguments: &CompareArguments) -> Option<String> {
     if arguments.full || !arguments.techniques.is_empty() {
         return None;
     }
-    let all = program.techniques.all().iter();
+    let all = program.catalogue.all().iter();
     let names: Vec<&str> = all
         .filter(|entry| !entry.is_previewed)
         .map(|entry| entry.technique.name)
@@ -385,7 +385,7 @@ fn content_options(program: &Program, arguments: &CompareArguments) -> Result<Co
 
 fn options_of(program: &Program, arguments: &CompareArguments) -> Result<CompareOptions> {
     let known: Vec<&str> = program
-        .techniques
+        .catalogue
         .all()
         .iter()
         .map(|e| e.technique.name)
@@ -421,7 +421,7 @@ fn set_common(
     program: &Program,
     arguments: &CompareArguments,
 ) -> Result<()> {
-    out.catalogue = program.techniques.clone();
+    out.catalogue = program.catalogue.clone();
     out.techniques.clone_from(&arguments.techniques);
     // Whoever names a scene wants to see all techniques in it.
     out.is_preview &= arguments.scenes.is_empty();

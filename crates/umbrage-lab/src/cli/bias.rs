@@ -1,12 +1,12 @@
 //! `bias`: the default bias against all others. All the work is the lab's.
 
-use crate::args::BiasArguments;
-use crate::inputs;
-use crate::program::Program;
+use crate::bias::{BiasOptions, Staged, Summary, markdown, measure, staged, write};
+use crate::cli::args::BiasArguments;
+use crate::cli::inputs;
+use crate::cli::program::Program;
 use anyhow::{Context as _, Result};
 use std::time::Instant;
 use umbrage_core::{Scene, glam::UVec2};
-use umbrage_lab::bias::{BiasOptions, Staged, Summary, markdown, measure, staged, write};
 
 /// Plays, prints a line a scene, then the table.
 pub(crate) fn bias(program: &Program, arguments: &BiasArguments) -> Result<()> {

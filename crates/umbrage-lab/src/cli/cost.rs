@@ -1,9 +1,9 @@
 //! Prints what a comparison will take before it begins.
 
-use crate::usage::Usage;
+use crate::cli::usage::Usage;
+use crate::compare::{Backends, CompareOptions, Expected, SceneInput, pilot};
 use anyhow::Result;
 use std::time::Duration;
-use umbrage_lab::compare::{Backends, CompareOptions, Expected, SceneInput, pilot};
 
 /// Comparisons of more pixels than this are tried at a small size first, so that nobody waits in vain for one that takes days.
 const MANY_PIXELS: u64 = 1 << 24;

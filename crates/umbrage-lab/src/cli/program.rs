@@ -1,6 +1,6 @@
 //! A program that measures: what it is called, and where its reports go.
 
-use crate::{
+use crate::cli::{
     args::{self, Command},
     bench, bias, card, compare, costs, list, merge, plan, regret, stability, usage, wgsl, which,
 };
@@ -22,7 +22,7 @@ pub struct Program {
     /// Folder for reports where `--out` names none: that of `compare` goes to its subfolder `compare`.
     pub reports: PathBuf,
     /// The techniques that `compare`, `stability` and `plan` know: the built-in ones, and those of the program.
-    pub techniques: Catalogue,
+    pub catalogue: Catalogue,
     /// Times light sets against a program written by hand, for `card`; `None` if the program has none.
     pub light_set_ratios: Option<LightSetRatios>,
 }
@@ -36,7 +36,7 @@ impl Default for Program {
         Self {
             invocation: "umbrage",
             reports: PathBuf::from("umbrage-reports"),
-            techniques: Catalogue::built_in(),
+            catalogue: Catalogue::built_in(),
             light_set_ratios: None,
         }
     }
@@ -49,7 +49,7 @@ impl Program {
     /// # Errors
     /// Errors if there is a technique of that name.
     pub fn with(mut self, technique: CatalogueEntry) -> Result<Self, Invalid> {
-        self.techniques = self.techniques.with(technique)?;
+        self.catalogue = self.catalogue.with(technique)?;
         Ok(self)
     }
 

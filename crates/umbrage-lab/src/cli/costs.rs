@@ -1,6 +1,6 @@
 //! Measures what work costs on this machine.
 
-use crate::{args::BenchArguments, inputs, progress::StepBar};
+use crate::cli::{args::BenchArguments, inputs, progress::StepBar};
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;

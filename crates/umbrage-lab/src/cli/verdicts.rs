@@ -1,9 +1,9 @@
 //! The results of `stability` that `compare` and `merge` show beside their settings.
 
-use crate::{args::CompareArguments, program::Program, usage::Usage};
+use crate::cli::{args::CompareArguments, program::Program, usage::Usage};
+use crate::report::StabilitySource;
 use anyhow::Result;
 use std::path::Path;
-use umbrage_lab::report::StabilitySource;
 
 /// Reads the results that the command line names.
 pub(crate) fn read(path: &Path) -> Result<StabilitySource> {

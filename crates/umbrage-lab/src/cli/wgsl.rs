@@ -1,8 +1,8 @@
 //! `wgsl`: prints the shader text of a technique.
 
-use crate::{args::WgslArguments, presets, program::Program, usage::Usage};
+use crate::cli::{args::WgslArguments, presets, program::Program, usage::Usage};
+use crate::{LabError, assembled_wgsl};
 use anyhow::Result;
-use umbrage_lab::{LabError, assembled_wgsl};
 use umbrage_techniques::TechniquePreset;
 
 /// Prints the text that a user pastes into a shader; errors if there is no such technique.
@@ -18,7 +18,7 @@ fn chosen(program: &Program, arguments: &WgslArguments) -> Result<TechniquePrese
         return Ok(presets::one(program, file)?.preset);
     }
     let names: Vec<String> = arguments.name.iter().cloned().collect();
-    let entries = program.techniques.select(&names);
+    let entries = program.catalogue.select(&names);
     let entries = entries.map_err(|e| Usage(e.to_string()))?;
     Ok((entries[0].technique.preset)())
 }

@@ -1,11 +1,11 @@
 //! From what is typed to what the lab takes.
 
-use crate::program::Program;
-use crate::{args::Backend, usage::Usage};
+use crate::cli::program::Program;
+use crate::cli::{args::Backend, usage::Usage};
+use crate::compare::Backends;
 use anyhow::Result;
 use std::path::Path;
 use umbrage_core::{BackendError, Scene};
-use umbrage_lab::compare::Backends;
 use umbrage_plan::cost::PriceList;
 use umbrage_scenes::SceneError;
 use umbrage_wgpu::{AdapterChoice, Gpu};
@@ -56,7 +56,7 @@ pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
         .extension()
         .is_some_and(|extension| extension == "json")
     {
-        return Ok(umbrage_lab::card::read_prices(path).map_err(|e| unusable(e.to_string()))?);
+        return Ok(crate::card::read_prices(path).map_err(|e| unusable(e.to_string()))?);
     }
     let text = std::fs::read_to_string(path).map_err(|e| unusable(e.to_string()))?;
     let list = PriceList::from_toml(&text).map_err(|e| unusable(e.to_string()))?;

@@ -1,9 +1,9 @@
 //! Presets of the user's, from files.
 
-use crate::{program::Program, usage::Usage};
+use crate::cli::{program::Program, usage::Usage};
+use crate::compare::NamedPreset;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
-use umbrage_lab::compare::NamedPreset;
 use umbrage_techniques::{Soft, TechniquePreset};
 
 /// Reads the presets in some files; each is called as its file without `.preset.toml` or `.toml`, or by the whole file name if a
@@ -45,11 +45,11 @@ pub(crate) fn one(program: &Program, file: &Path) -> Result<NamedPreset> {
             "{e}; give the file of a preset, as `plan` writes it"
         ))
     })?;
-    let preset = program.techniques.preset_from_toml(&text);
+    let preset = program.catalogue.preset_from_toml(&text);
     let preset = preset.map_err(|e| unusable(e.to_string()))?;
     let is_taken = |name: &str| {
         program
-            .techniques
+            .catalogue
             .all()
             .iter()
             .any(|e| e.technique.name == name)

@@ -1,6 +1,6 @@
 //! What a run of `stability` comes to, in the last lines that it prints.
 
-use umbrage_lab::stability::{SettingVerdicts, Stability, Verdict};
+use crate::stability::{SettingVerdicts, Stability, Verdict};
 
 /// Lines about techniques: one each, those that fail the least share of their rows.
 const TECHNIQUES: usize = 5;
@@ -72,7 +72,7 @@ fn best_settings(all: &[SettingVerdicts]) -> Vec<&SettingVerdicts> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_lab::stability::{CaseResult, Cell, CellOutcome, Judgement};
+    use crate::stability::{CaseResult, Cell, CellOutcome, Judgement};
 
     /// Technique `t<n>` fails the first `n` of 12 rows; each has a second setting that fails all.
     fn sample(techniques: usize) -> Stability {
