@@ -1,9 +1,9 @@
 //! The WGSL of every technique as it is pasted into a user's shader. A checksum of each is kept in
-//! git, and the last text with that checksum in cargo's target folder.
+//! git, and the last text with that checksum in `target/assembled`.
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use similar::TextDiff;
-use std::{fs, path::PathBuf};
+use std::{fs, io::Write as _, path::PathBuf};
 use umbrage_core::ShadowTechnique;
 use umbrage_lab::assembled_wgsl;
 use umbrage_techniques::TechniquePreset;
@@ -118,8 +118,13 @@ impl Assembled {
         if fs::read_to_string(&path).is_ok_and(|text| text == self.text) {
             return Ok(());
         }
-        fs::create_dir_all(path.parent().expect("a folder")).map_err(told)?;
-        fs::write(&path, &self.text).map_err(told)
+        let folder = path.parent().expect("a folder");
+        fs::create_dir_all(folder).map_err(told)?;
+        // Renamed, so that a test on another thread reads no half of it.
+        let mut whole = tempfile::NamedTempFile::new_in(folder).map_err(told)?;
+        whole.write_all(self.text.as_bytes()).map_err(told)?;
+        whole.persist(&path).map_err(|e| told(e.error))?;
+        Ok(())
     }
 
     /// Keeps the checksum of the text as it is assembled now, and the text.

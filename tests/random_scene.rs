@@ -275,7 +275,7 @@ fn cameras() -> impl Strategy<Value = Camera> {
         )
 }
 
-/// Any built-in technique, as often as its registry entry says, with the settings that it makes of drawn numbers.
+/// Any built-in technique, as often as its row of the catalogue says, with the settings that it makes of drawn numbers.
 fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
     let weighted = catalogue::all()
         .iter()

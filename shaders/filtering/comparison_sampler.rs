@@ -17,7 +17,7 @@ use umbrage_core::{Kernel, Module};
 /// are no farther off, since their weights add to 1.
 pub const WEIGHT_ERROR: f32 = 2.0 / 256.0;
 
-/// Returns how far the answers of a kernel's halves may lie apart, 0..=1, beyond what rounding does:
+/// Returns how far apart the answers of a kernel's halves may be, 0..=1, beyond what rounding does:
 /// more than 0 if it reads through the comparison sampler.
 pub fn sampler_tolerance(kernel: &dyn Kernel) -> f32 {
     if kernel.compares() { WEIGHT_ERROR } else { 0.0 }

@@ -120,23 +120,23 @@ pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, li
     let t = cross3(n, axis);
     let a = slide(clip_from_world, point, t, size);
     let b = slide(clip_from_world, point, cross3(n, t), size);
-    let first = a.x * b.y;
-    let second = b.x * a.y;
-    let det = first - second;
+    let det = a.x * b.y - b.x * a.y;
     let right = (a.z * b.y - b.z * a.y) / det;
     let down = (a.x * b.z - b.x * a.z) / det;
     // Both are bounded before the choice: work inside a branch would keep compilers from vector lanes.
     let right = clamp_gradient(right, limit);
     let down = clamp_gradient(down, limit);
-    let edge_on = det.abs() <= EDGE_ON * (first.abs() + second.abs());
+    let longest = a.x.abs().max(a.y.abs()).max(b.x.abs().max(b.y.abs()));
+    let edge_on = det.abs() <= EDGE_ON * longest * longest;
     Vec2::new(
         if edge_on { 0.0 } else { right },
         if edge_on { 0.0 } else { down },
     )
 }
 
-/// A determinant that is less than this part of its terms is what these were rounded by: 2^-20, 16
-/// units in the last place. The light lies in the plane, and devices would differ in its sign.
+/// The light is in a plane if the determinant is less than this part of the longest slide's square:
+/// 2^-20. Rounding makes up to 12 * 2^-24 of it in maps four times as wide as high, and devices
+/// would differ in its sign.
 const EDGE_ON: f32 = 1.0 / 1_048_576.0;
 
 /// Returns `g` clamped to -limit..=limit, and `limit` for NaN.
@@ -244,3 +244,46 @@ pub const TWINS: &[umbrage_core::Twin] = &[
     umbrage_core::twin!(PROJECTION, slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3, needs [umbrage_core::MATH, super::layers::LAYERS]),
     umbrage_core::twin!(PROJECTION, plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, limit: f32) -> Vec2, needs [umbrage_core::MATH, super::layers::LAYERS]),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::{
+        Extents,
+        light_space::{look_along, orthographic},
+        math::transform,
+    };
+
+    /// Rounding makes a determinant of planes that the light is in; it must not become a gradient.
+    #[test]
+    fn planes_seen_edge_on_have_no_gradient() {
+        for i in 1..3000 {
+            let at = |n: f32| (i as f32 * n).sin();
+            let direction = Vec3::new(at(0.7), at(1.3) - 1.5, at(2.9)).normalize();
+            let view = look_along(Vec3::new(3.0, 9.0, at(0.3)), direction, Vec3::Z);
+            let view = view.expect("a direction");
+            let aspect = [0.25, 1.0, 4.0][i % 3];
+            let map = orthographic(Extents {
+                left: -9.0 * aspect,
+                right: 9.0 * aspect,
+                bottom: -9.0,
+                top: 9.0,
+                near: 0.1,
+                far: 40.0,
+            });
+            let clip_from_world = map.expect("extents in order") * view;
+            let right = Vec3::new(view.x_axis.x, view.y_axis.x, view.z_axis.x);
+            let up = Vec3::new(view.x_axis.y, view.y_axis.y, view.z_axis.y);
+            let random = (at(0.37) * right + at(0.77) * up).normalize();
+            let clip = transform(clip_from_world, Vec3::new(at(1.1), 0.3, at(1.9)));
+            let point = clip.truncate() / clip.w;
+            let gradient = |n: Vec3| plane_gradient(clip_from_world, point, n, 1024.0, 1.0);
+            for n in [right, up, random] {
+                assert_eq!(gradient(n), Vec2::ZERO, "{i}: {n}");
+                // Half a degree off, there is one.
+                let inclined = (n - 0.01 * direction).normalize();
+                assert_ne!(gradient(inclined), Vec2::ZERO, "{i}: {inclined}");
+            }
+        }
+    }
+}

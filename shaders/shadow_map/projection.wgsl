@@ -33,11 +33,10 @@ fn plane_gradient(clip_from_world: mat4x4f, point: vec3f, n: vec3f, size: f32, l
     let t = cross3(n, axis);
     let a = slide(clip_from_world, point, t, size);
     let b = slide(clip_from_world, point, cross3(n, t), size);
-    let first = a.x * b.y;
-    let second = b.x * a.y;
-    let det = first - second;
-    // Less than this part of its terms is what these were rounded by: the light lies in the plane.
-    if abs(det) <= (1.0 / 1048576.0) * (abs(first) + abs(second)) {
+    let det = a.x * b.y - b.x * a.y;
+    let longest = max(max(abs(a.x), abs(a.y)), max(abs(b.x), abs(b.y)));
+    // Less is what rounding makes of a plane that the light is in.
+    if abs(det) <= (1.0 / 1048576.0) * longest * longest {
         return vec2f(0.0, 0.0);
     }
     let right = (a.z * b.y - b.z * a.y) / det;

@@ -2,10 +2,11 @@
 //
 // WGSL lets drivers fuse a product with the sum that it goes into, and miss quotients and roots by
 // some units in the last place. What decides whether a point is lit is written with the functions
-// below. Every driver rounds them alike, unless an operand or the result is not a normal number.
+// below. Every driver that keeps the order of sums rounds them alike, unless an operand or the result
+// is not a normal number.
 
-// Always 0, but no compiler knows. Every entry point sets it first, from a bit of its uniforms that
-// is never set: before that, product() does not prevent fusing.
+// Always 0, but no compiler knows. What decides sets it first, from a bit that is never set: of its
+// uniforms, or of a vertex's or triangle's number. Before that, product() does not prevent fusing.
 var<private> opaque_zero: u32;
 
 // a * b, rounded before it goes into a sum: no compiler fuses through the xor.

@@ -7,15 +7,13 @@ use umbrage_core::{
     glam::{UVec2, Vec4},
 };
 
-/// Runs all filters, and changes their channels by the fractions `shift`.
+/// Runs all filters, and changes what they make by the fractions `shift`, a channel each, before it is
+/// stored.
 pub(crate) fn filter_all(images: &mut [Image], recipe: &Recipe, simd: Simd, shift: Vec4) {
     for f in &recipe.filters {
         // The output is taken out, since the others are read meanwhile; it isn't among them.
         let mut texels = std::mem::take(&mut images[f.output].texels);
-        filter(images, f, &images[f.output].desc, &mut texels, simd);
-        if shift != Vec4::ZERO {
-            shift_channels(&mut texels, images[f.output].desc.format.channels(), shift);
-        }
+        filter(images, f, &images[f.output].desc, &mut texels, simd, shift);
         images[f.output].texels = texels;
     }
 }
@@ -29,13 +27,14 @@ fn shift_channels(texels: &mut [f32], channels: usize, shift: Vec4) {
     }
 }
 
-/// Runs one filter into `texels`, row by row.
+/// Runs one filter into `texels`, row by row. `shift` as in [`filter_all`].
 pub(crate) fn filter(
     images: &[Image],
     filter: &Filter,
     output: &ImageDesc,
     texels: &mut [f32],
     simd: Simd,
+    shift: Vec4,
 ) {
     let views = views(images, &filter.inputs);
     let inputs = Inputs {
@@ -50,6 +49,9 @@ pub(crate) fn filter(
         let start = UVec2::new(0, (row % height) as u32);
         let layer = (row / height) as u32;
         filter.kernel.filter(&inputs, start, layer, out);
+        if shift != Vec4::ZERO {
+            shift_channels(out, output.format.channels(), shift);
+        }
         match output.format {
             Format::Rgba8 => out.iter_mut().for_each(|v| *v = stored8(*v)),
             Format::Rg16 | Format::Rgba16 => simd.run_task(Stored16(out)),
@@ -81,5 +83,17 @@ impl SimdTask for Stored16<'_> {
             let step = (v.max(0.0).min(1.0) * 65_535.0 + 0.5).floor();
             *v = step * (1.0 / 65_535.0);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_channel_is_shifted_by_its_own_fraction() {
+        let mut texels = [1.0, 2.0, -4.0, 0.0];
+        shift_channels(&mut texels, 2, Vec4::new(0.5, -0.25, 9.0, 9.0));
+        assert_eq!(texels, [1.5, 1.5, -6.0, 0.0]);
     }
 }

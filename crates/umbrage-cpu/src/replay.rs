@@ -6,6 +6,7 @@ use crate::{
     cast::{self, CastAttachments},
     filter, gbuffer, receive, shade,
 };
+use umbrage_core::glam::Vec4;
 use umbrage_core::{
     BackendError, Cast, CastMode, Format, Geometry, Image, ImageDesc, Invalid, MAX_SIDE, Receivers,
     Recipe, Source, View, glam::UVec2,
@@ -123,7 +124,9 @@ impl Cpu {
             .ok_or_else(|| no_such("filters", recipe.filters.len(), index))?;
         let desc = images[filter.output].desc;
         let mut out = Image::filled(desc, 0.0);
-        self.install(|cpu| filter::filter(images, filter, &desc, &mut out.texels, cpu.simd));
+        self.install(|cpu| {
+            filter::filter(images, filter, &desc, &mut out.texels, cpu.simd, Vec4::ZERO)
+        });
         Ok(out)
     }
 

@@ -44,6 +44,14 @@ impl<F: FnMut(&mut Shadows)> Backend for FaultyBackend<F> {
     }
 }
 
+/// Lightens the last pixel that is darkest of those in penumbra.
+pub(crate) fn lighten_one(shadows: &mut Shadows) {
+    let lit = |v: f32| if v > 0.0 { v } else { 1.0 };
+    let values = shadows.mask.iter_mut();
+    let darkest = values.min_by(|a, b| lit(**a).total_cmp(&lit(**b)));
+    *darkest.expect("something is seen") = 1.0;
+}
+
 /// Darkens the last pixel that is fully lit.
 pub(crate) fn darken_one(shadows: &mut Shadows) {
     let lit = shadows

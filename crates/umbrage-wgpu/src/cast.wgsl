@@ -1,6 +1,6 @@
 // Draws triangles into a light's depth map. Sums are written out and products are guarded, so that
-// every driver rounds them alike. Positions are invariant, so that casts with different shaders
-// meet in the same depths.
+// drivers that keep the order of sums round them alike. Positions are invariant, so that casts with
+// different shaders meet in the same depths.
 
 @group(0) @binding(0) var<uniform> clip_from_world: mat4x4f;
 @group(1) @binding(0) var<uniform> world_from_local: mat4x4f;

@@ -66,6 +66,7 @@ pub fn placing_shaders() -> Vec<(&'static str, String)> {
         ),
         ("receivers", points_wgsl()),
         ("receivers from depth", whole_shader_text(false)),
+        ("receivers from samples of depth", whole_shader_text(true)),
         ("corners", corners_wgsl()),
     ]
 }

@@ -16,6 +16,8 @@ fn depth_at(pixel: vec2i) -> f32 {
 }
 
 fn unproject(pixel: vec2i, depth: f32) -> vec3f {
+    // The last bit of 0, -0 or 1.
+    opaque_zero = bitcast<u32>(camera.empty) & 1u;
     let uv = (vec2f(pixel) + 0.5) / vec2f(depth_size());
     let p = transform(camera.world_from_clip, vec3f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, depth));
     return p.xyz / p.w;
@@ -38,8 +40,6 @@ fn tangent(pixel: vec2i, p: vec3f, depth: f32, axis: vec2i) -> vec3f {
 }
 
 fn surface_at(pixel: vec2i) -> Surface {
-    // The sign of 0 or 1.
-    opaque_zero = bitcast<u32>(camera.empty) >> 31u;
     let depth = load_depth(pixel);
     if depth == camera.empty {
         return Surface(vec4f(), vec4f());

@@ -26,7 +26,10 @@ pub(crate) fn exit_code(error: &anyhow::Error) -> u8 {
         || matches!(error.downcast_ref(), Some(BackendError::Invalid(_)))
         || matches!(error.downcast_ref(), Some(RecipeError::Invalid(_)))
         || matches!(error.downcast_ref(), Some(MeasureError::Invalid(_)))
-        || matches!(error.downcast_ref(), Some(LabError::Invalid(_)));
+        || matches!(
+            error.downcast_ref(),
+            Some(LabError::Invalid(_) | LabError::Plan(RecipeError::Invalid(_)))
+        );
     if is_input { 2 } else { 1 }
 }
 
@@ -37,7 +40,7 @@ mod tests {
     #[test]
     fn one_kind_of_mistake_has_one_exit_code() {
         let invalid = || Invalid::new("light 3", "is not there", "use 1 or 2");
-        let mistakes: [anyhow::Error; 6] = [
+        let mistakes: [anyhow::Error; 7] = [
             Usage("there is no scene".to_owned()).into(),
             umbrage_scenes::load("nofile.toml")
                 .expect_err("no such file")
@@ -46,6 +49,7 @@ mod tests {
             BackendError::Invalid(invalid()).into(),
             MeasureError::Invalid(invalid()).into(),
             LabError::Invalid(invalid()).into(),
+            LabError::Plan(RecipeError::Invalid(invalid())).into(),
         ];
         for mistake in mistakes {
             assert_eq!(exit_code(&mistake), 2, "{mistake}");

@@ -28,10 +28,11 @@ const UNITS: [f32; 2] = [0.5, 2.0];
 /// How far receivers are moved: a fraction of the greatest coordinate of any, 2^-21.
 const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 
-/// How far receivers' normals are turned: 2^-22, 2 units in the last place of their components.
+/// How far receivers' normals are turned: 2^-22, 4 units in the last place of components in 0.5..1.
 const NUDGE_NORMAL: f32 = 1.0 / 4_194_304.0;
 
-/// How much filters' results change: 2^-21, 4 units in the last place.
+/// How much filters' results change: 2^-21. A mean of seven texels is rounded seven times, by half a
+/// unit in the last place each: 3.5 * 2^-23.
 const NUDGE_FILTERED: f32 = 1.0 / 2_097_152.0;
 
 /// Which way each channel changes. Moments are compared with each other: what is left of their
@@ -43,8 +44,8 @@ const CHANNELS: [[f32; 4]; 4] = [
     [-1.0, -1.0, 1.0, 1.0],
 ];
 
-/// Movements too small to see, all at once. By default nothing moves.
-#[derive(Clone, Copy, Debug, Default)]
+/// Movements too small to see, all at once.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Nudge {
     /// How transforms of vertices are summed. Far from the origin their products cancel out, so that
     /// rounding moves vertices by more than a step of the grid.
@@ -56,13 +57,14 @@ pub(super) struct Nudge {
     /// Of every cast in depth, away from the light.
     depth: f32,
     /// Of casts without perspective: parts, -1..=1, of what rounding may come to in the transform of
-    /// a receiver. Far from the origin that is more than a texel's edge is wide.
+    /// a receiver ([`lookup_rounding`]). Far from the origin that is more than half a step of the grid.
     lookup: Vec3,
     /// Of those casts in depth that keep what lies behind another image. Two surfaces that meet are
     /// as far apart as they are rounded, and the second of them may count or not.
     behind: f32,
     /// Of the constants of polygon offsets, whose units are left to devices: a factor.
     units: Option<f32>,
+    /// Of receivers, by a part of their greatest coordinate.
     receivers: Option<Direction>,
     /// Of what filters make: the fraction by which each channel changes.
     filtered: Vec4,
@@ -80,93 +82,102 @@ enum Direction {
     Fixed(Vec3),
 }
 
-/// Returns what to try on a recipe. Half a step of the device's grid is as far as rounding moves a
-/// vertex; a device that rounds another way (down, say) moves it as much further.
+/// Nothing moves.
+const NO_NUDGE: Nudge = Nudge {
+    sums: VertexSums::InOrder,
+    planes: PlaneShift::NONE,
+    texels: Vec2::ZERO,
+    depth: 0.0,
+    lookup: Vec3::ZERO,
+    behind: 0.0,
+    units: None,
+    receivers: None,
+    filtered: Vec4::ZERO,
+    normals: Vec3::ZERO,
+};
+
+/// Other orders of a transform's sums. Nothing is fused: products are guarded.
+const OTHER_ORDERS: [VertexSums; 2] = [VertexSums::Reversed, VertexSums::Paired];
+
+/// Returns what to try on a recipe: first what moves alone, then what moves together.
 pub(super) fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
-    let no_nudge = Nudge::default();
-    let receivers = |direction| Nudge {
-        receivers: Some(direction),
-        ..no_nudge
-    };
-    let along_normals =
-        [NUDGE_POSITION, -NUDGE_POSITION].map(|part| receivers(Direction::Normal(part)));
-    let directions = directions();
-    let along = |part: f32, sums: VertexSums| {
-        directions.iter().map(move |&direction| Nudge {
-            sums,
-            ..receivers(Direction::Fixed(part * NUDGE_POSITION * direction))
-        })
-    };
     if recipe.casts.is_empty() {
-        let along = along(1.0, VertexSums::InOrder);
-        return along_normals.into_iter().chain(along).collect();
+        let moved = along_directions(1.0, VertexSums::InOrder);
+        return along_normals().into_iter().chain(moved).collect();
     }
-    let t = 0.5 * snapping.step();
-    let corners = [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Vec2::new(x, y));
-    let orders = [VertexSums::Reversed, VertexSums::Paired];
-    let has_behind = recipe.casts.iter().any(is_behind);
+    let mut out = of_casts(recipe, snapping);
+    out.extend(along_normals());
+    out.extend(together(recipe, snapping));
+    out
+}
+
+/// Returns moves of a recipe's casts and of what is made of them, one at a time.
+fn of_casts(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     let mut out = Vec::new();
-    out.extend(corners.map(|texels| Nudge { texels, ..no_nudge }));
-    let in_depth = |part: f32| Nudge {
-        depth: part * NUDGE_DEPTH,
-        ..no_nudge
-    };
+    out.extend(corners(snapping).map(|texels| Nudge { texels, ..NO_NUDGE }));
     out.extend([1.0, -1.0].map(in_depth));
     out.extend(PLANES.map(|(even, odd)| Nudge {
         planes: PlaneShift { even, odd },
-        ..no_nudge
+        ..NO_NUDGE
     }));
-    out.extend(along_normals);
-    out.extend(orders.map(|sums| Nudge { sums, ..no_nudge }));
+    out.extend(OTHER_ORDERS.map(|sums| Nudge { sums, ..NO_NUDGE }));
     if recipe.casts.iter().any(|cast| cast.bias.constant != 0) {
         out.extend(UNITS.map(|units| Nudge {
             units: Some(units),
-            ..no_nudge
+            ..NO_NUDGE
         }));
     }
     if !recipe.filters.is_empty() {
         out.extend(CHANNELS.map(|signs| Nudge {
             filtered: NUDGE_FILTERED * Vec4::from(signs),
-            ..no_nudge
+            ..NO_NUDGE
         }));
     }
-    if has_behind {
-        // Moved the other way, all would lie behind itself.
+    if recipe.casts.iter().any(is_behind) {
+        // Moved the other way, each surface would be behind itself.
         out.push(Nudge {
             behind: -NUDGE_SECOND,
-            ..no_nudge
+            ..NO_NUDGE
         });
         out.extend(LAST_BITS.map(in_depth));
     }
-    // All of it is rounded at once, and less than at most: a tap crosses the edge of a texel while what it is compared with moves.
+    out
+}
+
+/// Returns moves of several things at once: devices round all at once. A tap crosses the edge of a
+/// texel while what it is compared with moves. Parts of the most matter, too: an answer may change
+/// between the ends of a move and be the same at both.
+fn together(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
+    let mut out = Vec::new();
     for part in [1.0, 0.25] {
-        for corner in corners {
+        for corner in corners(snapping) {
             out.extend([part, -part].map(|depth| Nudge {
                 texels: part * corner,
                 ..in_depth(depth)
             }));
         }
     }
-    out.extend(along(1.0, VertexSums::InOrder));
-    out.extend(directions.iter().map(|&direction| Nudge {
+    out.extend(along_directions(1.0, VertexSums::InOrder));
+    out.extend(directions().into_iter().map(|direction| Nudge {
         normals: NUDGE_NORMAL * direction,
-        ..no_nudge
+        ..NO_NUDGE
     }));
-    for sums in orders {
-        out.extend(along(1.0, sums));
+    for sums in OTHER_ORDERS {
+        out.extend(along_directions(1.0, sums));
     }
-    for sums in [VertexSums::InOrder].into_iter().chain(orders) {
-        out.extend(along(0.25, sums));
+    for sums in [VertexSums::InOrder].into_iter().chain(OTHER_ORDERS) {
+        out.extend(along_directions(0.25, sums));
         for part in [1.0, 0.25] {
-            out.extend(directions.iter().map(|&direction| Nudge {
+            out.extend(directions().into_iter().map(|direction| Nudge {
                 sums,
                 lookup: part * direction,
-                ..no_nudge
+                ..NO_NUDGE
             }));
         }
     }
-    if has_behind {
-        for sums in orders {
+    if recipe.casts.iter().any(is_behind) {
+        // What meets is told apart by last bits, which each order of sums changes.
+        for sums in OTHER_ORDERS {
             out.extend(LAST_BITS.map(|part| Nudge {
                 sums,
                 ..in_depth(part)
@@ -174,6 +185,39 @@ pub(super) fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
         }
     }
     out
+}
+
+/// Returns a move of all casts in depth, by a part of [`NUDGE_DEPTH`].
+fn in_depth(part: f32) -> Nudge {
+    Nudge {
+        depth: part * NUDGE_DEPTH,
+        ..NO_NUDGE
+    }
+}
+
+/// Returns moves of receivers along their normals, both ways.
+fn along_normals() -> [Nudge; 2] {
+    [NUDGE_POSITION, -NUDGE_POSITION].map(|part| Nudge {
+        receivers: Some(Direction::Normal(part)),
+        ..NO_NUDGE
+    })
+}
+
+/// Returns moves of receivers in all directions by a part of [`NUDGE_POSITION`], with sums in this
+/// order.
+fn along_directions(part: f32, sums: VertexSums) -> impl Iterator<Item = Nudge> {
+    directions().into_iter().map(move |direction| Nudge {
+        sums,
+        receivers: Some(Direction::Fixed(part * NUDGE_POSITION * direction)),
+        ..NO_NUDGE
+    })
+}
+
+/// Returns half a step of the device's grid to all sides, texels: as far as rounding moves a vertex. A
+/// device that rounds another way (down, say) moves it as much further.
+fn corners(snapping: Snapping) -> [Vec2; 4] {
+    let t = 0.5 * snapping.step();
+    [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Vec2::new(x, y))
 }
 
 /// Returns the steps to the neighbours of a cube among 27: along an axis a texel's edge is crossed,
@@ -195,7 +239,9 @@ impl Nudge {
         expected: &Shadows,
     ) -> Result<Shadows, LabError> {
         let seen = expected.receivers.as_ref().or(view.receivers);
-        let recipe = self.recipe(recipe, seen.map_or(0.0, greatest_coordinate));
+        let has_lookup = self.lookup != Vec3::ZERO;
+        let greatest = seen.filter(|_| has_lookup).map_or(0.0, greatest_coordinate);
+        let recipe = self.recipe(recipe, greatest);
         let mut moved = seen
             .zip(self.receivers)
             .map(|(seen, direction)| match direction {
@@ -243,8 +289,9 @@ fn is_behind(cast: &Cast) -> bool {
     matches!(cast.mode, CastMode::DepthPeel(_))
 }
 
-/// Returns what rounding may come to in a receiver's clip x, y and z: four products and three sums,
-/// each by half a unit in the last place of the greatest sum. 0 with perspective.
+/// Returns what rounding may come to in a receiver's clip x, y and z; 0 with perspective. Three sums
+/// are each rounded by half a unit in the last place of the greatest sum, on each of two devices; half
+/// a unit more is for the product that some of them fuse.
 fn lookup_rounding(space: &LightSpace, greatest: f32) -> Vec3 {
     let m = space.clip_from_world();
     if m.row(3) != Vec4::W {
@@ -280,4 +327,78 @@ fn turned(mut receivers: Receivers, by: Vec3) -> Receivers {
         (receivers.nx[i], receivers.ny[i], receivers.nz[i]) = (n.x, n.y, n.z);
     }
     receivers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::{Geometry, ShadowTechnique as _};
+    use umbrage_techniques::{Hard, Midpoint, Traced};
+
+    fn with_view<R>(f: impl FnOnce(&View<'_>) -> R) -> R {
+        let scene = umbrage_scenes::by_argument("cubes").expect("a built-in scene");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        f(&View::new(&scene.cameras[0], &scene.lights[0], &geometry))
+    }
+
+    #[test]
+    fn without_casts_receivers_move_alone() {
+        let recipe = with_view(|view| Traced::default().recipe(view)).expect("supported");
+        let nudges = nudges(&recipe, Snapping::default());
+        assert_eq!(nudges.len(), 2 + 26);
+        assert!(nudges.iter().all(|nudge| nudge.receivers.is_some()));
+    }
+
+    #[test]
+    fn only_peeled_casts_move_behind() {
+        let recipe = with_view(|view| Midpoint::default().recipe(view)).expect("supported");
+        let nudge = Nudge {
+            behind: -NUDGE_SECOND,
+            ..NO_NUDGE
+        };
+        let nudged = nudge.recipe(&recipe, 0.0);
+        let mut peeled = 0;
+        for (cast, before) in nudged.casts.iter().zip(&recipe.casts) {
+            let has_moved = cast.space != before.space;
+            assert_eq!(has_moved, is_behind(cast));
+            peeled += usize::from(has_moved);
+        }
+        assert!(peeled > 0 && peeled < recipe.casts.len());
+    }
+
+    /// Against transforms in 64 bits.
+    #[test]
+    fn lookups_are_rounded_by_less_than_the_bound() {
+        let recipe = with_view(|view| Hard::default().recipe(view)).expect("supported");
+        let space = recipe.casts[0].space;
+        let m = space.clip_from_world();
+        for i in 0..1000 {
+            let at = |n: f32| 1e4 * (i as f32 * n).sin();
+            let p = Vec3::new(at(0.7), at(1.3), at(2.9));
+            let bound = lookup_rounding(&space, p.abs().max_element());
+            let exact = m.as_dmat4() * p.as_dvec3().extend(1.0);
+            let error = (m * p.extend(1.0)).as_dvec4() - exact;
+            assert!(error.truncate().abs().cmple(bound.as_dvec3()).all(), "{p}");
+        }
+        let lamp = umbrage_core::light_space::perspective(1.0, 1.0, 0.1, 9.0).expect("valid");
+        let lamp = LightSpace {
+            clip_from_view: lamp,
+            ..space
+        };
+        assert_eq!(lookup_rounding(&lamp, 1e4), Vec3::ZERO);
+    }
+
+    #[test]
+    fn all_normals_turn_alike() {
+        let receivers = with_view(|view| {
+            Cpu::new()
+                .receivers(view.camera, view.geometry.expect("given"))
+                .expect("valid")
+        });
+        let by = Vec3::new(0.5, 0.0, -0.25);
+        let turned = turned(receivers.clone(), by);
+        for i in 0..receivers.len() {
+            assert_eq!(turned.normal(i), receivers.normal(i) + by);
+        }
+    }
 }

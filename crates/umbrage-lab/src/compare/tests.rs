@@ -1,7 +1,7 @@
 //! Comparisons on the CPU, and faulty backends.
 
 use super::*;
-use crate::faulty_backend::{FaultyBackend, darken_one};
+use crate::faulty_backend::{FaultyBackend, darken_one, lighten_one};
 use std::collections::BTreeSet;
 use umbrage_core::{Fit, Geometry, Shadows, Snapping, View, glam::UVec2, metrics::Pixel};
 use umbrage_cpu::Cpu;
@@ -217,6 +217,18 @@ fn one_wrong_pixel_is_a_fault() {
         &mut with_faulty_backend(darken_one),
     )
     .expect("valid");
+    let faults = comparison.faults();
+    assert!(
+        faults.iter().any(|f| f.contains("decided pixels differ")),
+        "{faults:?}"
+    );
+}
+
+/// Rounding changes the last bits of a penumbra's pixel: it excuses no more.
+#[test]
+fn one_wrong_penumbra_pixel_is_a_fault() {
+    let faulty = &mut with_faulty_backend(lighten_one);
+    let comparison = run("cubes", &quick(&["vsm"]), faulty).expect("valid");
     let faults = comparison.faults();
     assert!(
         faults.iter().any(|f| f.contains("decided pixels differ")),

@@ -37,7 +37,7 @@ pub type ConfiguredTechniques = Vec<Arc<dyn ShadowTechnique>>;
 
 /// A technique that is measured, planned and tested.
 ///
-/// All has a default: the default settings are compared and planned.
+/// Each item has a default: the default settings are compared and planned.
 ///
 /// ```
 /// use umbrage_plan::catalogue::{Catalogue, CatalogueEntry, CataloguedTechnique};
@@ -89,8 +89,9 @@ pub trait CataloguedTechnique: ListedTechnique {
         sweeps::middle(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
     }
 
-    /// The most triangles of a scene in which `compare` plays it where all scenes are compared: in larger ones it takes minutes, and
-    /// whoever names such a scene, or asks for all settings, waits for it. None for no bound.
+    /// The most triangles of a scene with which `compare` runs it, where all scenes are compared: larger
+    /// ones take minutes. It runs if such a scene is named, or all settings are compared. `None` for no
+    /// bound.
     const MAX_COMPARED_TRIANGLES: Option<usize> = None;
 
     /// Every setting that differs in code path, on maps of one small side (texels), for tests.
@@ -117,17 +118,17 @@ pub trait CataloguedTechnique: ListedTechnique {
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::All;
 
     /// Why a planner chose these settings, in a few words for people, where there is more to say than what was measured.
-    /// `error` is the estimated RMSE, and `recipe` what is played. Asked of techniques without a map alone.
+    /// `error` is the estimated RMSE, and `recipe` what is executed. Only called for techniques without a map.
     fn why_chosen(&self, error: f64, recipe: &Recipe) -> Option<String> {
         let _ = (error, recipe);
         None
     }
 
-    /// What the closed forms of ideal lights demand of it at single points, with `map`; `None` where it can't be asked
+    /// What the closed forms of ideal lights demand of it at single points, with `map`; `None` if it can't be queried
     /// for single points, or doesn't meet them.
     ///
     /// By default the default settings are right where no edge lies within
-    /// [`kernel_reach`](umbrage_core::ShadowTechnique::kernel_reach); techniques without a map aren't asked.
+    /// [`kernel_reach`](umbrage_core::ShadowTechnique::kernel_reach); techniques without a map have no demand.
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         let technique = Self::default().with_map(map);
         technique.map()?;
@@ -135,7 +136,7 @@ pub trait CataloguedTechnique: ListedTechnique {
         Some(ClosedFormDemand::new(technique, reach))
     }
 
-    /// How often random scenes are played with it, relative to a technique with 1.
+    /// How often random scenes are rendered with it, relative to a technique with 1.
     const RANDOM_WEIGHT: u32 = 1;
 
     /// The ranges that [`random`](Self::random)'s numbers are drawn from, for tests.
@@ -154,7 +155,8 @@ pub trait CataloguedTechnique: ListedTechnique {
     /// of the uniform buffer's first word, so that word must not follow the light; tests see to it.
     const BRANCHES_ON_UNIFORMS: bool = true;
 
-    /// Whether quick comparisons of all techniques play it. They leave out what takes long and seldom wins; by its name it is always played.
+    /// Whether quick comparisons of all techniques run it. They leave out what takes long and seldom wins.
+    /// A technique that is named always runs.
     const IS_PREVIEWED: bool = true;
 }
 

@@ -18,12 +18,12 @@ pub(super) fn closed_form_map(map: ShadowMap) -> ShadowMap {
 }
 
 /// Returns what closed forms demand of a technique that looks up moments.
-pub(super) fn closed_form_demand<T: ShadowTechnique>(technique: T) -> ClosedFormDemand<T> {
-    let reach = technique.kernel_reach().unwrap_or_default();
-    ClosedFormDemand {
+pub(super) fn closed_form_demand<T: ShadowTechnique>(technique: T) -> Option<ClosedFormDemand<T>> {
+    let reach = technique.kernel_reach()?;
+    Some(ClosedFormDemand {
         tolerance: CLOSED_FORM_TOLERANCE,
         ..ClosedFormDemand::new(technique, reach)
-    }
+    })
 }
 
 /// Returns what a random switch ([`RandomParameter::Switch`](super::RandomParameter::Switch))

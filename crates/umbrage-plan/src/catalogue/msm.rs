@@ -64,7 +64,7 @@ impl CataloguedTechnique for Msm {
             map: moments::closed_form_map(map),
             ..Self::default()
         };
-        Some(moments::closed_form_demand(technique))
+        moments::closed_form_demand(technique)
     }
 
     fn random_parameters() -> Vec<RandomParameter> {

@@ -52,7 +52,7 @@ impl CataloguedTechnique for Soft {
 
     fn random(_: ShadowMap, numbers: &[f32]) -> Self {
         let [least, greatest] = SOFT_ERRORS;
-        // As many rows as the number says, about: what `rows_for` makes of discs, the other way round.
+        // As many rows as the number says, about: the inverse of what `shaders/techniques/soft/lattice.rs` has for discs.
         let error = 0.42 * numbers[0].powf(-1.5);
         Self {
             error: error.clamp(least, greatest),

@@ -6,7 +6,7 @@ use umbrage_core::glam::Vec3;
 use umbrage_techniques::Pcss;
 
 #[test]
-fn names_are_unique_and_select_catalogue() {
+fn names_are_unique_and_select_entries() {
     let catalogue = Catalogue::built_in();
     let names: HashSet<_> = catalogue.names().into_iter().collect();
     assert_eq!(names.len(), catalogue.all().len());

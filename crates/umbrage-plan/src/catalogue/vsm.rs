@@ -73,7 +73,7 @@ impl CataloguedTechnique for Vsm {
             map: moments::closed_form_map(map),
             ..Self::default()
         };
-        Some(moments::closed_form_demand(technique))
+        moments::closed_form_demand(technique)
     }
 
     fn random_parameters() -> Vec<RandomParameter> {

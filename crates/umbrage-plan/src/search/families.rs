@@ -288,7 +288,7 @@ mod tests {
         Family::new(Candidate::One(technique.into()), PlannedBiases::All)
     }
 
-    /// A technique that is added to the registry must be a candidate, too.
+    /// A technique that is added to the catalogue must be a candidate, too.
     #[test]
     fn every_technique_is_a_candidate() {
         let lamp = Light::Disc {

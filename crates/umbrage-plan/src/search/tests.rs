@@ -6,8 +6,8 @@ use super::{
     *,
 };
 use crate::{
-    Estimate, Step, catalogue,
-    catalogue::Catalogue,
+    Estimate, Step,
+    catalogue::{self, Catalogue},
     cost::{CostModel, KIND_NAMES, KINDS},
     motion::FrameMotion,
     truth,
