@@ -145,6 +145,5 @@ impl Assembled {
 /// Returns the lines that differ, with three lines around each change.
 pub fn difference(kept: &str, now: &str) -> String {
     let difference = TextDiff::from_lines(kept, now);
-    let unified = difference.unified_diff().header("kept", "now").to_string();
-    unified
+    difference.unified_diff().header("kept", "now").to_string()
 }

@@ -22,7 +22,7 @@ const MOST_CHANGES: f32 = 4.0;
 ///
 /// Pixels where the two see different triangles are set apart. Others that differ by more than is
 /// allowed are *undecided* if the CPU's answer changes by a quarter as much or more as something
-/// moves by what rounding may come to ([`nudges`]). Else they are violations. Equal masks need no nudges, so none are rendered for
+/// moves by what rounding may come to (`nudges.rs`). Else they are violations. Equal masks need no nudges, so none are rendered for
 /// them.
 ///
 /// # Errors
