@@ -7,13 +7,16 @@ use umbrage_core::{
     glam::{UVec2, Vec4},
 };
 
-/// Runs all filters, and changes what they make by the fractions `shift`, a channel each, before it is
-/// stored.
+/// Runs all filters, and changes what they make by the fractions `shift`, a channel each: before it is
+/// stored, as sums round, and after that, as what reads it rounds.
 pub(crate) fn filter_all(images: &mut [Image], recipe: &Recipe, simd: Simd, shift: Vec4) {
     for f in &recipe.filters {
         // The output is taken out, since the others are read meanwhile; it isn't among them.
         let mut texels = std::mem::take(&mut images[f.output].texels);
         filter(images, f, &images[f.output].desc, &mut texels, simd, shift);
+        if shift != Vec4::ZERO {
+            shift_channels(&mut texels, images[f.output].desc.format.channels(), shift);
+        }
         images[f.output].texels = texels;
     }
 }
@@ -27,7 +30,8 @@ fn shift_channels(texels: &mut [f32], channels: usize, shift: Vec4) {
     }
 }
 
-/// Runs one filter into `texels`, row by row. `shift` as in [`filter_all`].
+/// Runs one filter into `texels`, row by row. `shift` changes what is stored by fractions, a channel
+/// each.
 pub(crate) fn filter(
     images: &[Image],
     filter: &Filter,

@@ -228,7 +228,7 @@ fn one_wrong_pixel_is_a_fault() {
 #[test]
 fn one_wrong_penumbra_pixel_is_a_fault() {
     let faulty = &mut with_faulty_backend(lighten_one);
-    let comparison = run("cubes", &quick(&["vsm"]), faulty).expect("valid");
+    let comparison = run("cubes", &quick(&["pcf_hardware"]), faulty).expect("valid");
     let faults = comparison.faults();
     assert!(
         faults.iter().any(|f| f.contains("decided pixels differ")),
