@@ -22,13 +22,12 @@ pub struct CpuOptions {
     pub snapping: Snapping,
     /// How far depths of triangles are moved: nowhere, but to find out which answers hang on rounding.
     pub plane_shift: PlaneShift,
-    /// By which fractions the channels of filtered images change: by none, but to find out which
-    /// answers hang on rounding.
+    /// Fractions by which the channels of filtered images change. Other values than 0 show which
+    /// answers depend on rounding.
     pub filter_shift: Vec4,
     /// Where the rasteriser clips triangles: at the view volume, or as hardware may do, to test techniques.
     pub clipping: Clipping,
-    /// How the transform of a vertex is summed: as written, or in another order that a device may
-    /// take.
+    /// Order of sums in the transform of a vertex: the written one, or another that devices may use.
     pub vertex_sums: VertexSums,
 }
 

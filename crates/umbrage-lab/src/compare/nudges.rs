@@ -10,19 +10,20 @@ use umbrage_cpu::{Cpu, CpuOptions, PlaneShift, VertexSums};
 /// How far casts are moved in depth: 2^-20, 16 units in the last place of depths in 0.5..1.
 const NUDGE_DEPTH: f32 = 1.0 / 1_048_576.0;
 
-/// How near two surfaces are that may change places: where they meet at an outline they are seen edge-on, so that rounding is many
-/// times that of other depths. 2^-16.
+/// Distance of two surfaces that may change places: 2^-16. Where they meet at an outline they are seen
+/// edge-on, so that rounding is many times that of other depths.
 const NUDGE_SECOND: f32 = 1.0 / 65_536.0;
 
-/// What becomes of surfaces that meet hangs on the last bits of their planes: moves that change these, as parts of
-/// [`NUDGE_DEPTH`].
+/// Moves that change the last bits of planes, as parts of [`NUDGE_DEPTH`]: they decide which of two
+/// surfaces that meet is nearer.
 const LAST_BITS: [f32; 8] = [0.125, -0.125, 0.25, -0.25, 0.375, -0.375, 0.5, -0.5];
 
 /// How triangles with even and with odd numbers are moved, as parts of what rounding may come to.
 const PLANES: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)];
 
-/// What a unit of polygon offset may be, as parts of the CPU's. Of floats it is the spacing at the primitive's greatest depth:
-/// SwiftShader takes the greatest difference from one corner's, which may be half as much, and 1.01 steps of 16 bits for one.
+/// Units of polygon offset on devices, as parts of the CPU's. For floats a unit is the spacing at the
+/// primitive's greatest depth. SwiftShader takes the greatest difference from one corner's, which may
+/// be half as much, and 1.01 steps for images of 16 bits.
 const UNITS: [f32; 2] = [0.5, 2.0];
 
 /// How far receivers are moved: a fraction of the greatest coordinate of any, 2^-21.
@@ -35,8 +36,8 @@ const NUDGE_NORMAL: f32 = 1.0 / 4_194_304.0;
 /// unit in the last place each: 3.5 * 2^-23.
 const NUDGE_FILTERED: f32 = 1.0 / 2_097_152.0;
 
-/// Which way each channel changes. Moments are compared with each other: what is left of their
-/// differences hangs on the last bits where almost all is at one depth.
+/// Signs of the changes of the channels. Moments are subtracted from each other: where almost all is at
+/// one depth, their last bits decide the difference.
 const CHANNELS: [[f32; 4]; 4] = [
     [1.0, -1.0, 1.0, -1.0],
     [-1.0, 1.0, -1.0, 1.0],
@@ -59,7 +60,7 @@ pub(super) struct Nudge {
     /// Of casts without perspective: parts, -1..=1, of what rounding may come to in the transform of
     /// a receiver ([`lookup_rounding`]). Far from the origin that is more than half a step of the grid.
     lookup: Vec3,
-    /// Of those casts in depth that keep what lies behind another image. Two surfaces that meet are
+    /// Of those casts in depth that keep what is behind another image. Two surfaces that meet are
     /// as far apart as they are rounded, and the second of them may count or not.
     behind: f32,
     /// Of the constants of polygon offsets, whose units are left to devices: a factor.
@@ -176,7 +177,7 @@ fn together(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
         }
     }
     if recipe.casts.iter().any(is_behind) {
-        // What meets is told apart by last bits, which each order of sums changes.
+        // Each order of sums changes the last bits, which decide between surfaces that meet.
         for sums in OTHER_ORDERS {
             out.extend(LAST_BITS.map(|part| Nudge {
                 sums,

@@ -42,7 +42,7 @@ pub struct StabilityCase {
     /// The scene that limits are taken from, if not the case's own: the same where coordinates are fine enough for truth to be
     /// traced at texels' centres. See [`Measure::limits_from`].
     pub limits_from: Option<&'static str>,
-    /// Settings tried beside those of the catalogue, for this map size.
+    /// Settings tried in addition to those of the catalogue, for this map size.
     pub extra: Option<fn(map_size: u32) -> ConfiguredTechniques>,
 }
 
@@ -97,7 +97,7 @@ impl StabilityCase {
         }
     }
 
-    /// Returns the case with settings tried beside those of the catalogue: [`StabilityCase::extra`].
+    /// Returns the case with settings tried in addition to those of the catalogue: [`StabilityCase::extra`].
     pub(super) const fn also(self, extra: fn(map_size: u32) -> ConfiguredTechniques) -> Self {
         Self {
             extra: Some(extra),

@@ -349,7 +349,7 @@ pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Returns the settings that a case is played with: those of the catalogue, then the case's own.
+/// Returns the settings that a case runs with: those of the catalogue, then the case's own.
 fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> ConfiguredTechniques {
     let mut out = settings(
         &options.catalogue,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
 use umbrage_plan::catalogue::{Catalogue, ConfiguredTechniques};
 
-/// Returns the settings of every technique of the catalogue (or of those named) that are played: the one that textbooks have (the first
+/// Returns the settings of every technique of the catalogue (or of those named) that run: the one that textbooks have (the first
 /// with a slope bias or a polygon offset, else the first), and those that stand for it in a comparison of frames of real size
 /// ([`CatalogueEntry::headline`](umbrage_plan::catalogue::CatalogueEntry::headline)), so that a comparison's rows have verdicts of their
 /// own. With another fit than the tight one, techniques without a map are left out: it changes nothing for them.

@@ -28,12 +28,7 @@ impl CataloguedTechnique for Evsm {
                 ..Self::default()
             }));
         }
-        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-            map,
-            precision: MomentPrecision::Bits16,
-            ..Self::default()
-        }));
-        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+        for (precision, mipmaps) in moments::STORAGES {
             out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
                 map,
                 precision,

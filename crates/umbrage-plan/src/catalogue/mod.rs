@@ -127,7 +127,7 @@ pub trait CataloguedTechnique: ListedTechnique {
     /// What the closed forms of ideal lights demand of it at single points, with `map`; `None` if it can't be queried
     /// for single points, or doesn't meet them.
     ///
-    /// By default the default settings are right where no edge lies within
+    /// By default the default settings are right where no edge is within
     /// [`kernel_reach`](umbrage_core::ShadowTechnique::kernel_reach); techniques without a map have no demand.
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         let technique = Self::default().with_map(map);

@@ -8,8 +8,15 @@ use umbrage_techniques::{MomentPrecision, ShadowMap};
 /// variance of curved surfaces leave a little of both.
 const CLOSED_FORM_TOLERANCE: f32 = 0.05;
 
-/// Returns the map with which closed forms are asked: of half the side, as each of its texels is averaged with 48 others, on software
-/// drivers too.
+/// The precisions and counts of mipmaps that differ in code path, besides the default ones.
+pub(super) const STORAGES: [(MomentPrecision, u32); 3] = [
+    (MomentPrecision::Bits16, 0),
+    (MomentPrecision::Bits32, 3),
+    (MomentPrecision::Bits16, 2),
+];
+
+/// Returns the map for closed forms: of half the side, as each of its texels is averaged with 48
+/// others, on software drivers, too.
 pub(super) fn closed_form_map(map: ShadowMap) -> ShadowMap {
     ShadowMap {
         size: map.size / 2,

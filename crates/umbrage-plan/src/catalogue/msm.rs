@@ -5,7 +5,7 @@ use super::{
     sweeps,
 };
 use umbrage_core::{Fit, Light};
-use umbrage_techniques::{MomentPrecision, Msm, Reconstruction, ShadowMap};
+use umbrage_techniques::{Msm, Reconstruction, ShadowMap};
 
 impl CataloguedTechnique for Msm {
     // Its filters take longer than most techniques' lookups, above all on software drivers.
@@ -28,12 +28,7 @@ impl CataloguedTechnique for Msm {
                 ..Self::default()
             }));
         }
-        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-            map,
-            precision: MomentPrecision::Bits16,
-            ..Self::default()
-        }));
-        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+        for (precision, mipmaps) in moments::STORAGES {
             out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
                 map,
                 precision,

@@ -5,7 +5,7 @@ use super::{
     sweeps,
 };
 use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Bias, MomentPrecision, ShadowMap, Vsm};
+use umbrage_techniques::{Bias, ShadowMap, Vsm};
 
 impl CataloguedTechnique for Vsm {
     // Its filters take longer than most techniques' lookups, above all on software drivers.
@@ -41,12 +41,7 @@ impl CataloguedTechnique for Vsm {
             map,
             ..Self::default()
         }));
-        out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-            map,
-            precision: MomentPrecision::Bits16,
-            ..Self::default()
-        }));
-        for (precision, mipmaps) in [(MomentPrecision::Bits32, 3), (MomentPrecision::Bits16, 2)] {
+        for (precision, mipmaps) in moments::STORAGES {
             out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
                 map,
                 precision,
