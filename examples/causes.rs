@@ -3,7 +3,9 @@
 //! `cargo run --release --example causes [FOLDER]`; the folder is `docs/causes` if none is given.
 
 use std::{fs, path::PathBuf};
-use umbrage::{Backend, Camera, Geometry, View, cpu::Cpu, metrics::attribute};
+use umbrage::{
+    Backend, Camera, Geometry, ShadowTechnique as _, View, cpu::Cpu, metrics::attribute,
+};
 use umbrage_lab::{causes::faults, output::png};
 use umbrage_plan::truth::{TruthOptions, trace};
 

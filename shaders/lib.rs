@@ -15,6 +15,7 @@ pub use filtering::horizon::Horizon;
 pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use filtering::light_extent::LightExtent;
 pub use filtering::moments::blur::{BoxBlurKernel, BoxBlurUniforms};
+pub use filtering::moments::halve::{HalveKernel, HalveUniforms};
 pub use filtering::moments::map::{MAX_BLEEDING_REDUCTION, MAX_BLUR};
 pub use filtering::moments::mipmaps::MAX_MIPMAPS;
 pub use filtering::moments::of_depth::{MomentsKernel, MomentsUniforms};

@@ -61,7 +61,7 @@ layout = { cascades = { count = 3, split = { given = [5.0, 20.5, 150.0] }, blend
     let preset = TechniquePreset::from_toml(text).unwrap();
     let written = preset.to_toml().unwrap();
     assert_eq!(TechniquePreset::from_toml(&written).unwrap(), preset);
-    let settings = preset.technique().settings();
+    let settings = preset.settings();
     assert!(
         settings.contains("stable fit to 150 m, 3 cascades to 5, 20.5, 150 m blend 12"),
         "{settings}"

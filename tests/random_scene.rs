@@ -2,13 +2,14 @@
 
 use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
 use proptest::{collection::vec, prelude::*, strategy::Union};
-use std::sync::Arc;
 use umbrage_core::{
     AlphaCutout, AlphaFilter, Camera, Cascades, Cull, Extents, Fit, Instance, Layout, Light,
-    MAX_CASCADES, Material, Mesh, RasterBias, Scene, ShadowTechnique, Split, Texture,
+    MAX_CASCADES, Material, Mesh, RasterBias, Scene, Split, Texture,
 };
 use umbrage_plan::catalogue::{self, CatalogueEntry, RandomParameter};
-use umbrage_techniques::{BeyondFar, Bias, Border, MapFormat, Pattern, ShadowMap, Surface};
+use umbrage_techniques::{
+    BeyondFar, Bias, Border, MapFormat, Pattern, ShadowMap, Surface, TechniquePreset,
+};
 
 /// Something to render: one scene, one technique.
 #[derive(Clone, Debug)]
@@ -16,7 +17,7 @@ pub struct Case {
     /// With one light and one camera.
     pub scene: Scene,
     /// How to shade it.
-    pub technique: Arc<dyn ShadowTechnique>,
+    pub technique: TechniquePreset,
 }
 
 /// Scenes, of which some have holes, with techniques whose kernels are bit-equal on drivers that keep the order of operations.
@@ -276,7 +277,7 @@ fn cameras() -> impl Strategy<Value = Camera> {
 }
 
 /// Any built-in technique, as often as its row of the catalogue says, with the settings that it makes of drawn numbers.
-fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
+fn techniques() -> impl Strategy<Value = TechniquePreset> {
     let weighted = catalogue::all()
         .iter()
         .map(|entry| (entry.random_weight, random(entry)))
@@ -284,7 +285,7 @@ fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
     Union::new_weighted(weighted)
 }
 
-fn random(entry: &'static CatalogueEntry) -> BoxedStrategy<Arc<dyn ShadowTechnique>> {
+fn random(entry: &'static CatalogueEntry) -> BoxedStrategy<TechniquePreset> {
     let maps = if entry.technique.has_map {
         maps().boxed()
     } else {
@@ -293,7 +294,7 @@ fn random(entry: &'static CatalogueEntry) -> BoxedStrategy<Arc<dyn ShadowTechniq
     let parameters = (entry.random_parameters)();
     let numbers: Vec<BoxedStrategy<f32>> = parameters.into_iter().map(number).collect();
     (maps, numbers)
-        .prop_map(|(map, numbers)| (entry.random)(map, &numbers).technique())
+        .prop_map(|(map, numbers)| (entry.random)(map, &numbers))
         .boxed()
 }
 

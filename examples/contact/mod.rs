@@ -13,8 +13,8 @@
 
 use serde::{Deserialize, Serialize};
 use umbrage::{
-    Cast, CastMode, Fit, Format, ImageDesc, ImageView, Inputs, Invalid, Kernel, KernelCost, Light,
-    Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Source, Span, UniformBlock, View,
+    Cast, CastMode, Fit, Format, ImageDesc, ImageView, Inputs, Invalid, Kernel, Light, Module,
+    ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Source, Span, UniformBlock, View,
     glam::{UVec2, Vec3, Vec4},
     techniques::{
         ListedTechnique, ShadowMap,
@@ -23,7 +23,10 @@ use umbrage::{
     },
     uniforms,
 };
-use umbrage_plan::catalogue::CataloguedTechnique;
+use umbrage_plan::{
+    catalogue::{CataloguedKernel, CataloguedTechnique, kernel},
+    cost::KernelCost,
+};
 
 /// Greatest length of a walk, pixels.
 pub const MAX_PIXELS: u32 = 512;
@@ -68,6 +71,12 @@ impl Default for ContactShadows {
 impl ListedTechnique for ContactShadows {
     const SUMMARY: &'static str = "a map, and a walk over the camera's depth image (Aldridge 2023)";
 
+    fn settings(&self) -> String {
+        let side = 2 * u64::from(self.radius) + 1;
+        let walk = format!("{} pixels", self.pixels);
+        format!("{walk}, {side}x{side}, {}", self.map.label())
+    }
+
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
     }
@@ -78,6 +87,14 @@ impl ListedTechnique for ContactShadows {
 }
 
 impl CataloguedTechnique for ContactShadows {
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<ContactKernel>(kernel)
+    }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius as f32)
+    }
+
     /// Each map without the walk, with the one of Aldridge's length, and with a long one.
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut all = Vec::new();
@@ -105,16 +122,6 @@ impl CataloguedTechnique for ContactShadows {
 impl ShadowTechnique for ContactShadows {
     fn name(&self) -> &'static str {
         "contact"
-    }
-
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.radius) + 1;
-        let walk = format!("{} pixels", self.pixels);
-        format!("{walk}, {side}x{side}, {}", self.map.label())
-    }
-
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(self.radius as f32)
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
@@ -253,7 +260,9 @@ impl ReceiveKernel for ContactKernel {
         };
         look_up_span(inputs.simd, &self.0.lookup, span, out, &taps);
     }
+}
 
+impl CataloguedKernel for ContactKernel {
     /// A pixel of the walk takes two loads.
     fn cost_per_receiver(&self) -> KernelCost {
         let side = 2 * self.0.radius.unsigned_abs() + 1;
@@ -261,7 +270,7 @@ impl ReceiveKernel for ContactKernel {
     }
 
     fn layer(&self, position: Vec3) -> Option<u32> {
-        self.0.lookup.layer_of(position)
+        Some(self.0.lookup.layer_of(position))
     }
 }
 

@@ -11,8 +11,8 @@
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage::{
-    Cast, CastMode, Faces, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, KernelCost, Light,
-    Module, NO_MATERIAL, NO_TRIANGLE, ReceiveKernel, Receivers, Recipe, RecipeError, Scene,
+    Cast, CastMode, Faces, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Light, Module,
+    NO_MATERIAL, NO_TRIANGLE, ReceiveKernel, Receivers, Recipe, RecipeError, Scene,
     ShadowTechnique, Source, Span, UniformBlock, View,
     glam::{UVec2, Vec2, Vec3, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler, ray_origin, seed, segment},
@@ -65,16 +65,6 @@ pub struct Panes {
 impl ShadowTechnique for Panes {
     fn name(&self) -> &'static str {
         "panes"
-    }
-
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.radius) + 1;
-        let kind = if self.dithered { "holes" } else { "shares" };
-        format!("{kind}, {side}x{side}, {}", self.map.label())
-    }
-
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(self.radius as f32)
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
@@ -224,15 +214,6 @@ impl ReceiveKernel for PanesKernel {
             panes: [1, 2, 3].map(|image| lookup.map(&inputs.images[image])),
         };
         look_up_span(inputs.simd, lookup, span, out, &taps);
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        let side = 2 * self.0.radius.unsigned_abs() + 1;
-        KernelCost::taps(side * side * (1 + MATERIALS as u32))
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.0.lookup.layer_of(position)
     }
 }
 

@@ -44,6 +44,10 @@ impl ListedTechnique for Variance {
     const SUMMARY: &'static str =
         "Chebyshev's bound on blurred moments of depth (Donnelly, Lauritzen 2006)";
 
+    fn settings(&self) -> String {
+        format!("blur {}, {}", self.radius, self.map.label())
+    }
+
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
     }
@@ -54,20 +58,16 @@ impl ListedTechnique for Variance {
 }
 
 /// With this, `compare`, `stability` and `plan` take its default settings.
-impl CataloguedTechnique for Variance {}
+impl CataloguedTechnique for Variance {
+    /// The one texel that is looked up holds what the blur took from around it.
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius as f32)
+    }
+}
 
 impl ShadowTechnique for Variance {
     fn name(&self) -> &'static str {
         "variance"
-    }
-
-    fn settings(&self) -> String {
-        format!("blur {}, {}", self.radius, self.map.label())
-    }
-
-    /// The one texel that is looked up holds what the blur took from around it.
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(self.radius as f32)
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {

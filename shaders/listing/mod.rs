@@ -37,9 +37,6 @@ use umbrage_core::ShadowTechnique;
 ///     fn name(&self) -> &'static str {
 ///         "mine"
 ///     }
-///     fn settings(&self) -> String {
-///         self.map.label()
-///     }
 ///     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
 ///         Hard { map: self.map }.recipe(view)
 ///     }
@@ -65,6 +62,13 @@ pub trait ListedTechnique:
 {
     /// What it does, in one line, with the paper it comes from.
     const SUMMARY: &'static str;
+
+    /// Returns the settings in a few words, without the name: `3x3, 1024, slope .05/.005`.
+    ///
+    /// By default those of the map.
+    fn settings(&self) -> String {
+        self.map().map_or_else(String::new, ShadowMap::label)
+    }
 
     /// The map that is looked up; `None` for techniques without one.
     fn map(&self) -> Option<&ShadowMap> {

@@ -4,7 +4,7 @@ use super::{ListedTechnique, TechniqueEntry, light_preset};
 use crate::shadow_map::ShadowMap;
 use serde::{Serialize, Serializer};
 use std::{any::Any, sync::Arc};
-use umbrage_core::{Invalid, ShadowTechnique};
+use umbrage_core::{DeviceRecipe, Invalid, Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// A technique and its settings. In a file the field `technique` names it as [`ShadowTechnique::name`] does, and all other
 /// fields are those of its struct; those left out have its defaults.
@@ -20,6 +20,7 @@ pub struct TechniquePreset(Arc<dyn AnyTechnique>);
 
 /// A [`ListedTechnique`] whose type is not known.
 trait AnyTechnique: ShadowTechnique + Any {
+    fn words(&self) -> String;
     fn equals(&self, other: &TechniquePreset) -> bool;
     fn shadow_map(&self) -> Option<&ShadowMap>;
     fn on_map(&self, map: ShadowMap) -> TechniquePreset;
@@ -27,6 +28,10 @@ trait AnyTechnique: ShadowTechnique + Any {
 }
 
 impl<T: ListedTechnique> AnyTechnique for T {
+    fn words(&self) -> String {
+        self.settings()
+    }
+
     fn equals(&self, other: &TechniquePreset) -> bool {
         other.get::<T>() == Some(self)
     }
@@ -56,6 +61,25 @@ impl PartialEq for TechniquePreset {
     }
 }
 
+/// A preset is its technique.
+impl ShadowTechnique for TechniquePreset {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        self.0.recipe(view)
+    }
+
+    fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
+        self.0.device_recipe(view)
+    }
+
+    fn follows_camera(&self, light: &Light) -> bool {
+        self.0.follows_camera(light)
+    }
+}
+
 impl Serialize for TechniquePreset {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
@@ -76,6 +100,11 @@ impl TechniquePreset {
     /// Returns the technique.
     pub fn technique(&self) -> Arc<dyn ShadowTechnique> {
         self.0.clone()
+    }
+
+    /// Returns its settings in a few words, without the name.
+    pub fn settings(&self) -> String {
+        self.0.words()
     }
 
     /// Returns the settings, if the technique is a `T`.

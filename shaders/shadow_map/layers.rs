@@ -171,10 +171,9 @@ impl ShadowMapUniforms {
         }
     }
 
-    /// Returns the layer in which a receiver at `position` (world space) is looked up first: what kernels answer as their
-    /// [`ReceiveKernel::layer`](umbrage_core::ReceiveKernel::layer).
-    pub fn layer_of(&self, position: Vec3) -> Option<u32> {
-        Some(layer_at(self, position) as u32)
+    /// Returns the index of the layer in which a receiver at `position` (world space) is looked up first.
+    pub fn layer_of(&self, position: Vec3) -> u32 {
+        layer_at(self, position) as u32
     }
 
     /// Returns whether the answers of two layers blend.

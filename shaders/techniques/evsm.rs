@@ -30,8 +30,8 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f32::consts::LOG2_E;
 use umbrage_core::{
-    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
+    UniformBlock, View, uniforms,
 };
 
 /// Greatest exponent accepted: exp(84), its greatest value's square, is a 32-bit float, and so are 65 times as much.
@@ -95,29 +95,6 @@ impl ShadowTechnique for Evsm {
         "evsm"
     }
 
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.blur) + 1;
-        let moments = match self.moments {
-            EvsmMoments::Two => 2,
-            EvsmMoments::Four => 4,
-        };
-        let mut words = format!("{moments} moments, blur {side}x{side}, ");
-        words += &mipmaps::words(self.mipmaps);
-        words += self.precision.words();
-        let default = Self::default();
-        let exponents = (self.positive_exponent, self.negative_exponent);
-        if exponents != (default.positive_exponent, default.negative_exponent) {
-            words += &format!("exponents {} and {}, ", exponents.0, exponents.1);
-        }
-        if let Some(deviation) = self.least_deviation {
-            words += &format!("deviation {deviation}, ");
-        }
-        if self.bleeding_reduction != default.bleeding_reduction {
-            words += &format!("bleeding {}, ", self.bleeding_reduction);
-        }
-        words + &self.map.label()
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if let Some(deviation) = self.least_deviation {
             map::check_deviation(deviation)?;
@@ -165,10 +142,6 @@ impl ShadowTechnique for Evsm {
         images.recipe(&self.map, view, kernel)
     }
 
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(map::reach(self.blur))
-    }
-
     fn follows_camera(&self, light: &Light) -> bool {
         self.mipmaps > 0 || self.map.follows_camera(light)
     }
@@ -199,6 +172,29 @@ const SMALLEST_VARIANCE: f32 = 1e-6;
 impl ListedTechnique for Evsm {
     const SUMMARY: &'static str =
         "Chebyshev's bound by blurred exponentials of depth (Lauritzen, McCool 2008)";
+
+    fn settings(&self) -> String {
+        let side = 2 * u64::from(self.blur) + 1;
+        let moments = match self.moments {
+            EvsmMoments::Two => 2,
+            EvsmMoments::Four => 4,
+        };
+        let mut words = format!("{moments} moments, blur {side}x{side}, ");
+        words += &mipmaps::words(self.mipmaps);
+        words += self.precision.words();
+        let default = Self::default();
+        let exponents = (self.positive_exponent, self.negative_exponent);
+        if exponents != (default.positive_exponent, default.negative_exponent) {
+            words += &format!("exponents {} and {}, ", exponents.0, exponents.1);
+        }
+        if let Some(deviation) = self.least_deviation {
+            words += &format!("deviation {deviation}, ");
+        }
+        if self.bleeding_reduction != default.bleeding_reduction {
+            words += &format!("bleeding {}, ", self.bleeding_reduction);
+        }
+        words + &self.map.label()
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -238,7 +234,8 @@ pub struct EvsmKernel {
     /// Texels to each side that were averaged.
     blur: u32,
     moments: EvsmMoments,
-    uniforms: EvsmUniforms,
+    /// Uniforms.
+    pub uniforms: EvsmUniforms,
 }
 
 const TWO: Module = Module {
@@ -257,6 +254,12 @@ impl EvsmKernel {
             encoding: self.encoding,
             mipmaps: &self.uniforms.mipmaps,
         }
+    }
+
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
+    /// own texel; `None` where it is the same for all.
+    pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.moment_map().reach(self.blur, position, normal)
     }
 }
 
@@ -290,18 +293,6 @@ impl ReceiveKernel for EvsmKernel {
             EvsmMoments::Two => look_up::<2>(inputs, map, span, out, u, bleeding),
             EvsmMoments::Four => look_up::<4>(inputs, map, span, out, u, bleeding),
         }
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        mipmaps::cost(&self.uniforms.mipmaps)
-    }
-
-    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(self.blur, position, normal)
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.uniforms.lookup.layer_of(position)
     }
 }
 

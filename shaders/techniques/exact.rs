@@ -35,9 +35,8 @@ use std::{
     sync::Arc,
 };
 use umbrage_core::{
-    CutOuts, DeviceRecipe, Geometry, Inputs, Kernel, KernelCost, Module, Receive, ReceiveKernel,
-    Receivers, Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock,
-    View,
+    CutOuts, DeviceRecipe, Geometry, Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers,
+    Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     glam::{UVec4, Vec4},
@@ -63,11 +62,6 @@ const CASTER_CUT_OUT: Module = Module {
     text: include_str!("exact/caster_cut_out.wgsl"),
 };
 
-/// A lookup takes at least as long as the square root of the casters over 30 taps: the more casters, the more of the lists comes from far
-/// memory. And at least as long as a tap for each caster of its list. In six frames with 164 thousand to 2.4 million casters, the greater of the two
-/// is within a factor of 1.45 of what lookups take on the CPU and on lavapipe, but for `valley` on the CPU, where it is 1.7 times too dear.
-const CASTERS_A_TAP: f32 = 30.0;
-
 /// Receivers whose lists are looked at to find their mean length, about.
 const SAMPLED_RECEIVERS: usize = 2048;
 
@@ -79,10 +73,6 @@ pub struct Exact {}
 impl ShadowTechnique for Exact {
     fn name(&self) -> &'static str {
         "exact"
-    }
-
-    fn settings(&self) -> String {
-        "lists".to_owned()
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
@@ -138,6 +128,10 @@ fn recipe_of(kernel: ExactKernel) -> Recipe {
 impl ListedTechnique for Exact {
     const SUMMARY: &'static str =
         "lists of casters in the light's cells (Haines, Greenberg 1986): traced's answer";
+
+    fn settings(&self) -> String {
+        "lists".to_owned()
+    }
 }
 
 /// The cell that is asked for a receiver: to look at what lookups cost.
@@ -303,12 +297,18 @@ impl ExactKernel {
         })
     }
 
-    fn taps_from_memory(&self) -> f32 {
-        (self.lists().casters() as f32).sqrt() / CASTERS_A_TAP
+    /// Returns the number of casters in the lists.
+    pub fn casters(&self) -> usize {
+        self.lists().casters()
     }
 
-    /// Returns how long the lists of some receivers are in the mean, 0 where none is asked.
-    fn mean_length(&self, receivers: &Receivers) -> f32 {
+    /// Returns how many triangles were placed on the grid and in lists, each as often as it was.
+    pub fn triangles_listed(&self) -> u64 {
+        self.lists().triangles_listed()
+    }
+
+    /// Returns the mean length of the lists that some of these receivers query; 0 if none queries one.
+    pub fn mean_list_length(&self, receivers: &Receivers) -> f32 {
         let chunk = 64_usize.min(receivers.len().max(1));
         let chunks = (SAMPLED_RECEIVERS / chunk).max(1);
         let step = (receivers.len() / chunks).max(chunk);
@@ -387,19 +387,5 @@ impl ReceiveKernel for ExactKernel {
             self.holes(),
             receivers,
         ))
-    }
-
-    /// A cell, and some of the casters in its list.
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(self.taps_from_memory().ceil() as u32)
-    }
-
-    fn cost_for(&self, receivers: &Receivers) -> KernelCost {
-        let taps = self.taps_from_memory().max(self.mean_length(receivers));
-        KernelCost::taps(taps.ceil() as u32)
-    }
-
-    fn triangles_listed(&self) -> u64 {
-        self.lists().triangles_listed()
     }
 }

@@ -9,7 +9,6 @@ use crate::{
     listing::ListedTechnique,
     shadow_map::{ShadowMap, layers::MapOnlyUniforms},
 };
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
@@ -29,17 +28,9 @@ impl ShadowTechnique for Hard {
         "hard"
     }
 
-    fn settings(&self) -> String {
-        self.map.label()
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         self.map
             .recipe(view, 0.0, |lookup| HardKernel(MapOnlyUniforms { lookup }))
-    }
-
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(0.0)
     }
 
     fn follows_camera(&self, light: &Light) -> bool {
@@ -90,14 +81,5 @@ impl ReceiveKernel for HardKernel {
             map: self.0.lookup.map(&inputs.images[0]),
         };
         look_up_span(inputs.simd, &self.0.lookup, span, out, &taps);
-    }
-
-    /// Never beyond the receiver's own texel, also where a technique that reaches farther falls back on this kernel.
-    fn reach(&self, _: Vec3, _: Vec3) -> Option<f32> {
-        Some(0.0)
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.0.lookup.layer_of(position)
     }
 }

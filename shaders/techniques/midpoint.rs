@@ -45,16 +45,8 @@ impl ShadowTechnique for Midpoint {
         "midpoint"
     }
 
-    fn settings(&self) -> String {
-        self.pcf().settings()
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         self.pcf().recipe(view)
-    }
-
-    fn kernel_reach(&self) -> Option<f32> {
-        self.pcf().kernel_reach()
     }
 
     fn follows_camera(&self, light: &Light) -> bool {
@@ -65,6 +57,10 @@ impl ShadowTechnique for Midpoint {
 impl ListedTechnique for Midpoint {
     const SUMMARY: &'static str =
         "comparisons with the middle of the nearest two surfaces (Woo 1992)";
+
+    fn settings(&self) -> String {
+        self.pcf().settings()
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)

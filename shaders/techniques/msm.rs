@@ -34,8 +34,8 @@ use crate::{
 use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
+    UniformBlock, View, uniforms,
 };
 
 /// Which distributions of depth the moments may belong to.
@@ -90,25 +90,6 @@ impl ShadowTechnique for Msm {
         "msm"
     }
 
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.blur) + 1;
-        let reconstruction = match self.reconstruction {
-            Reconstruction::Hamburger => "hamburger",
-            Reconstruction::Hausdorff => "hausdorff",
-        };
-        let mut words = format!("{reconstruction}, blur {side}x{side}, ");
-        words += &mipmaps::words(self.mipmaps);
-        words += self.precision.words();
-        let default = Self::default();
-        if let Some(bias) = self.moment_bias {
-            words += &format!("moment bias {bias}, ");
-        }
-        if self.bleeding_reduction != default.bleeding_reduction {
-            words += &format!("bleeding {}, ", self.bleeding_reduction);
-        }
-        words + &self.map.label()
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         let moment_bias = self.moment_bias.unwrap_or(match self.precision {
             MomentPrecision::Bits32 => MOMENT_BIAS_32,
@@ -138,10 +119,6 @@ impl ShadowTechnique for Msm {
         images.recipe(&self.map, view, kernel)
     }
 
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(map::reach(self.blur))
-    }
-
     fn follows_camera(&self, light: &Light) -> bool {
         self.mipmaps > 0 || self.map.follows_camera(light)
     }
@@ -155,6 +132,25 @@ const MOMENT_BIAS_16: f32 = 6e-5;
 impl ListedTechnique for Msm {
     const SUMMARY: &'static str =
         "the least shadow that four blurred powers of depth allow (Peters, Klein 2015)";
+
+    fn settings(&self) -> String {
+        let side = 2 * u64::from(self.blur) + 1;
+        let reconstruction = match self.reconstruction {
+            Reconstruction::Hamburger => "hamburger",
+            Reconstruction::Hausdorff => "hausdorff",
+        };
+        let mut words = format!("{reconstruction}, blur {side}x{side}, ");
+        words += &mipmaps::words(self.mipmaps);
+        words += self.precision.words();
+        let default = Self::default();
+        if let Some(bias) = self.moment_bias {
+            words += &format!("moment bias {bias}, ");
+        }
+        if self.bleeding_reduction != default.bleeding_reduction {
+            words += &format!("bleeding {}, ", self.bleeding_reduction);
+        }
+        words + &self.map.label()
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -190,7 +186,8 @@ pub struct MsmKernel {
     /// Texels to each side that were averaged.
     blur: u32,
     reconstruction: Reconstruction,
-    uniforms: MsmUniforms,
+    /// Uniforms.
+    pub uniforms: MsmUniforms,
 }
 
 const THREE_DEPTHS: Module = Module {
@@ -209,6 +206,12 @@ impl MsmKernel {
             encoding: self.encoding,
             mipmaps: &self.uniforms.mipmaps,
         }
+    }
+
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
+    /// own texel; `None` where it is the same for all.
+    pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.moment_map().reach(self.blur, position, normal)
     }
 }
 
@@ -247,18 +250,6 @@ impl ReceiveKernel for MsmKernel {
                 look_up(inputs, map, span, out, &HausdorffBound(u), bleeding);
             }
         }
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        mipmaps::cost(&self.uniforms.mipmaps)
-    }
-
-    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(self.blur, position, normal)
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.uniforms.lookup.layer_of(position)
     }
 }
 

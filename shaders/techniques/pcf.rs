@@ -17,11 +17,10 @@ use crate::{
         ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Span, UniformBlock, View, uniforms,
+    Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View, uniforms,
 };
 
 /// Greatest radius accepted: 1,089 taps.
@@ -51,11 +50,6 @@ impl ShadowTechnique for Pcf {
         "pcf"
     }
 
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.radius) + 1;
-        format!("{side}x{side}, {}", self.map.label())
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if self.radius > MAX_RADIUS {
             let why = format!("is {} texels", self.radius);
@@ -67,10 +61,6 @@ impl ShadowTechnique for Pcf {
         })
     }
 
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(self.radius as f32)
-    }
-
     fn follows_camera(&self, light: &Light) -> bool {
         self.map.follows_camera(light)
     }
@@ -79,6 +69,11 @@ impl ShadowTechnique for Pcf {
 impl ListedTechnique for Pcf {
     const SUMMARY: &'static str =
         "the mean of a square of comparisons (Reeves, Salesin, Cook 1987)";
+
+    fn settings(&self) -> String {
+        let side = 2 * u64::from(self.radius) + 1;
+        format!("{side}x{side}, {}", self.map.label())
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -194,20 +189,7 @@ impl ReceiveKernel for PcfKernel {
             ),
         }
     }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        let side = 2 * self.0.radius.unsigned_abs() + 1;
-        KernelCost::taps(side * side.div_ceil(NEIGHBOURS_A_TAP))
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.0.lookup.layer_of(position)
-    }
 }
-
-/// Taps that lie side by side in a row take as long as one tap elsewhere, at most: from 3x3 to 7x7, a tap takes .10 ns more on the CPU and 1.2 ns on
-/// lavapipe, in the disc of `pcf_disc` .75 and 2.6 ns (`recorded.csv` of `umbrage-plan`).
-const NEIGHBOURS_A_TAP: u32 = 3;
 
 /// `SIDE` and `LANES` as in [`square::level_squares`]; 0 for any side.
 struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {

@@ -16,12 +16,12 @@ use crate::{
     listing::ListedTechnique,
     shadow_map::{ShadowMap, layers::ShadowMapUniforms},
 };
-use glam::{UVec2, Vec2, Vec3, Vec4};
+use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
+    Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
 /// Greatest radius accepted, texels.
@@ -61,17 +61,6 @@ impl ShadowTechnique for PcfDisc {
         "pcf_disc"
     }
 
-    fn settings(&self) -> String {
-        let still = if self.rotate { "" } else { " still" };
-        let taps = format!(
-            "radius {}, {} taps,{still} {}",
-            self.radius,
-            self.taps,
-            self.pattern.name()
-        );
-        format!("{taps}, {}", self.map.label())
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if !(0.0..=MAX_DISC_RADIUS).contains(&self.radius) {
             let why = format!("is {} texels", self.radius);
@@ -104,10 +93,6 @@ impl ShadowTechnique for PcfDisc {
         Ok(recipe)
     }
 
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(self.radius)
-    }
-
     fn follows_camera(&self, light: &Light) -> bool {
         self.map.follows_camera(light)
     }
@@ -115,6 +100,17 @@ impl ShadowTechnique for PcfDisc {
 
 impl ListedTechnique for PcfDisc {
     const SUMMARY: &'static str = "comparisons spread over a disc that each pixel turns";
+
+    fn settings(&self) -> String {
+        let still = if self.rotate { "" } else { " still" };
+        let taps = format!(
+            "radius {}, {} taps,{still} {}",
+            self.radius,
+            self.taps,
+            self.pattern.name()
+        );
+        format!("{taps}, {}", self.map.label())
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -142,7 +138,8 @@ uniforms! {
 /// The receive kernel.
 #[derive(Clone, Debug)]
 pub struct PcfDiscKernel {
-    uniforms: PcfDiscUniforms,
+    /// Uniforms.
+    pub uniforms: PcfDiscUniforms,
     pattern: Arc<PatternTable>,
 }
 
@@ -179,14 +176,6 @@ impl ReceiveKernel for PcfDiscKernel {
             pixel: span.first,
         };
         look_up_span(inputs.simd, lookup, span, out, &taps);
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(self.uniforms.taps)
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.uniforms.lookup.layer_of(position)
     }
 }
 

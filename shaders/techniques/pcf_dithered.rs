@@ -15,11 +15,11 @@ use crate::{
     listing::ListedTechnique,
     shadow_map::{ShadowMap, layers::MapOnlyUniforms, texel_compare::DepthMap},
 };
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View,
+    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
+    UniformBlock, View,
 };
 
 /// Four dithered comparisons.
@@ -35,18 +35,10 @@ impl ShadowTechnique for PcfDithered {
         "pcf_dithered"
     }
 
-    fn settings(&self) -> String {
-        format!("4 taps, {}", self.map.label())
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         self.map.recipe(view, 2.0, |lookup| {
             PcfDitheredKernel(MapOnlyUniforms { lookup })
         })
-    }
-
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(1.5)
     }
 
     fn follows_camera(&self, light: &Light) -> bool {
@@ -57,6 +49,10 @@ impl ShadowTechnique for PcfDithered {
 impl ListedTechnique for PcfDithered {
     const SUMMARY: &'static str =
         "four comparisons, placed by the pixel's parity (Bunnell, Pellacini 2004)";
+
+    fn settings(&self) -> String {
+        format!("4 taps, {}", self.map.label())
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -99,14 +95,6 @@ impl ReceiveKernel for PcfDitheredKernel {
             first: span.first,
         };
         look_up_span(inputs.simd, &self.0.lookup, span, out, &taps);
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(4)
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.0.lookup.layer_of(position)
     }
 }
 

@@ -21,11 +21,10 @@ use crate::{
         texel_compare::DepthMap,
     },
 };
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Span, UniformBlock, View, uniforms,
+    Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View, uniforms,
 };
 
 /// A square of samples.
@@ -60,10 +59,6 @@ impl ShadowTechnique for PcfHardware {
         "pcf_hardware"
     }
 
-    fn settings(&self) -> String {
-        format!("{0}x{0}, {1}", self.samples, self.map.label())
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         check_samples("pcf_hardware", self.samples, 1)?;
         check_map(&self.map)?;
@@ -74,10 +69,6 @@ impl ShadowTechnique for PcfHardware {
         })
     }
 
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(Self::reach(self.samples))
-    }
-
     fn follows_camera(&self, light: &Light) -> bool {
         self.map.follows_camera(light)
     }
@@ -85,6 +76,10 @@ impl ShadowTechnique for PcfHardware {
 
 impl ListedTechnique for PcfHardware {
     const SUMMARY: &'static str = "comparison samplers, each of which blends 2x2 texels";
+
+    fn settings(&self) -> String {
+        format!("{0}x{0}, {1}", self.samples, self.map.label())
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -171,14 +166,6 @@ impl ReceiveKernel for HardwareKernel {
             3 => look_up_square::<3>(&lookup, inputs, span, out),
             _ => look_up_square::<4>(&lookup, inputs, span, out),
         }
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::samples(self.0.samples.unsigned_abs().pow(2))
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.0.lookup.layer_of(position)
     }
 }
 

@@ -21,11 +21,11 @@ use crate::{
     },
     techniques::pcf_hardware::{check_map, check_samples},
 };
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
+    UniformBlock, View, uniforms,
 };
 
 /// A smooth filter.
@@ -59,11 +59,6 @@ impl ShadowTechnique for PcfMerged {
         "pcf_merged"
     }
 
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.radius) + 1;
-        format!("{side}x{side}, {}", self.map.label())
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         check_samples("pcf_merged", self.radius.saturating_add(1), 2)?;
         check_map(&self.map)?;
@@ -78,10 +73,6 @@ impl ShadowTechnique for PcfMerged {
         })
     }
 
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(Self::reach(self.radius))
-    }
-
     fn follows_camera(&self, light: &Light) -> bool {
         self.map.follows_camera(light)
     }
@@ -90,6 +81,11 @@ impl ShadowTechnique for PcfMerged {
 impl ListedTechnique for PcfMerged {
     const SUMMARY: &'static str =
         "(2r + 1)² texels in (r + 1)² weighted comparison samples (Castaño 2013)";
+
+    fn settings(&self) -> String {
+        let side = 2 * u64::from(self.radius) + 1;
+        format!("{side}x{side}, {}", self.map.label())
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -147,14 +143,6 @@ impl ReceiveKernel for MergedKernel {
             3 => self.look_up::<3>(inputs, span, out),
             _ => self.look_up::<4>(inputs, span, out),
         }
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::samples(self.0.samples.unsigned_abs().pow(2))
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.0.lookup.layer_of(position)
     }
 }
 

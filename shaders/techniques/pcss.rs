@@ -68,8 +68,8 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    ImageView, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
+    ImageView, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
 /// Penumbrae as wide as the light makes them.
@@ -104,17 +104,6 @@ impl Default for Pcss {
 impl ShadowTechnique for Pcss {
     fn name(&self) -> &'static str {
         "pcss"
-    }
-
-    fn settings(&self) -> String {
-        let still = if self.rotate { "" } else { " still" };
-        let taps = format!(
-            "{} + {} taps,{still} {}",
-            self.blocker_taps,
-            self.filter_taps,
-            self.pattern.name()
-        );
-        format!("{taps}, {}", self.map.label())
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
@@ -154,10 +143,6 @@ impl ShadowTechnique for Pcss {
     }
 
     /// As wide as the penumbra, which differs everywhere; a texel is the least.
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(1.0)
-    }
-
     fn follows_camera(&self, light: &Light) -> bool {
         self.map.follows_camera(light)
     }
@@ -165,6 +150,17 @@ impl ShadowTechnique for Pcss {
 
 impl ListedTechnique for Pcss {
     const SUMMARY: &'static str = "soft shadows: looks for blockers, then filters with a width that follows from their distance (Fernando 2005)";
+
+    fn settings(&self) -> String {
+        let still = if self.rotate { "" } else { " still" };
+        let taps = format!(
+            "{} + {} taps,{still} {}",
+            self.blocker_taps,
+            self.filter_taps,
+            self.pattern.name()
+        );
+        format!("{taps}, {}", self.map.label())
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -214,8 +210,27 @@ uniforms! {
 /// The receive kernel: it bounds the search, searches blockers, estimates the penumbra, and filters.
 #[derive(Clone, Debug)]
 pub struct PcssKernel {
-    uniforms: PcssUniforms,
+    /// Uniforms.
+    pub uniforms: PcssUniforms,
     pattern: Arc<PatternTable>,
+}
+
+impl PcssKernel {
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
+    /// own texel: as far as a search could go, or a filter, which may be wider where the receiver's plane lies deeper under a
+    /// blocker than under the receiver, and is a texel wide at least.
+    pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> f32 {
+        let u = &self.uniforms;
+        let l = shadow_coord(&u.lookup, position, normal);
+        let half_axis_u = u.extent.half_axis_u[l.layer as usize];
+        let half_axis_v = u.extent.half_axis_v[l.layer as usize];
+        let from_middle = l.texel - Vec2::splat(u.lookup.size * 0.5);
+        let per_depth =
+            light_extent::reach_at(self.pattern.shape, half_axis_u, half_axis_v, from_middle);
+        let search = bounded(l.depth, half_axis_v.w) * per_depth;
+        let deepest = l.depth + (l.gradient.x.abs() + l.gradient.y.abs()) * search;
+        (bounded(deepest, half_axis_v.w) * per_depth).max(1.0)
+    }
 }
 
 impl Kernel for PcssKernel {
@@ -252,34 +267,6 @@ impl ReceiveKernel for PcssKernel {
             span,
         };
         look_up_span(inputs.simd, lookup, span, out, &search);
-    }
-
-    /// Second comparisons at a tap are left out: they are few, and as many receivers need no search.
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(1 + self.uniforms.blocker_taps + self.uniforms.filter_taps)
-    }
-
-    fn knows_horizon(&self) -> bool {
-        true
-    }
-
-    /// As far as a search could go, or a filter, which may be wider where the receiver's plane lies deeper under a blocker than
-    /// under the receiver, and is a texel wide at least.
-    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        let u = &self.uniforms;
-        let l = shadow_coord(&u.lookup, position, normal);
-        let half_axis_u = u.extent.half_axis_u[l.layer as usize];
-        let half_axis_v = u.extent.half_axis_v[l.layer as usize];
-        let from_middle = l.texel - Vec2::splat(u.lookup.size * 0.5);
-        let per_depth =
-            light_extent::reach_at(self.pattern.shape, half_axis_u, half_axis_v, from_middle);
-        let search = bounded(l.depth, half_axis_v.w) * per_depth;
-        let deepest = l.depth + (l.gradient.x.abs() + l.gradient.y.abs()) * search;
-        Some((bounded(deepest, half_axis_v.w) * per_depth).max(1.0))
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.uniforms.lookup.layer_of(position)
     }
 }
 

@@ -58,10 +58,6 @@ impl ShadowTechnique for Planar {
         "planar"
     }
 
-    fn settings(&self) -> String {
-        format!("up to {} planes", self.planes)
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if !(1..=MAX_PLANES).contains(&self.planes) {
             let why = format!("are {}", self.planes);
@@ -90,6 +86,10 @@ impl ShadowTechnique for Planar {
 
 impl ListedTechnique for Planar {
     const SUMMARY: &'static str = "casters flattened onto flat receivers, exact (Blinn 1988)";
+
+    fn settings(&self) -> String {
+        format!("up to {} planes", self.planes)
+    }
 }
 
 /// Returns the recipe with one layer for each plane.

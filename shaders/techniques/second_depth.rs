@@ -60,16 +60,8 @@ impl ShadowTechnique for SecondDepth {
         "second_depth"
     }
 
-    fn settings(&self) -> String {
-        self.pcf().settings()
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         self.pcf().recipe(view)
-    }
-
-    fn kernel_reach(&self) -> Option<f32> {
-        self.pcf().kernel_reach()
     }
 
     fn follows_camera(&self, light: &Light) -> bool {
@@ -80,6 +72,10 @@ impl ShadowTechnique for SecondDepth {
 impl ListedTechnique for SecondDepth {
     const SUMMARY: &'static str =
         "comparisons with the far sides of closed casters, no bias (Wang, Molnar 1994)";
+
+    fn settings(&self) -> String {
+        self.pcf().settings()
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)

@@ -40,8 +40,8 @@ use search::{Search, look_up_span};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Bvh, CutOuts, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
-    ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    Bvh, CutOuts, Geometry, Inputs, Invalid, Kernel, Light, Module, Receive, ReceiveKernel, Recipe,
+    RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE, SHAFT},
     cut_out::{CUT_OUT, HOLE},
     glam::Vec4,
@@ -95,10 +95,6 @@ impl Soft {
 impl ShadowTechnique for Soft {
     fn name(&self) -> &'static str {
         "soft"
-    }
-
-    fn settings(&self) -> String {
-        format!("error {}", self.error)
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
@@ -184,6 +180,10 @@ impl SortedTriangles {
 impl ListedTechnique for Soft {
     const SUMMARY: &'static str =
         "points of the light behind the casters of a shaft (Haines, Wallace 1991; Wang 2014)";
+
+    fn settings(&self) -> String {
+        format!("error {}", self.error)
+    }
 }
 
 impl Soft {
@@ -245,7 +245,8 @@ uniforms! {
 /// Points of the light behind the casters of a shaft.
 #[derive(Clone, Debug)]
 pub struct SoftKernel {
-    uniforms: SoftUniforms,
+    /// Uniforms.
+    pub uniforms: SoftUniforms,
     lattices: Lattices,
     bvh: Arc<Bvh>,
     /// Holes of casters; none if none has any.
@@ -259,6 +260,18 @@ impl SoftKernel {
             lattices: &self.lattices,
             bvh: &self.bvh,
             cut_outs: self.cut_outs.as_deref(),
+        }
+    }
+}
+
+impl SoftKernel {
+    /// Returns by how much the share of the light above a receiver's horizon may be wrong, 0..=1: points of the light are counted,
+    /// and the horizon is one straight edge.
+    pub fn horizon_error(&self) -> f32 {
+        if self.uniforms.light.is_ideal() {
+            0.0
+        } else {
+            self.lattices.bound()
         }
     }
 }
@@ -295,30 +308,4 @@ impl ReceiveKernel for SoftKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         look_up_span(inputs.simd, &self.search(), span, out);
     }
-
-    fn knows_horizon(&self) -> bool {
-        true
-    }
-
-    /// The horizon is one straight edge.
-    fn horizon_error(&self) -> f32 {
-        if self.uniforms.light.is_ideal() {
-            0.0
-        } else {
-            self.lattices.bound()
-        }
-    }
-
-    /// A walk as long as some rays, and rows of points for some casters.
-    fn cost_per_receiver(&self) -> KernelCost {
-        let rows = self.uniforms.rows;
-        KernelCost::rays(WALK_IN_RAYS + rows / ROWS_A_RAY)
-    }
 }
-
-/// A walk through a shaft costs about as much as so many rays: with [`ROWS_A_RAY`], in `nave-soft`, `dancer-soft` and `valley-soft` within
-/// a factor of 4 on the CPU and on wgpu. The finer the casters, the more of them lie in a shaft.
-const WALK_IN_RAYS: u32 = 4;
-
-/// So many rows of points cost about as much as a ray.
-const ROWS_A_RAY: u32 = 3;

@@ -9,8 +9,8 @@ use crate::listing::ListedTechnique;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, Bvh, Geometry, Inputs, Invalid, Kernel, KernelCost, Module, Receive, ReceiveKernel,
-    Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    Aabb, Bvh, Geometry, Inputs, Invalid, Kernel, Module, Receive, ReceiveKernel, Recipe,
+    RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     glam::Vec4,
@@ -45,10 +45,6 @@ impl Default for Traced {
 impl ShadowTechnique for Traced {
     fn name(&self) -> &'static str {
         "traced"
-    }
-
-    fn settings(&self) -> String {
-        format!("{} rays", self.samples)
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
@@ -102,6 +98,10 @@ impl ShadowTechnique for Traced {
 impl ListedTechnique for Traced {
     const SUMMARY: &'static str =
         "any-hit rays, no map (Whitted 1980; Cook, Porter, Carpenter 1984)";
+
+    fn settings(&self) -> String {
+        format!("{} rays", self.samples)
+    }
 }
 
 impl Traced {
@@ -159,7 +159,8 @@ uniforms! {
 /// Any-hit rays through the hierarchy.
 #[derive(Clone, Debug)]
 pub struct TracedKernel {
-    uniforms: TracedUniforms,
+    /// Uniforms.
+    pub uniforms: TracedUniforms,
     bvh: Arc<Bvh>,
     /// Whether the geometry has cut-outs.
     has_holes: bool,
@@ -215,9 +216,5 @@ impl ReceiveKernel for TracedKernel {
             }
             *out = seen as f32 / u.samples as f32;
         }
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::rays(self.uniforms.samples)
     }
 }

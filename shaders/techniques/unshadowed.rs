@@ -12,8 +12,8 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Inputs, Kernel, KernelCost, Light, Module, Receive, ReceiveKernel, Recipe, RecipeError,
-    ShadowTechnique, Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, Light, Module, Receive, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View, uniforms,
 };
 
 /// No shadows. There is nothing to set.
@@ -24,10 +24,6 @@ pub struct Unshadowed {}
 impl ShadowTechnique for Unshadowed {
     fn name(&self) -> &'static str {
         "none"
-    }
-
-    fn settings(&self) -> String {
-        "no shadows".to_owned()
     }
 
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
@@ -57,6 +53,10 @@ impl ShadowTechnique for Unshadowed {
 
 impl ListedTechnique for Unshadowed {
     const SUMMARY: &'static str = "no shadows: for scenes in which nothing casts onto what is seen";
+
+    fn settings(&self) -> String {
+        "no shadows".to_owned()
+    }
 }
 
 uniforms! {
@@ -96,9 +96,5 @@ impl ReceiveKernel for UnshadowedKernel {
             let away = turned_away(self.0.light, span.position(i), span.normal(i));
             *out = if away == 0 { 1.0 } else { 0.0 };
         }
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(0)
     }
 }

@@ -70,10 +70,6 @@ impl ShadowTechnique for ShadowVolumes {
         "volumes"
     }
 
-    fn settings(&self) -> String {
-        "depth-fail".to_owned()
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         view.validate()?;
         let Some(geometry) = view.geometry else {
@@ -117,6 +113,10 @@ impl ShadowTechnique for ShadowVolumes {
 impl ListedTechnique for ShadowVolumes {
     const SUMMARY: &'static str =
         "stencil shadow volumes, exact (Crow 1977; Everitt, Kilgard 2002)";
+
+    fn settings(&self) -> String {
+        "depth-fail".to_owned()
+    }
 }
 
 /// Returns the recipe that counts `faces` behind what the camera sees. Image 0 holds the nearest depths of all there is and of

@@ -25,8 +25,8 @@ use crate::{
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
+    UniformBlock, View, uniforms,
 };
 
 /// Chebyshev's bound.
@@ -67,21 +67,6 @@ impl ShadowTechnique for Vsm {
         "vsm"
     }
 
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.blur) + 1;
-        let mut words = format!("blur {side}x{side}, ");
-        words += &mipmaps::words(self.mipmaps);
-        words += self.precision.words();
-        let default = Self::default();
-        if let Some(deviation) = self.least_deviation {
-            words += &format!("deviation {deviation}, ");
-        }
-        if self.bleeding_reduction != default.bleeding_reduction {
-            words += &format!("bleeding {}, ", self.bleeding_reduction);
-        }
-        words + &self.map.label()
-    }
-
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         let least_deviation = self.least_deviation.unwrap_or(match self.precision {
             MomentPrecision::Bits32 => LEAST_DEVIATION_32,
@@ -111,10 +96,6 @@ impl ShadowTechnique for Vsm {
         images.recipe(&self.map, view, kernel)
     }
 
-    fn kernel_reach(&self) -> Option<f32> {
-        Some(map::reach(self.blur))
-    }
-
     fn follows_camera(&self, light: &Light) -> bool {
         self.mipmaps > 0 || self.map.follows_camera(light)
     }
@@ -131,6 +112,21 @@ const SMALLEST_VARIANCE: f32 = 1e-12;
 impl ListedTechnique for Vsm {
     const SUMMARY: &'static str =
         "Chebyshev's bound by blurred depth and its square (Donnelly, Lauritzen 2006)";
+
+    fn settings(&self) -> String {
+        let side = 2 * u64::from(self.blur) + 1;
+        let mut words = format!("blur {side}x{side}, ");
+        words += &mipmaps::words(self.mipmaps);
+        words += self.precision.words();
+        let default = Self::default();
+        if let Some(deviation) = self.least_deviation {
+            words += &format!("deviation {deviation}, ");
+        }
+        if self.bleeding_reduction != default.bleeding_reduction {
+            words += &format!("bleeding {}, ", self.bleeding_reduction);
+        }
+        words + &self.map.label()
+    }
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
@@ -163,7 +159,8 @@ pub struct VsmKernel {
     encoding: Encoding,
     /// Texels to each side that were averaged.
     blur: u32,
-    uniforms: VsmUniforms,
+    /// Uniforms.
+    pub uniforms: VsmUniforms,
 }
 
 impl VsmKernel {
@@ -173,6 +170,12 @@ impl VsmKernel {
             encoding: self.encoding,
             mipmaps: &self.uniforms.mipmaps,
         }
+    }
+
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
+    /// own texel; `None` where it is the same for all.
+    pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.moment_map().reach(self.blur, position, normal)
     }
 }
 
@@ -199,18 +202,6 @@ impl ReceiveKernel for VsmKernel {
         };
         let map = self.moment_map();
         look_up(inputs, map, span, out, u, bleeding);
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        mipmaps::cost(&self.uniforms.mipmaps)
-    }
-
-    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(self.blur, position, normal)
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        self.uniforms.lookup.layer_of(position)
     }
 }
 

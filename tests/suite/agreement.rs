@@ -9,7 +9,7 @@ use std::{
     collections::BTreeMap,
 };
 use umbrage_core::{
-    Backend, Geometry, Receivers, RecipeError, View,
+    Backend, Geometry, Receivers, RecipeError, ShadowTechnique as _, View,
     metrics::{Agreement, Doubt, MAX_UNDECIDED_SHARE},
 };
 use umbrage_cpu::Cpu;

@@ -10,10 +10,11 @@ use umbrage_core::{
     math::transform,
 };
 use umbrage_cpu::Cpu;
+use umbrage_plan::catalogue::Catalogue;
 use umbrage_scenes::find;
 use umbrage_techniques::{
     Bias, Border, Evsm, EvsmMoments, Hard, MapFormat, MomentPrecision, Msm, Pcf, PcfDisc,
-    PcfDithered, PcfHardware, PcfMerged, Pcss, ShadowMap, Surface, Vsm,
+    PcfDithered, PcfHardware, PcfMerged, Pcss, ShadowMap, Surface, TechniquePreset, Vsm,
 };
 use umbrage_tests::{
     agreed::check_agreement,
@@ -103,13 +104,14 @@ fn both_halves_agree() {
                     map,
                     ..Pcss::default()
                 };
-                let mut cases: Vec<(Box<dyn ShadowTechnique>, &View<'_>)> = Vec::new();
+                let catalogue = Catalogue::built_in();
+                let mut cases: Vec<(TechniquePreset, &View<'_>)> = Vec::new();
                 for technique in techniques(map, i) {
                     cases.push((technique, &view));
                 }
                 cases.push((of_moments(map, turn), &view));
                 turn += 1;
-                cases.push((Box::new(wide), &soft));
+                cases.push((TechniquePreset::from(wide), &soft));
                 for (technique, view) in &cases {
                     number += 1;
                     if !is_chosen(number) {
@@ -119,9 +121,8 @@ fn both_halves_agree() {
                     let label = format!("{}, {}", technique.name(), technique.settings());
                     let mask = agreed_mask(view, &recipe, &label).expect("both agree");
                     dark += mask.iter().filter(|&&v| v == 0.0).count();
-                    picked.extend(
-                        (0..seen.len()).map(|i| recipe.receive.kernel.layer(seen.position(i))),
-                    );
+                    let kernel = catalogue.kernel(&recipe);
+                    picked.extend((0..seen.len()).map(|i| kernel.layer(seen.position(i))));
                     compared += 1;
                     blended += usize::from(blend > 0.0);
                 }
@@ -143,47 +144,47 @@ fn both_halves_agree() {
 const MOMENT_MAPS: usize = 9;
 
 /// The techniques with maps of moments, in turn.
-fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
+fn of_moments(map: ShadowMap, turn: usize) -> TechniquePreset {
     match turn % MOMENT_MAPS {
-        0 => Box::new(Vsm {
+        0 => TechniquePreset::from(Vsm {
             map,
             ..Vsm::default()
         }),
-        1 => Box::new(Evsm {
+        1 => TechniquePreset::from(Evsm {
             map,
             ..Evsm::default()
         }),
-        2 => Box::new(Msm {
+        2 => TechniquePreset::from(Msm {
             map,
             ..Msm::default()
         }),
-        6 => Box::new(Vsm {
+        6 => TechniquePreset::from(Vsm {
             map,
             mipmaps: 3,
             ..Vsm::default()
         }),
-        7 => Box::new(Evsm {
+        7 => TechniquePreset::from(Evsm {
             map,
             mipmaps: 2,
             precision: MomentPrecision::Bits16,
             ..Evsm::default()
         }),
-        8 => Box::new(Msm {
+        8 => TechniquePreset::from(Msm {
             map,
             mipmaps: 4,
             ..Msm::default()
         }),
-        3 => Box::new(Evsm {
+        3 => TechniquePreset::from(Evsm {
             map,
             moments: EvsmMoments::Two,
             ..Evsm::default()
         }),
-        4 => Box::new(Msm {
+        4 => TechniquePreset::from(Msm {
             map,
             precision: MomentPrecision::Bits16,
             ..Msm::default()
         }),
-        _ => Box::new(Vsm {
+        _ => TechniquePreset::from(Vsm {
             map,
             precision: MomentPrecision::Bits16,
             ..Vsm::default()
@@ -192,7 +193,7 @@ fn of_moments(map: ShadowMap, turn: usize) -> Box<dyn ShadowTechnique> {
 }
 
 /// All techniques with every bias in turn.
-fn techniques(map: ShadowMap, turn: usize) -> Vec<Box<dyn ShadowTechnique>> {
+fn techniques(map: ShadowMap, turn: usize) -> Vec<TechniquePreset> {
     let biases = [
         Bias::ADAPTIVE,
         Bias::NORMAL_OFFSET,
@@ -204,28 +205,28 @@ fn techniques(map: ShadowMap, turn: usize) -> Vec<Box<dyn ShadowTechnique>> {
         ..map
     };
     vec![
-        Box::new(Hard {
+        TechniquePreset::from(Hard {
             map: ShadowMap {
                 border: Border::Clamp,
                 format: MapFormat::Rgba8,
                 ..map
             },
         }),
-        Box::new(Pcf { map, radius: 2 }),
-        Box::new(PcfDisc {
+        TechniquePreset::from(Pcf { map, radius: 2 }),
+        TechniquePreset::from(PcfDisc {
             map,
             ..PcfDisc::default()
         }),
-        Box::new(PcfDithered { map }),
-        Box::new(PcfHardware {
+        TechniquePreset::from(PcfDithered { map }),
+        TechniquePreset::from(PcfHardware {
             map,
             ..PcfHardware::default()
         }),
-        Box::new(PcfMerged {
+        TechniquePreset::from(PcfMerged {
             map,
             ..PcfMerged::default()
         }),
-        Box::new(Hard {
+        TechniquePreset::from(Hard {
             map: ShadowMap {
                 surface: Surface::Midpoint,
                 ..map

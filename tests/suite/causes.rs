@@ -73,7 +73,7 @@ fn each_cause_shows_alone_on_its_scene() {
         cause: expected,
     } in faults()
     {
-        let causes = Stage::new(name).causes(&*technique);
+        let causes = Stage::new(name).causes(&technique);
         println!("{name}: {causes:?}");
         for (cause, share) in shares(&causes) {
             if cause == expected {

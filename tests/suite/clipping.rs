@@ -9,7 +9,7 @@ use umbrage_core::{
 use umbrage_cpu::{Clipping, Cpu, CpuOptions, VertexSums};
 use umbrage_lab::compare;
 use umbrage_plan::truth::{TruthOptions, trace};
-use umbrage_techniques::{Pcf, Planar, ShadowMap, ShadowVolumes};
+use umbrage_techniques::{Pcf, Planar, ShadowMap, ShadowVolumes, TechniquePreset};
 
 /// Pixels in a false shadow on an NVIDIA H200 when volumes ended at infinity.
 const FALSE_ON_CARD: [(&str, usize); 2] = [("bar-at-lamp", 6322), ("two-blockers", 6552)];
@@ -193,7 +193,7 @@ fn exact_techniques_stay_exact() {
 }
 
 /// Returns the headline settings of all techniques, and `pcf` on cascades.
-fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
+fn techniques() -> Vec<TechniquePreset> {
     let mut out: Vec<_> = umbrage_plan::catalogue::all()
         .iter()
         .flat_map(|entry| (entry.headline)(&[256], Fit::Tight))
@@ -204,7 +204,7 @@ fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
         layout: Layout::Cascades(Cascades::default()),
         ..ShadowMap::default()
     };
-    out.push(Arc::new(Pcf {
+    out.push(TechniquePreset::from(Pcf {
         map,
         ..Pcf::default()
     }));

@@ -3,16 +3,16 @@
 
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
-use std::{fmt::Write as _, sync::Arc};
+use std::fmt::Write as _;
 use umbrage_core::{
     Aabb, Backend, Camera, DepthPlanes, Fit, Geometry, Light, OffsetUnit, RasterBias, Scene,
     ShadowTechnique, Snapping, View,
     metrics::{MAX_EXCESS_RMSE, ReferenceMask},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
-use umbrage_plan::catalogue::{self, CatalogueEntry};
+use umbrage_plan::catalogue::{self, Catalogue, CatalogueEntry};
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
-use umbrage_techniques::{Bias, Hard, ShadowMap};
+use umbrage_techniques::{Bias, Hard, ListedTechnique as _, ShadowMap, TechniquePreset};
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 const SIDE: u32 = 512;
@@ -48,12 +48,12 @@ const BY_TURNS: [Snapping; 4] = [
 ];
 
 /// Map techniques as they are by default: the first setting of each.
-fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
+fn techniques() -> Vec<TechniquePreset> {
     let first = |entry: &CatalogueEntry| (entry.settings)(&[SIDE], Fit::Tight).into_iter().next();
     catalogue::all()
         .iter()
         .filter_map(first)
-        .filter(|t| t.kernel_reach().is_some())
+        .filter(|preset| Catalogue::built_in().kernel_reach(preset).is_some())
         .collect()
 }
 
@@ -148,7 +148,7 @@ fn most_excess(scene: &str, light: &Light, technique: &str) -> f64 {
 }
 
 /// What is farther from truth than allowed, in words; and how many masks were compared. `turn` says which rules have their turn.
-fn faults(scene: &Scene, turn: usize, techniques: &[Arc<dyn ShadowTechnique>]) -> (String, usize) {
+fn faults(scene: &Scene, turn: usize, techniques: &[TechniquePreset]) -> (String, usize) {
     let geometry = Geometry::bake(scene).expect("a built-in scene");
     let mut out = String::new();
     let mut compared = 0;
@@ -161,7 +161,7 @@ fn faults(scene: &Scene, turn: usize, techniques: &[Arc<dyn ShadowTechnique>]) -
         for technique in techniques {
             let name = technique.name();
             let kind = light.kind();
-            let Some(excess) = stage.excess(&**technique, rules) else {
+            let Some(excess) = stage.excess(technique, rules) else {
                 continue;
             };
             compared += excess.len();
@@ -220,7 +220,7 @@ fn a_bias_without_margin_is_caught() {
         },
     };
     let settings = hard.settings();
-    let (faults, compared) = faults(&scene, 0, &[Arc::new(hard)]);
+    let (faults, compared) = faults(&scene, 0, &[TechniquePreset::from(hard)]);
     assert!(
         compared > 0
             && faults.contains(&format!(

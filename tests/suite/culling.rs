@@ -14,7 +14,7 @@ use umbrage_core::{
     RecipeError, Scene, ShadowTechnique, Source, View, glam::Vec3, relevant_casters,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap};
+use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap, TechniquePreset};
 use umbrage_tests::{
     random_scene::scenes,
     stage::{camera, geometry},
@@ -23,7 +23,7 @@ use umbrage_tests::{
 /// A random technique.
 #[derive(Clone, Debug)]
 struct Case {
-    technique: Arc<dyn ShadowTechnique>,
+    technique: TechniquePreset,
     /// How far its kernel reaches beyond what the light's extent adds, texels.
     reach: f32,
 }
@@ -76,10 +76,10 @@ fn techniques() -> impl Strategy<Value = Case> {
                 layout,
                 ..ShadowMap::default()
             };
-            let technique: Arc<dyn ShadowTechnique> = match kind {
-                0 => Arc::new(Hard { map }),
-                1 => Arc::new(Pcf { map, radius }),
-                _ => Arc::new(Pcss {
+            let technique: TechniquePreset = match kind {
+                0 => TechniquePreset::from(Hard { map }),
+                1 => TechniquePreset::from(Pcf { map, radius }),
+                _ => TechniquePreset::from(Pcss {
                     map,
                     ..Pcss::default()
                 }),
@@ -178,7 +178,7 @@ fn irrelevant_casters_change_no_mask() {
     let tally = RefCell::new(Tally::default());
     run(600, (scenes(), techniques()), |(scene, case)| {
         let seen = Seen::new(scene)?;
-        let technique = &*case.technique;
+        let technique = &case.technique;
         let Some(recipe) = seen.recipe(technique)? else {
             return Ok(());
         };

@@ -1,13 +1,15 @@
 //! Holes that alpha textures cut into casters and receivers, against scenes whose answer is known without any texture.
 
 use glam::{Affine3A, UVec2, Vec2, Vec3};
-use std::{ops::Range, sync::Arc};
+use std::ops::Range;
 use umbrage_core::{
     AlphaCutout, AlphaFilter, Backend, Camera, Cascades, Fit, Geometry, Instance, Layout, Light,
     Material, Mesh, NO_TRIANGLE, Recipe, RecipeError, Scene, ShadowTechnique, Shadows, Source,
-    Texture, View, Work, light_sample::hash,
+    Texture, View, light_sample::hash,
 };
 use umbrage_cpu::Cpu;
+use umbrage_plan::catalogue::Catalogue;
+use umbrage_plan::cost::Work;
 use umbrage_techniques::{MapFormat, Pcf, ShadowMap, Surface, TechniquePreset, Traced};
 use umbrage_tests::gpu::gpu;
 
@@ -324,9 +326,8 @@ fn techniques_without_holes_refuse_them() {
 }
 
 /// Returns the default techniques, and maps of other kinds: cascades, fits around the camera, 16 bits, peeled layers in 16 bits.
-fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
-    let defaults = TechniquePreset::defaults().into_iter();
-    let mut out: Vec<_> = defaults.map(|preset| preset.technique()).collect();
+fn techniques() -> Vec<TechniquePreset> {
+    let mut out = TechniquePreset::defaults();
     let cascades = ShadowMap {
         size: 256,
         layout: Layout::Cascades(Cascades::default()),
@@ -346,7 +347,7 @@ fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
         ..coarse_depth
     };
     for map in [cascades, steady, coarse_depth, peeled] {
-        out.push(Arc::new(Pcf { map, radius: 1 }));
+        out.push(TechniquePreset::from(Pcf { map, radius: 1 }));
     }
     out
 }
@@ -514,7 +515,8 @@ fn work_counts_texels_that_ask_for_holes() {
             },
             radius: 1,
         };
-        Work::of(&view, &pcf.recipe(&view).expect("a map knows holes"))
+        let recipe = pcf.recipe(&view).expect("a map knows holes");
+        Work::of(&view, &recipe, &Catalogue::built_in())
     };
     assert_eq!(work_of(&card(None)).cut_out, 0);
     let alone = work_of(&with_holes);

@@ -5,7 +5,7 @@ use umbrage_core::{
     Backend, Camera, Geometry, Instance, Light, Mesh, Scene, ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, Pcf, ShadowMap};
+use umbrage_techniques::{Bias, Hard, ListedTechnique as _, Pcf, ShadowMap};
 
 const SUN: Light = Light::Directional {
     direction: Vec3::new(0.6, -0.64, 0.48),

@@ -1,7 +1,8 @@
 //! Net 2: uniforms, where Rust writes and where shaders read.
 
 use umbrage_core::{
-    CameraRays, Kernel, Light, Recipe, Uniforms, View, glam::Vec3, join, resolve::RESOLVE,
+    CameraRays, Kernel, Light, Recipe, ShadowTechnique as _, Uniforms, View, glam::Vec3, join,
+    resolve::RESOLVE,
 };
 use umbrage_tests::{layouts::check, stage};
 

@@ -3,7 +3,7 @@
 use umbrage_core::{Backend, Geometry, Layout, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
 use umbrage_scenes::find;
-use umbrage_techniques::{Bias, Hard, Pattern, Pcss, ShadowMap};
+use umbrage_techniques::{Bias, Hard, ListedTechnique as _, Pattern, Pcss, ShadowMap};
 use umbrage_tests::gpu::gpu;
 
 /// Widths may be off by 5 %: what the rest of a texel and 64 taps leave.

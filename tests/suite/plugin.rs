@@ -10,6 +10,7 @@ use umbrage_lab::{
 };
 use umbrage_plan::catalogue::{Catalogue, CatalogueEntry};
 use umbrage_plan::{self as plan, footprint};
+use umbrage_techniques::TechniquePreset;
 use umbrage_tests::gpu::gpu;
 
 #[test]
@@ -54,6 +55,7 @@ fn a_users_map_has_figures() {
         .receivers(&scene.cameras[0], &geometry)
         .expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
+    let catalogue = catalogue();
     let map = ShadowMap {
         size: 256,
         ..ShadowMap::default()
@@ -67,10 +69,18 @@ fn a_users_map_has_figures() {
         let recipe = technique
             .recipe(&view)
             .expect("variance maps serve the sun");
-        let used = footprint::of(&technique, &view, &recipe, &receivers).expect("it has a map");
+        let preset = TechniquePreset::from(technique);
+        let used = footprint::of(&preset, &view, &recipe, &receivers, &catalogue);
+        let used = used.expect("it has a map");
         assert_eq!(
             used,
-            footprint::measure(&view, &recipe, &receivers, radius as f32),
+            footprint::measure(
+                &view,
+                &recipe,
+                &receivers,
+                radius as f32,
+                catalogue.kernel(&recipe)
+            ),
             "the blur's reach"
         );
         used.total

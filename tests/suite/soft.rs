@@ -10,7 +10,7 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_scenes::{Kind, all};
-use umbrage_techniques::{Pcf, PcfDisc, Pcss, ShadowMap};
+use umbrage_techniques::{Pcf, PcfDisc, Pcss, ShadowMap, TechniquePreset};
 use umbrage_tests::{driver_model::is_chosen, gpu::gpu};
 
 /// Small, since squares of 1,089 taps are among the rivals.
@@ -135,14 +135,14 @@ fn pcss(map: ShadowMap, times: u32) -> Pcss {
 }
 
 /// Kernels of one width: squares with every tap in them, and discs with as many taps as PCSS filters with.
-fn rivals(map: ShadowMap) -> Vec<Box<dyn ShadowTechnique>> {
+fn rivals(map: ShadowMap) -> Vec<TechniquePreset> {
     let taps = Pcss::default().filter_taps;
-    let mut out: Vec<Box<dyn ShadowTechnique>> = Vec::new();
+    let mut out: Vec<TechniquePreset> = Vec::new();
     for radius in [1, 2, 3, 5, 8, 12, 16] {
-        out.push(Box::new(Pcf { map, radius }));
+        out.push(TechniquePreset::from(Pcf { map, radius }));
     }
     for radius in [2.0, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0] {
-        out.push(Box::new(PcfDisc {
+        out.push(TechniquePreset::from(PcfDisc {
             map,
             radius,
             taps,
@@ -158,7 +158,7 @@ fn better_rivals(pcss: &Pcss) -> Vec<String> {
     for case in cases() {
         let own = case.error(pcss);
         for rival in rivals(pcss.map) {
-            let error = case.error(&*rival);
+            let error = case.error(&rival);
             if error < own {
                 out.push(format!(
                     "{}: {error} by {} {}, {own} by pcss",

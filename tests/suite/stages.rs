@@ -7,7 +7,7 @@ use umbrage_cpu::Cpu;
 use umbrage_examples::variance::Variance;
 use umbrage_plan::catalogue::all;
 use umbrage_scenes::find;
-use umbrage_techniques::ShadowMap;
+use umbrage_techniques::{ShadowMap, TechniquePreset};
 use umbrage_tests::gpu::gpu;
 
 /// Scenes with different lights and plenty of edges.
@@ -52,9 +52,9 @@ fn for_each_recipe(check: impl Fn(&View<'_>, Played, &str)) {
             least_variance: 1e-6,
         };
         let built_in = all().iter().flat_map(|entry| (entry.exhaustive)(128));
-        for technique in built_in.chain([std::sync::Arc::new(own) as _]) {
+        for technique in built_in.chain([TechniquePreset::from(own)]) {
             let label = format!("{name}: {} {}", technique.name(), technique.settings());
-            if let Some(p) = play(&view, &*technique) {
+            if let Some(p) = play(&view, &technique) {
                 check(&view, p, &label);
                 played += 1;
             }

@@ -62,7 +62,6 @@ pub use recipe::{
     kernel::{FilterKernel, Inputs, Kernel, ReceiveKernel, ShadeKernel},
     shader::{Module, UniformBlock, UniformLayout, Uniforms, join},
     table_rows::TableRows,
-    work::{KernelCost, Work},
 };
 pub use recipe_error::RecipeError;
 pub use scene::{

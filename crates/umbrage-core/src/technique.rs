@@ -13,9 +13,6 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     /// Returns the technique's name, in lower case: `pcf`.
     fn name(&self) -> &'static str;
 
-    /// Returns its settings in a few words, without the name: `3x3, 1024, slope .05/.005`.
-    fn settings(&self) -> String;
-
     /// Returns the recipe for a view. The same view gives the same recipe.
     ///
     /// # Errors
@@ -26,14 +23,6 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     /// which the device then makes itself. None for all others, which need no list or can't do with such ones.
     fn device_recipe(&self, view: &View<'_>) -> Option<Result<DeviceRecipe, RecipeError>> {
         let _ = view;
-        None
-    }
-
-    /// Returns how far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one
-    /// texel, 1 for the 3 x 3 around it. None where no map of what the light sees is looked up, and where that isn't known:
-    /// reports then say nothing of its maps. Where it differs from one receiver to the next, this is the narrowest, and
-    /// [`ReceiveKernel::reach`](crate::ReceiveKernel::reach) returns each.
-    fn kernel_reach(&self) -> Option<f32> {
         None
     }
 

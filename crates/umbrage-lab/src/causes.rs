@@ -1,8 +1,7 @@
 //! An example of each cause of error: scenes in which nothing else can be wrong.
 
-use std::sync::Arc;
-use umbrage_core::{ShadowTechnique, metrics::Cause};
-use umbrage_techniques::{Bias, Hard, SecondDepth, ShadowMap};
+use umbrage_core::metrics::Cause;
+use umbrage_techniques::{Bias, Hard, SecondDepth, ShadowMap, TechniquePreset};
 
 /// A scene and a technique whose whole error there has one cause.
 #[derive(Clone, Debug)]
@@ -10,7 +9,7 @@ pub struct CauseExample {
     /// The built-in scene's name.
     pub scene: &'static str,
     /// What is played.
-    pub technique: Arc<dyn ShadowTechnique>,
+    pub technique: TechniquePreset,
     /// What its whole error comes from.
     pub cause: Cause,
 }
@@ -30,7 +29,7 @@ pub fn faults() -> [CauseExample; 5] {
         },
         CauseExample {
             scene: "cause-leak",
-            technique: Arc::new(SecondDepth {
+            technique: TechniquePreset::from(SecondDepth {
                 map: map(512, Bias::FRONT_CULL),
                 radius: 0,
             }),
@@ -55,8 +54,8 @@ const FAR_TOO_MUCH: Bias = Bias {
     ..Bias::NONE
 };
 
-fn hard(size: u32, bias: Bias) -> Arc<dyn ShadowTechnique> {
-    Arc::new(Hard {
+fn hard(size: u32, bias: Bias) -> TechniquePreset {
+    TechniquePreset::from(Hard {
         map: map(size, bias),
     })
 }

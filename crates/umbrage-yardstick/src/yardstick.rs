@@ -8,8 +8,8 @@
 
 use std::sync::{Arc, OnceLock};
 use umbrage_core::{
-    Inputs, Kernel, KernelCost, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table,
-    UniformBlock, light_sample::hash, uniforms,
+    Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table, UniformBlock,
+    light_sample::hash, uniforms,
 };
 
 /// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two threads.
@@ -130,10 +130,6 @@ impl ReceiveKernel for YardstickKernel {
         for (i, out) in out.iter_mut().enumerate() {
             *out = self.chain(span.first.x + i as u32, span.first.y);
         }
-    }
-
-    fn cost_per_receiver(&self) -> KernelCost {
-        KernelCost::taps(self.uniforms.links)
     }
 }
 

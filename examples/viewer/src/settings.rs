@@ -172,12 +172,12 @@ impl SideSettings {
 
     /// A few words for labels.
     pub(crate) fn label(&self) -> String {
-        let technique = self.preset.technique();
-        let settings = technique.settings();
+        let name = self.preset.name();
+        let settings = self.preset.settings();
         if settings.is_empty() {
-            return technique.name().to_owned();
+            return name.to_owned();
         }
-        format!("{} ({settings})", technique.name())
+        format!("{name} ({settings})")
     }
 }
 

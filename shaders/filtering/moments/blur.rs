@@ -25,7 +25,8 @@ uniforms! {
 pub struct BoxBlurKernel {
     /// How channels are averaged.
     encoding: Encoding,
-    uniforms: BoxBlurUniforms,
+    /// Uniforms.
+    pub uniforms: BoxBlurUniforms,
 }
 
 impl BoxBlurKernel {
@@ -105,10 +106,6 @@ impl FilterKernel for BoxBlurKernel {
             encoding: self.encoding,
             texels: out,
         });
-    }
-
-    fn loads_per_texel(&self) -> u32 {
-        2 * self.uniforms.radius.unsigned_abs() + 1
     }
 }
 

@@ -25,10 +25,11 @@ uniforms! {
 /// below the other. A level's side is the map's, halved and rounded down; where it is odd, a last row and column stand in no texel of
 /// the level. Sums run from left to right, or from top to bottom; what no level fills is 0.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HalveKernel {
+pub struct HalveKernel {
     /// How channels are averaged.
     encoding: Encoding,
-    uniforms: HalveUniforms,
+    /// Uniforms.
+    pub uniforms: HalveUniforms,
 }
 
 impl HalveKernel {
@@ -124,15 +125,6 @@ impl FilterKernel for HalveKernel {
             encoding: self.encoding,
             texels: out,
         });
-    }
-
-    fn loads_per_texel(&self) -> u32 {
-        // Each level loads the whole map along rows, and along columns half as much as the one before, for half of the texels.
-        if self.uniforms.along_columns == 0 {
-            self.uniforms.levels as u32
-        } else {
-            2
-        }
     }
 }
 

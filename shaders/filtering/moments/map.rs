@@ -20,11 +20,6 @@ pub const MAX_BLUR: u32 = 32;
 /// Greatest light-bleeding reduction: beyond, nothing is left of penumbrae.
 pub const MAX_BLEEDING_REDUCTION: f32 = 0.95;
 
-/// How far a lookup reaches beyond the receiver's own texel, texels: as the blur does, and one more for the blend of four texels.
-pub(crate) fn reach(blur: u32) -> f32 {
-    blur as f32 + 1.0
-}
-
 /// How much of the light is taken for bleeding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BleedingReduction {

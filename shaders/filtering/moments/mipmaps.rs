@@ -4,7 +4,7 @@
 //! from the camera as uniforms and from the receiver's plane. Levels are found by comparisons and products alone, without logarithms.
 
 use glam::{Vec2, Vec3, Vec4};
-use umbrage_core::{Camera, Invalid, KernelCost, Module, math::dot3, uniforms};
+use umbrage_core::{Camera, Invalid, Module, math::dot3, uniforms};
 
 /// The WGSL half.
 pub(crate) const MIPMAPS: Module = Module {
@@ -49,11 +49,6 @@ pub(crate) fn words(mipmaps: u32) -> String {
         1 => "1 mipmap, ".to_owned(),
         _ => format!("{mipmaps} mipmaps, "),
     }
-}
-
-/// Returns what a lookup costs: four texels of one level, or of two.
-pub(crate) fn cost(mipmaps: &MipmapUniforms) -> KernelCost {
-    KernelCost::taps(if mipmaps.levels > 0 { 8 } else { 4 })
 }
 
 /// Returns the side of a level of a map of this side, texels.

@@ -277,24 +277,24 @@ fn moment_maps_of_a_set_have_mipmaps() {
         map,
         ..Vsm::default()
     };
-    let techniques: [Arc<dyn ShadowTechnique>; 5] = [
-        Arc::new(plain),
-        Arc::new(Vsm {
+    let techniques: [TechniquePreset; 5] = [
+        plain.into(),
+        TechniquePreset::from(Vsm {
             mipmaps: 4,
             ..plain
         }),
-        Arc::new(Evsm {
+        TechniquePreset::from(Evsm {
             map: cascades,
             mipmaps: 2,
             ..Evsm::default()
         }),
-        Arc::new(Evsm {
+        TechniquePreset::from(Evsm {
             map,
             mipmaps: 3,
             precision: MomentPrecision::Bits16,
             ..Evsm::default()
         }),
-        Arc::new(Msm {
+        TechniquePreset::from(Msm {
             map: cascades,
             mipmaps: 3,
             ..Msm::default()
@@ -303,7 +303,7 @@ fn moment_maps_of_a_set_have_mipmaps() {
     let ids = techniques.clone().map(|technique| {
         let light = SetLight {
             light,
-            technique,
+            technique: technique.technique(),
             priority: 1.0,
         };
         set.add_light(light).expect("valid")
@@ -316,7 +316,7 @@ fn moment_maps_of_a_set_have_mipmaps() {
         .map(|(&id, technique)| {
             let index = set.index_of(id).expect("is there");
             let mask = forward.mask(&world.program, &set, index);
-            let alone = world.alone(&**technique, &set);
+            let alone = world.alone(technique, &set);
             let agreed = alone.check(&technique.settings(), &mask);
             agreed.expect("the set agrees");
             mask

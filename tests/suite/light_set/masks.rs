@@ -105,10 +105,6 @@ impl ShadowTechnique for Broken {
         "broken"
     }
 
-    fn settings(&self) -> String {
-        String::new()
-    }
-
     fn recipe(&self, _: &View<'_>) -> Result<Recipe, RecipeError> {
         Ok(Recipe {
             images: Vec::new(),

@@ -12,7 +12,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};
-use umbrage_techniques::{Bias, Hard, Midpoint, Pcf, ShadowMap};
+use umbrage_techniques::{Bias, Hard, Midpoint, Pcf, ShadowMap, TechniquePreset};
 
 const SIZE: u32 = 512;
 
@@ -26,22 +26,22 @@ fn map(bias: Bias) -> ShadowMap {
 }
 
 /// Techniques with how far their kernels reach, texels.
-fn techniques() -> [(Box<dyn ShadowTechnique>, f32); 4] {
+fn techniques() -> [(TechniquePreset, f32); 4] {
     let pcf = |radius: u32| Pcf {
         map: map(Bias::ADAPTIVE),
         radius,
     };
     [
         (
-            Box::new(Hard {
+            TechniquePreset::from(Hard {
                 map: map(Bias::ADAPTIVE),
             }),
             0.5,
         ),
-        (Box::new(pcf(1)), 1.5),
-        (Box::new(pcf(3)), 3.5),
+        (TechniquePreset::from(pcf(1)), 1.5),
+        (TechniquePreset::from(pcf(3)), 3.5),
         (
-            Box::new(Midpoint {
+            TechniquePreset::from(Midpoint {
                 map: map(Bias::ADAPTIVE),
                 radius: 0,
             }),
@@ -168,7 +168,7 @@ fn faces_meet_without_seams() {
         band(&case)
     );
     for (technique, reach) in techniques() {
-        let mask = case.mask(&*technique);
+        let mask = case.mask(&technique);
         assert_eq!(
             unexplained(&case, &mask, reach),
             [0, 0],

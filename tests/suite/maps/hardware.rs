@@ -4,12 +4,13 @@ use super::Case;
 use umbrage_core::{Backend, RecipeError, ShadowTechnique, metrics::Errors};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
-    Bias, Border, Hard, MapFormat, PcfHardware, PcfMerged, ShadowMap, Surface, WEIGHT_ERROR,
+    Bias, Border, Hard, MapFormat, PcfHardware, PcfMerged, ShadowMap, Surface, TechniquePreset,
+    WEIGHT_ERROR,
 };
 use umbrage_tests::gpu::gpu;
 
 /// Every kernel with every path: borders, layouts, formats, biases.
-fn techniques() -> Vec<Box<dyn ShadowTechnique>> {
+fn techniques() -> Vec<TechniquePreset> {
     let map = ShadowMap {
         size: 200,
         ..ShadowMap::default()
@@ -35,11 +36,10 @@ fn techniques() -> Vec<Box<dyn ShadowTechnique>> {
         },
         ShadowMap { size: 1, ..map },
     ];
-    let kernels = |map: ShadowMap| -> Vec<Box<dyn ShadowTechnique>> {
-        let hardware = [1, 2, 3, 4]
-            .map(|samples| Box::new(PcfHardware { map, samples }) as Box<dyn ShadowTechnique>);
-        let merged =
-            [1, 2, 3].map(|radius| Box::new(PcfMerged { map, radius }) as Box<dyn ShadowTechnique>);
+    let kernels = |map: ShadowMap| -> Vec<TechniquePreset> {
+        let hardware =
+            [1, 2, 3, 4].map(|samples| TechniquePreset::from(PcfHardware { map, samples }));
+        let merged = [1, 2, 3].map(|radius| TechniquePreset::from(PcfMerged { map, radius }));
         hardware.into_iter().chain(merged).collect()
     };
     maps.into_iter().flat_map(kernels).collect()

@@ -7,26 +7,27 @@ use glam::DVec3;
 
 /// A convex polygon of at most `MAX` corners, in order around it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Polygon<P, const MAX: usize> {
+pub struct Polygon<P, const MAX: usize> {
     corners: [P; MAX],
     count: usize,
 }
 
 impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
     /// Returns the polygon without corners.
-    pub(crate) fn empty() -> Self {
+    pub fn empty() -> Self {
         Self {
             corners: [P::default(); MAX],
             count: 0,
         }
     }
 
-    pub(crate) fn triangle(corners: [P; 3]) -> Self {
+    /// Returns a triangle.
+    pub fn triangle(corners: [P; 3]) -> Self {
         Self::of(corners)
     }
 
     /// Returns the polygon with these corners, of which there are at most `MAX`.
-    pub(crate) fn of<const COUNT: usize>(corners: [P; COUNT]) -> Self {
+    pub fn of<const COUNT: usize>(corners: [P; COUNT]) -> Self {
         let mut polygon = Self::empty();
         for corner in corners {
             polygon.push(corner);
@@ -34,12 +35,13 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
         polygon
     }
 
-    pub(crate) fn corners(&self) -> &[P] {
+    /// Returns the corners in order.
+    pub fn corners(&self) -> &[P] {
         &self.corners[..self.count]
     }
 
     /// Returns the polygon with `f` applied to each corner.
-    pub(crate) fn map(&self, f: impl Fn(P) -> P) -> Self {
+    pub fn map(&self, f: impl Fn(P) -> P) -> Self {
         Self {
             corners: self.corners.map(f),
             count: self.count,
@@ -51,7 +53,7 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
     /// `crossing(p, q, distance_p, distance_q)` returns the corner at which the edge from `p` to `q` crosses the plane, or
     /// none if it doesn't; the last two parameters are the signed distances of its ends. It stands with the callers,
     /// since they interpolate by different formulas, whose bits differ.
-    pub(crate) fn clip(
+    pub fn clip(
         &self,
         signed_distance: impl Fn(P) -> f64,
         crossing: impl Fn(P, P, f64, f64) -> Option<P>,
@@ -84,7 +86,7 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
 
 /// Returns the point at which the edge from `p` to `q` crosses a plane, given the signed distances of both; none if both are on
 /// one side. An end on the plane counts as inside, so an edge that leaves or enters there gets that end as its crossing.
-pub(crate) fn edge_crossing(p: DVec3, q: DVec3, distance_p: f64, distance_q: f64) -> Option<DVec3> {
+pub fn edge_crossing(p: DVec3, q: DVec3, distance_p: f64, distance_q: f64) -> Option<DVec3> {
     if (distance_p >= 0.0) == (distance_q >= 0.0) {
         return None;
     }

@@ -3,7 +3,7 @@
 pub(crate) mod aabb;
 pub(crate) mod box_tree;
 pub mod bvh;
-pub(crate) mod clip_polygon;
+pub mod clip_polygon;
 pub mod cut_out;
 mod derived;
 pub(crate) mod displaced_mesh;

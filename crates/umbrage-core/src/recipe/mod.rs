@@ -7,7 +7,6 @@ pub(crate) mod shader;
 pub(crate) mod table_rows;
 #[cfg(feature = "testing")]
 pub(crate) mod twin;
-pub(crate) mod work;
 
 use crate::{
     geometry::Geometry,

@@ -2,10 +2,8 @@
 
 use super::*;
 use crate::compare::{Measured, Ranks, SCHEMA, TimingStats};
-use umbrage_core::{
-    Work,
-    metrics::{Causes, Errors},
-};
+use umbrage_core::metrics::{Causes, Errors};
+use umbrage_plan::cost::Work;
 
 fn row(backend: &str) -> CompareRow {
     let total = TimingStats {

@@ -3,11 +3,11 @@
 
 use super::paired::{Pair, Repetitions, paired};
 use crate::LabError;
-use std::{sync::Arc, time::Instant};
+use std::time::Instant;
 use umbrage_core::{Backend, Fit, Geometry, Light, Receivers, ShadowTechnique, View, glam::UVec2};
 use umbrage_cpu::Cpu;
 use umbrage_scenes::{Kind, SceneEntry};
-use umbrage_techniques::ShadowMap;
+use umbrage_techniques::{ShadowMap, TechniquePreset};
 
 /// Image size, pixels.
 const SCREEN: UVec2 = UVec2::new(1280, 720);
@@ -64,7 +64,7 @@ struct Stage<'a> {
 
 /// A technique, and whether it plans for what is seen.
 struct Planned {
-    technique: Arc<dyn ShadowTechnique>,
+    technique: TechniquePreset,
     fit: &'static str,
     is_seen_known: bool,
 }
@@ -94,7 +94,7 @@ fn techniques() -> Vec<Planned> {
                 ..map
             };
             out.push(Planned {
-                technique: preset.with_map(map).technique(),
+                technique: preset.with_map(map),
                 fit: name,
                 is_seen_known,
             });
@@ -111,7 +111,7 @@ impl Stage<'_> {
         repetitions: Repetitions,
         cpu: &mut Cpu,
     ) -> Result<Pair, LabError> {
-        let technique = &*planned.technique;
+        let technique = &planned.technique;
         let plan = || {
             let view = View::new(self.view.camera, self.light, self.geometry);
             let view = if planned.is_seen_known {

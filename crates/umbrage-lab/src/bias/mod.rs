@@ -20,8 +20,11 @@ use umbrage_core::{
     Backend, FitMemory, Geometry, RecipeError, ShadowTechnique, View,
     metrics::{Errors, ReferenceMask},
 };
+use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::{self, TruthOptions};
-use umbrage_techniques::{Bias, Hard, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap};
+use umbrage_techniques::{
+    Bias, Hard, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
+};
 
 /// The number of wrong pixels that count as chance. (Every bias moves a shadow's edge, which is some hundred pixels long.)
 pub const FEW: f64 = 16.0;
@@ -100,21 +103,25 @@ impl BiasRow {
 }
 
 /// A kernel with a name, as a function of its map.
-pub type NamedKernel = (&'static str, fn(ShadowMap) -> Box<dyn ShadowTechnique>);
+pub type NamedKernel = (&'static str, fn(ShadowMap) -> TechniquePreset);
 
 /// The kernels whose biases are compared.
 pub const KERNELS: [NamedKernel; 6] = [
-    ("hard", |map| Box::new(Hard { map })),
-    ("pcf 3x3", |map| Box::new(Pcf { map, radius: 1 })),
-    ("pcf 7x7", |map| Box::new(Pcf { map, radius: 3 })),
+    ("hard", |map| TechniquePreset::from(Hard { map })),
+    ("pcf 3x3", |map| {
+        TechniquePreset::from(Pcf { map, radius: 1 })
+    }),
+    ("pcf 7x7", |map| {
+        TechniquePreset::from(Pcf { map, radius: 3 })
+    }),
     ("pcf_hardware 1x1", |map| {
-        Box::new(PcfHardware { map, samples: 1 })
+        TechniquePreset::from(PcfHardware { map, samples: 1 })
     }),
     ("pcf_merged 3x3", |map| {
-        Box::new(PcfMerged { map, radius: 1 })
+        TechniquePreset::from(PcfMerged { map, radius: 1 })
     }),
     ("pcf_disc", |map| {
-        Box::new(PcfDisc {
+        TechniquePreset::from(PcfDisc {
             map,
             ..PcfDisc::default()
         })
@@ -190,7 +197,7 @@ impl Case<'_> {
         let mut played = Vec::new();
         let mut counted = 0;
         for backend in &mut backends.playing {
-            let Some(errors) = self.errors(&*default, &mut **backend)? else {
+            let Some(errors) = self.errors(&default, &mut **backend)? else {
                 return Ok(None);
             };
             played.push(DefaultBiasError {
@@ -202,16 +209,17 @@ impl Case<'_> {
         let cpu = &mut backends.receivers;
         let mut best = f64::INFINITY;
         let mut best_bias = Bias::NONE;
-        let reach = technique(kernel, side, Bias::NONE).kernel_reach();
+        let unbiased = technique(kernel, side, Bias::NONE);
+        let reach = Catalogue::built_in().kernel_reach(&unbiased);
         for rival in rivals(reach.unwrap_or(0.0)) {
-            let rmse = self.rmse(&*technique(kernel, side, rival), cpu)?;
+            let rmse = self.rmse(&technique(kernel, side, rival), cpu)?;
             if rmse < best {
                 best = rmse;
                 best_bias = rival;
             }
         }
-        let textbook = self.rmse(&*technique(kernel, side, Bias::SLOPE), cpu)?;
-        let plane = self.rmse(&*technique(kernel, side, Bias::RECEIVER_PLANE), cpu)?;
+        let textbook = self.rmse(&technique(kernel, side, Bias::SLOPE), cpu)?;
+        let plane = self.rmse(&technique(kernel, side, Bias::RECEIVER_PLANE), cpu)?;
         Ok(Some(BiasRow {
             scene: String::new(),
             light: String::new(),
@@ -254,7 +262,7 @@ impl Case<'_> {
 }
 
 /// Returns a kernel on a map of this side, texels, with this bias.
-fn technique(kernel: NamedKernel, side: u32, bias: Bias) -> Box<dyn ShadowTechnique> {
+fn technique(kernel: NamedKernel, side: u32, bias: Bias) -> TechniquePreset {
     let (_, on_map) = kernel;
     on_map(ShadowMap {
         size: side,

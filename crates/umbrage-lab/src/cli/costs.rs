@@ -3,10 +3,10 @@
 use crate::cli::{args::BenchArguments, inputs, progress::StepBar};
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
-use std::sync::Arc;
 use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
 use umbrage_plan::catalogue::all;
 use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, fit, time_work};
+use umbrage_techniques::TechniquePreset;
 
 /// Scenes that are timed alike.
 struct Stage {
@@ -111,7 +111,7 @@ impl Stage {
 }
 
 /// Returns the first, middle and last setting of each technique: all kinds of work, few alike.
-fn settings(maps: &[u32]) -> Vec<Arc<dyn ShadowTechnique>> {
+fn settings(maps: &[u32]) -> Vec<TechniquePreset> {
     let mut out = Vec::new();
     for entry in all() {
         let of_entry = (entry.settings)(maps, Fit::Tight);

@@ -6,7 +6,7 @@
 //!   of the same sequence ([`light_sample`]), so the share that is right is counted, not estimated: there is no noise in
 //!   it.
 //! * Kernels that know the receiver's horizon
-//!   ([`ReceiveKernel::knows_horizon`](umbrage_core::ReceiveKernel::knows_horizon)) owe the share of the light above it, for
+//!   ([`CataloguedKernel::horizon_error`]) owe the share of the light above it, for
 //!   which there are formulas ([`horizon`](super::horizon)).
 //! * All others take the light for its middle. Where that is above the tangent plane they owe 1. Where it isn't, both 0
 //!   (those that look which way a surface faces) and 1 (maps, which don't) are right.
@@ -23,18 +23,23 @@ use umbrage_core::{
     light_sample::{LIFT, LightSampler, kind, seed, segment, unit_square},
     metrics::{AGREEMENT_TOLERANCE, ERROR_THRESHOLD, Pixel, near},
 };
-use umbrage_plan::{footprint, truth::Truth};
-use umbrage_techniques::sampler_tolerance;
+use umbrage_plan::{
+    catalogue::{Catalogue, CataloguedKernel},
+    footprint,
+    truth::Truth,
+};
+use umbrage_techniques::{TechniquePreset, sampler_tolerance};
 
 /// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its mask. `recipe` and
 /// `with_casters` are what it planned and showed with them. None where it can't be planned without casters.
 pub(super) fn run(
     backend: &mut dyn Backend,
-    technique: &dyn ShadowTechnique,
+    technique: &TechniquePreset,
     view: &SceneView<'_>,
     truth: &Truth,
     recipe: &Recipe,
     with_casters: &Shadows,
+    catalogue: &Catalogue,
 ) -> Result<Option<Control>, LabError> {
     let bare = view.geometry.without_casters();
     let bare_view = SceneView {
@@ -49,10 +54,10 @@ pub(super) fn run(
         Err(e) => return Err(e.into()),
     };
     let without = backend.render(&seen, &bare_recipe)?;
-    let expected = expected_without_casters(&bare_view, truth, &bare_recipe);
-    let kernel = &bare_recipe.receive.kernel;
-    let tolerance = AGREEMENT_TOLERANCE + sampler_tolerance(&**kernel);
-    let horizon_error = kernel.horizon_error();
+    let kernel = catalogue.kernel(&bare_recipe);
+    let expected = expected_without_casters(&bare_view, truth, kernel);
+    let tolerance = AGREEMENT_TOLERANCE + sampler_tolerance(&*bare_recipe.receive.kernel);
+    let horizon_error = kernel.horizon_error().unwrap_or(0.0);
     let is_counted = |i: usize| truth.pixels[i] == Pixel::Counted;
     let wrong_without = (0..expected.len())
         .filter(|&i| {
@@ -79,7 +84,8 @@ pub(super) fn run(
         .count() as u64;
     let shadowed = shadow.iter().filter(|s| **s).count() as u64;
     let shows_no_shadow = shadowed > 0 && changed == 0;
-    let is_excused = shows_no_shadow && may_miss(technique, &view.core(), recipe, truth, &shadow);
+    let is_excused =
+        shows_no_shadow && may_miss(technique, &view.core(), recipe, truth, &shadow, catalogue);
     let holds = wrong_without == 0 && (!shows_no_shadow || is_excused);
     Ok(Some(Control {
         backend: backend.kind().to_owned(),
@@ -115,14 +121,13 @@ impl VisibilityRange {
 fn expected_without_casters(
     view: &SceneView<'_>,
     truth: &Truth,
-    recipe: &Recipe,
+    kernel: &dyn CataloguedKernel,
 ) -> Vec<VisibilityRange> {
-    let kernel = &recipe.receive.kernel;
     let receivers = &truth.receivers;
     let horizon = LightOverHorizon::new(
         view,
         kernel.cost_per_receiver().rays,
-        kernel.knows_horizon(),
+        kernel.horizon_error().is_some(),
     );
     (0..receivers.len())
         .into_par_iter()
@@ -288,22 +293,25 @@ fn extent(light: &Light) -> f32 {
 /// be wider than all of the shadow: one that is darker than its surroundings must cover a texel and all that the kernel
 /// averages with it.
 fn may_miss(
-    technique: &dyn ShadowTechnique,
+    technique: &TechniquePreset,
     view: &View<'_>,
     recipe: &Recipe,
     truth: &Truth,
     shadow: &[bool],
+    catalogue: &Catalogue,
 ) -> bool {
     let far_side = recipe
         .casts
         .iter()
         .any(|c| c.cull != Cull::None || matches!(c.mode, CastMode::DepthPeel(_)));
-    let Some(reach) = technique.kernel_reach() else {
+    let Some(reach) = catalogue.kernel_reach(technique) else {
         return far_side;
     };
     let mut asked = truth.receivers.clone();
     asked.receives.copy_from_slice(shadow);
-    let used = footprint::measure(&view.with_receivers(&asked), recipe, &asked, reach).total;
+    let view = view.with_receivers(&asked);
+    let kernel = catalogue.kernel(recipe);
+    let used = footprint::measure(&view, recipe, &asked, reach, kernel).total;
     let Some(texels_per_pixel) = used.texels else {
         return true;
     };

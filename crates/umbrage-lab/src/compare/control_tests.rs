@@ -5,9 +5,8 @@ use crate::compare::{Backends, CompareOptions, Comparison, SceneInput, compare};
 use glam::Affine3A;
 use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
 use umbrage_cpu::Cpu;
-use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::{TruthOptions, trace};
-use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Traced};
+use umbrage_techniques::{Bias, Hard, ListedTechnique, Pcss, SecondDepth, ShadowMap, Traced};
 
 fn options(techniques: &[&str]) -> CompareOptions {
     CompareOptions {
@@ -178,7 +177,8 @@ fn casters_that_stay_are_noticed_in_every_technique() {
 }
 
 /// The control of one technique, however it is set.
-fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Backend) -> Control {
+fn control<T: ListedTechnique>(scene: &Scene, technique: T, player: &mut dyn Backend) -> Control {
+    let technique = TechniquePreset::from(technique);
     let geometry = Geometry::bake(scene).expect("valid");
     let options = options(&[]);
     let camera = options.camera(&scene.cameras[0]);
@@ -195,9 +195,18 @@ fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Back
         .recipe(&view.core().with_receivers(&truth.receivers))
         .expect("supported");
     let with_casters = player.render(&view.core(), &recipe).expect("valid");
-    run(player, technique, &view, &truth, &recipe, &with_casters)
-        .expect("valid")
-        .expect("planned")
+    let catalogue = Catalogue::built_in();
+    run(
+        player,
+        &technique,
+        &view,
+        &truth,
+        &recipe,
+        &with_casters,
+        &catalogue,
+    )
+    .expect("valid")
+    .expect("planned")
 }
 
 /// Rays are counted, not estimated: a single one that is missing, or one too many, is noticed, where the light is seen
@@ -220,7 +229,7 @@ fn a_single_ray_is_noticed() {
         };
         control(
             &lamp,
-            &traced,
+            traced.clone(),
             &mut Spoilt {
                 cpu: Cpu::new(),
                 casters: false,
@@ -255,7 +264,7 @@ fn a_share_that_is_wrong_is_noticed() {
         };
         control(
             &lamp,
-            &Pcss::default(),
+            Pcss::default(),
             &mut Spoilt {
                 cpu: Cpu::new(),
                 casters: false,
@@ -298,17 +307,17 @@ fn maps_may_miss_what_they_cannot_hold() {
         ..ShadowMap::default()
     };
     let small = leaf(0.2);
-    let coarse = control(&small, &Hard { map: map(8) }, &mut Cpu::new());
-    let fine = control(&small, &Hard { map: map(1024) }, &mut Cpu::new());
+    let coarse = control(&small, Hard { map: map(8) }, &mut Cpu::new());
+    let fine = control(&small, Hard { map: map(1024) }, &mut Cpu::new());
     assert!(
         coarse.holds && coarse.shadowed > 0 && coarse.changed == 0,
         "{coarse:?}"
     );
     assert!(fine.holds && fine.changed > 0, "{fine:?}");
-    let far_sides = control(&leaf(1.0), &SecondDepth::default(), &mut Cpu::new());
+    let far_sides = control(&leaf(1.0), SecondDepth::default(), &mut Cpu::new());
     assert!(
         far_sides.holds && far_sides.shadowed > 0 && far_sides.changed == 0,
         "{far_sides:?}"
     );
-    assert!(control(&leaf(1.0), &Hard::default(), &mut Cpu::new()).changed > 0);
+    assert!(control(&leaf(1.0), Hard::default(), &mut Cpu::new()).changed > 0);
 }

@@ -41,9 +41,8 @@ pub(crate) use timing::{Again, again};
 pub use umbrage_plan::motion::FrameMotion;
 
 use crate::LabError;
-use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
-use umbrage_plan::catalogue::ConfiguredTechniques;
+use umbrage_techniques::TechniquePreset;
 
 /// In comparisons of at most this many scenes every row gets its pictures: whoever names a scene wants to see it.
 pub(crate) const FEW_SCENES: usize = 3;
@@ -136,19 +135,16 @@ fn settings_of(
 
 /// Returns the settings, then those under the scene's own fit. Settings without a map are the same under both and stay single.
 fn with_fit(
-    tight: &[Arc<dyn ShadowTechnique>],
+    tight: &[TechniquePreset],
     fit: Option<Fit>,
     options: &CompareOptions,
-) -> Result<ConfiguredTechniques, LabError> {
+) -> Result<Vec<TechniquePreset>, LabError> {
     let mut out = tight.to_vec();
     let Some(fit) = fit else {
         return Ok(out);
     };
     for setting in options.settings(fit)? {
-        let is_new = tight
-            .iter()
-            .all(|other| other.name() != setting.name() || other.settings() != setting.settings());
-        if is_new {
+        if !tight.contains(&setting) {
             out.push(setting);
         }
     }

@@ -3,7 +3,7 @@
 use super::FrameMotion;
 use crate::LabError;
 use glam::UVec2;
-use std::{sync::Arc, time::Duration};
+use std::time::Duration;
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::{cost::PriceList, truth::TruthOptions};
@@ -268,7 +268,7 @@ impl CompareOptions {
     ///
     /// # Errors
     /// Errors if a name is unknown or a map size is missing.
-    pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
+    pub(super) fn settings(&self, fit: Fit) -> Result<Vec<TechniquePreset>, LabError> {
         let mut chosen = self.catalogue.select(&self.techniques)?;
         if self.is_preview && self.techniques.is_empty() {
             chosen.retain(|entry| entry.is_previewed);

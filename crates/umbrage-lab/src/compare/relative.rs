@@ -251,10 +251,8 @@ impl SceneResult {
 mod tests {
     use super::*;
     use crate::compare::{CompareRow, Preparation, RowOutcome, RowTimes};
-    use umbrage_core::{
-        Work,
-        metrics::{Causes, Errors},
-    };
+    use umbrage_core::metrics::{Causes, Errors};
+    use umbrage_plan::cost::Work;
 
     fn row(technique: &str, rmse: f64, ms: f64) -> CompareRow {
         let receive = TimingStats {

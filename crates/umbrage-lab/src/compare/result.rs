@@ -2,11 +2,12 @@
 
 use super::{FrameMotion, Preparation, Section};
 use serde::{Deserialize, Serialize};
-use umbrage_core::{
-    Work,
-    metrics::{Agreement, Causes, Errors},
+use umbrage_core::metrics::{Agreement, Causes, Errors};
+use umbrage_plan::{
+    cost::{Work, rank_correlation},
+    footprint::MapUse,
+    statistics::Sorted,
 };
-use umbrage_plan::{cost::rank_correlation, footprint::MapUse, statistics::Sorted};
 
 /// Version of this data's format; grows with every change that programs which read it would notice.
 pub const SCHEMA: u32 = 7;

@@ -16,13 +16,16 @@ use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
     Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, Receivers,
-    Recipe, RecipeError, ShadowTechnique, Shadows, View, Work,
+    Recipe, RecipeError, ShadowTechnique as _, Shadows, View,
     metrics::{Agreement, Causes, Errors, Pixel, ReferenceMask, TruthImage},
 };
 use umbrage_plan::{
+    catalogue::CataloguedKernel,
+    cost::Work,
     footprint::{self, Heat, MapUse},
     truth::{self, Truth, TruthOptions},
 };
+use umbrage_techniques::TechniquePreset;
 
 /// Side of the pictures of where maps are looked up, pixels: enough detail, in files that are small beside the masks'.
 const HEAT_SIDE: u32 = 256;
@@ -317,7 +320,7 @@ impl SceneRun<'_> {
         backends: &mut Backends,
         on_event: &OnEvent<'_>,
     ) -> Result<(), LabError> {
-        let technique = &*setting.technique;
+        let technique = &setting.technique;
         let planned = match self.planned(technique)? {
             Ok(planned) => Ok(planned),
             Err(RecipeError::Unsupported(reason)) => Err(reason),
@@ -369,7 +372,7 @@ impl SceneRun<'_> {
 
     /// Adds how the maps of the last setting are used to those of its `count` rows that were measured. It is measured once,
     /// since all backends play the same.
-    fn add_map_use(&mut self, technique: &dyn ShadowTechnique, recipe: &Recipe, count: usize) {
+    fn add_map_use(&mut self, technique: &TechniquePreset, recipe: &Recipe, count: usize) {
         let first = self.rows.len() - count;
         let is_any_measured = self.rows[first..]
             .iter()
@@ -391,10 +394,12 @@ impl SceneRun<'_> {
     /// Returns the use of a recipe's maps and, with `heat`, where they are looked up; none without maps.
     fn map_use(
         &mut self,
-        technique: &dyn ShadowTechnique,
+        technique: &TechniquePreset,
         recipe: &Recipe,
     ) -> Option<(MapUse, Option<Arc<Heat>>)> {
-        let reach = technique.kernel_reach()?;
+        let catalogue = &self.options.catalogue;
+        let reach = catalogue.kernel_reach(technique)?;
+        let kernel = catalogue.kernel(recipe);
         let receivers = &self.truth.receivers;
         let maps: Vec<CastMap> = recipe
             .casts
@@ -403,7 +408,7 @@ impl SceneRun<'_> {
             .map(|cast| cast_map(cast, recipe))
             .collect();
         // Where the kernel's reach differs from receiver to receiver, `reach` doesn't tell kernels apart.
-        let varies = reach_varies(recipe, receivers);
+        let varies = reach_varies(kernel, receivers);
         if !varies {
             let known = self
                 .looked_up
@@ -414,7 +419,7 @@ impl SceneRun<'_> {
             }
         }
         let view = self.view.core().with_receivers(receivers);
-        let footprint = footprint::measure(&view, recipe, receivers, reach);
+        let footprint = footprint::measure(&view, recipe, receivers, reach, kernel);
         let heat = if self.heat {
             footprint.heat(HEAT_SIDE).map(Arc::new)
         } else {
@@ -434,7 +439,7 @@ impl SceneRun<'_> {
     /// Renders color pictures of the last setting's measured rows and compares them with the first backend's.
     fn shade(
         &mut self,
-        technique: &dyn ShadowTechnique,
+        technique: &TechniquePreset,
         backends: &mut Backends,
     ) -> Result<(), LabError> {
         let Some(stage) = &self.stage else {
@@ -484,7 +489,8 @@ impl SceneRun<'_> {
         let player = &mut *backends.playing[backend];
         let kind = player.kind();
         let snapping = player.snapping();
-        let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
+        let view_of_truth = view.with_receivers(&self.truth.receivers);
+        let work = Work::of(&view_of_truth, recipe, &self.options.catalogue);
         let prices = self.options.prices.of(kind);
         let cost_ms = prices.milliseconds(&work);
         let played_cost_ms = prices.milliseconds(&work.played());
@@ -510,7 +516,7 @@ impl SceneRun<'_> {
             Some(seen) => shadows.receivers = Some(seen.clone()),
             None => self.find_out_what_is_seen(backend, player, &shadows)?,
         }
-        self.add_control(player, &*setting.technique, recipe, &shadows)?;
+        self.add_control(player, &setting.technique, recipe, &shadows)?;
         let pixels = self.seen[backend]
             .as_ref()
             .and_then(|seen| seen.pixels.as_deref());
@@ -571,7 +577,7 @@ impl SceneRun<'_> {
     fn add_control(
         &mut self,
         player: &mut dyn Backend,
-        technique: &dyn ShadowTechnique,
+        technique: &TechniquePreset,
         recipe: &Recipe,
         shadows: &Shadows,
     ) -> Result<(), LabError> {
@@ -581,7 +587,15 @@ impl SceneRun<'_> {
             .iter()
             .any(|c| c.backend == kind && c.technique == technique.name());
         if !has_control {
-            let control = control::run(player, technique, &self.view, self.truth, recipe, shadows)?;
+            let control = control::run(
+                player,
+                technique,
+                &self.view,
+                self.truth,
+                recipe,
+                shadows,
+                &self.options.catalogue,
+            )?;
             self.controls.extend(control);
         }
         Ok(())
@@ -638,12 +652,11 @@ fn cast_map(cast: &Cast, recipe: &Recipe) -> CastMap {
 }
 
 /// Whether the kernel's reach differs from receiver to receiver
-/// ([`ReceiveKernel::reach`](umbrage_core::ReceiveKernel::reach)); the first receiver is asked.
-fn reach_varies(recipe: &Recipe, receivers: &Receivers) -> bool {
+/// ([`CataloguedKernel::reach`]); the first receiver is asked.
+fn reach_varies(kernel: &dyn CataloguedKernel, receivers: &Receivers) -> bool {
     let Some(first) = receivers.receives.iter().position(|receives| *receives) else {
         return false;
     };
-    let kernel = &recipe.receive.kernel;
     kernel
         .reach(receivers.position(first), receivers.normal(first))
         .is_some()

@@ -2,13 +2,13 @@
 
 use super::NamedPreset;
 use crate::output::slug;
-use std::sync::Arc;
-use umbrage_core::ShadowTechnique;
+use umbrage_core::ShadowTechnique as _;
+use umbrage_techniques::TechniquePreset;
 
 /// A technique setting with a file name's stem of its own.
 #[derive(Clone, Debug)]
 pub(super) struct NamedSetting {
-    pub(super) technique: Arc<dyn ShadowTechnique>,
+    pub(super) technique: TechniquePreset,
     /// The technique's name, or the preset's.
     pub(super) name: String,
     /// The settings; of a preset the technique, then its settings.
@@ -20,11 +20,11 @@ pub(super) struct NamedSetting {
 /// their own names. Where two stems are the same, later ones get a number.
 pub(super) fn with_slugs(
     presets: &[NamedPreset],
-    settings: &[Arc<dyn ShadowTechnique>],
+    settings: &[TechniquePreset],
 ) -> Vec<NamedSetting> {
     let mut out: Vec<NamedSetting> = Vec::new();
     for preset in presets {
-        let technique = preset.preset.technique();
+        let technique = preset.preset.clone();
         out.push(NamedSetting {
             name: preset.name.clone(),
             settings: format!("{}, {}", technique.name(), technique.settings()),
@@ -63,7 +63,7 @@ fn unused(stem: &str, others: &[NamedSetting]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_techniques::{Hard, Pcf, TechniquePreset};
+    use umbrage_techniques::{Hard, ListedTechnique as _, Pcf};
 
     #[test]
     fn presets_come_first_under_their_own_names() {
@@ -71,7 +71,7 @@ mod tests {
             name: name.to_owned(),
             preset: TechniquePreset::from(Pcf::default()),
         };
-        let settings: [Arc<dyn ShadowTechnique>; 1] = [Arc::new(Hard::default())];
+        let settings: [TechniquePreset; 1] = [TechniquePreset::from(Hard::default())];
         let named = with_slugs(
             &[preset("Street"), preset("hard.toml"), preset("street")],
             &settings,

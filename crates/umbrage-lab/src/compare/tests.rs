@@ -3,7 +3,9 @@
 use super::*;
 use crate::faulty_backend::{FaultyBackend, darken_one, lighten_one};
 use std::collections::BTreeSet;
-use umbrage_core::{Fit, Geometry, Shadows, Snapping, View, glam::UVec2, metrics::Pixel};
+use umbrage_core::{
+    Fit, Geometry, Receivers, Shadows, Snapping, View, glam::UVec2, metrics::Pixel,
+};
 use umbrage_cpu::Cpu;
 use umbrage_plan::{footprint::measure, truth::TruthOptions};
 
@@ -143,8 +145,11 @@ fn rows_tell_how_maps_are_used() {
             .unwrap_or_else(|| panic!("{}, {settings}: no known reach", technique.name()))
             .2;
         let recipe = technique.recipe(&view).expect("supported");
-        let right = reach.map(|reach| measure(&view, &recipe, &receivers, reach).total);
-        let wrong = reach.map(|reach| measure(&view, &recipe, &spoilt, reach).total);
+        let kernel = options.catalogue.kernel(&recipe);
+        let used =
+            |by: &Receivers| reach.map(|reach| measure(&view, &recipe, by, reach, kernel).total);
+        let right = used(&receivers);
+        let wrong = used(&spoilt);
         let rows: Vec<_> = comparison.scenes[0]
             .rows
             .iter()

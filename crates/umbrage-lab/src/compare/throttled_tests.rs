@@ -1,13 +1,13 @@
 //! Rows on a device whose clock falls when it is idle, and at random moments.
 
 use super::*;
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 use umbrage_core::{
-    Backend, BackendError, ReceiveKernel, Recipe, Shadows, Snapping, Timings, View, Work,
-    glam::UVec2, light_sample::hash,
+    Backend, BackendError, ReceiveKernel, Recipe, Shadows, Snapping, Timings, View, glam::UVec2,
+    light_sample::hash,
 };
 use umbrage_cpu::Cpu;
-use umbrage_plan::{cost::PriceList, truth::TruthOptions};
+use umbrage_plan::{catalogue::Catalogue, cost::PriceList, cost::Work, truth::TruthOptions};
 
 /// How much longer everything takes while the clock is low.
 const SLOWDOWN: f64 = 4.0;
@@ -86,7 +86,7 @@ impl Backend for ThrottledBackend {
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let slowdown = self.slowdown(&recipe.receive.kernel);
         let mut shadows = self.cpu.render(view, recipe)?;
-        let work = Work::of(view, recipe).played();
+        let work = Work::of(view, recipe, &Catalogue::built_in()).played();
         let milliseconds = slowdown * self.prices.of("wgpu").milliseconds(&work);
         shadows.timings = Timings {
             receive: Some(Duration::from_secs_f64(milliseconds / 1e3)),

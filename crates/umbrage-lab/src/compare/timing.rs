@@ -14,8 +14,10 @@ use super::{
 use crate::LabError;
 use std::time::{Duration, Instant};
 use umbrage_core::{
-    Backend, BackendError, Geometry, Receivers, Recipe, Shadows, Timings, View, Work,
+    Backend, BackendError, Geometry, Receivers, Recipe, ShadowTechnique as _, Shadows, Timings,
+    View,
 };
+use umbrage_plan::cost::Work;
 use umbrage_yardstick::{MAX_UNITS, MIN_UNITS, Yardstick};
 
 /// Renders a recipe: once for the mask, which compiles, uploads and finds receivers, then until its
@@ -411,7 +413,7 @@ pub(crate) fn again(
             let cost_ms = options
                 .prices
                 .of(kind)
-                .milliseconds(&Work::of(&view, &recipe).played());
+                .milliseconds(&Work::of(&view, &recipe, &options.catalogue).played());
             // Once before, since the first run compiles and uploads.
             backend.render(&view, &recipe)?;
             let timed = time(

@@ -3,7 +3,7 @@
 use crate::compare::{CompareRow, Comparison, SceneResult, TimingStats};
 use crate::{LabError, output::csv};
 use serde::{Deserialize, Serialize};
-use umbrage_core::Work;
+use umbrage_plan::cost::Work;
 
 /// A line of `work.csv`: a row that was timed, and is no repetition of another.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

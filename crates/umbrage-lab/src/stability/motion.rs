@@ -33,6 +33,7 @@ use umbrage_plan::{
     truth::TruthOptions,
 };
 use umbrage_scenes::motion::{Motion, MotionStep, texel_width};
+use umbrage_techniques::TechniquePreset;
 
 /// The camera, the light and the casters of one frame.
 #[derive(Clone, Debug)]
@@ -135,7 +136,7 @@ impl Moving {
     /// Plays one setting and returns its cell.
     pub(super) fn cell(
         &self,
-        technique: &dyn ShadowTechnique,
+        technique: &TechniquePreset,
         criteria: &[Criterion],
         backends: &SharedBackends<'_>,
     ) -> Result<Cell, LabError> {

@@ -10,8 +10,9 @@ use super::{
     threads::SharedBackends,
 };
 use crate::LabError;
-use umbrage_core::{Light, Receivers, Recipe, ShadowTechnique, View, Work};
-use umbrage_plan::motion::draws_the_picture;
+use umbrage_core::{Light, Receivers, Recipe, ShadowTechnique, View};
+use umbrage_plan::{catalogue::Catalogue, cost::Work, motion::draws_the_picture};
+use umbrage_techniques::TechniquePreset;
 
 /// A still case, ready to be played.
 #[derive(Debug)]
@@ -20,6 +21,8 @@ pub(super) struct Still<'a> {
     /// The same scene at scale 1, for [`Measure::ScaleDrift`].
     pub(super) reference: Option<&'a CaseTruth>,
     pub(super) criteria: &'a [Criterion],
+    /// What kernels are known to look up.
+    pub(super) catalogue: &'a Catalogue,
 }
 
 /// A mask, and what else is measured of its rendering.
@@ -43,10 +46,10 @@ impl Still<'_> {
     /// Plays one setting and returns its cell.
     pub(super) fn cell(
         &self,
-        technique: &dyn ShadowTechnique,
+        technique: &TechniquePreset,
         backends: &SharedBackends<'_>,
     ) -> Result<Cell, LabError> {
-        let played = match play(self.case_truth, technique, backends) {
+        let played = match self.play(self.case_truth, technique, backends) {
             Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
@@ -99,17 +102,85 @@ impl Still<'_> {
         match (measure, self.reference) {
             (Measure::Fill, _) => Ok(played.fill),
             (Measure::ScaleDrift(_), Some(reference)) => {
-                let at_one = play(reference, technique, backends)?;
+                let at_one = self.play(reference, technique, backends)?;
                 let rmse_at_one = rmse(reference, &at_one.mask);
                 Ok((rmse(self.case_truth, &played.mask) - rmse_at_one).abs())
             }
             (measure, _) => Ok(measure.figure(self.case_truth, &played.mask)),
         }
     }
+
+    /// Returns the mean mask over the case's lights on the first backend, and on how many pixels the others differ from it.
+    fn play(
+        &self,
+        case_truth: &CaseTruth,
+        technique: &dyn ShadowTechnique,
+        backends: &SharedBackends<'_>,
+    ) -> Result<RenderedOnAll, NoMask> {
+        let mut all: Option<RenderedOnAll> = None;
+        for light in &case_truth.lights {
+            let one = self.under(light, case_truth, technique, backends)?;
+            all = Some(match all {
+                None => one,
+                Some(sum) => sum.plus(one),
+            });
+        }
+        let mut all = all.ok_or_else(|| NoMask::Unsupported("there is no light".to_owned()))?;
+        let light_count = case_truth.lights.len() as f32;
+        for visibility in &mut all.mask {
+            *visibility /= light_count;
+        }
+        Ok(all)
+    }
+
+    /// Plays a technique under one light.
+    fn under(
+        &self,
+        light: &Light,
+        case_truth: &CaseTruth,
+        technique: &dyn ShadowTechnique,
+        backends: &SharedBackends<'_>,
+    ) -> Result<RenderedOnAll, NoMask> {
+        let view = case_truth.view(light);
+        let recipe = guard::plan(technique, &view.with_receivers(&case_truth.truth.receivers))?;
+        let rendered = all_backends::render(&mut backends.lock().playing, &view, &recipe)?;
+        Ok(RenderedOnAll {
+            mask: rendered.mask,
+            fill: self.fill(&recipe, &view),
+            casts: !recipe.casts.is_empty(),
+            cascades: self.cascades(light, &recipe, &case_truth.truth.receivers),
+            disagreeing: rendered.disagreeing,
+        })
+    }
+
+    /// Returns, of each pixel, the cascade that answers for it; none if the recipe has no cascades. Only a sun's map has several layers
+    /// that aren't a cube's.
+    fn cascades(&self, light: &Light, recipe: &Recipe, receivers: &Receivers) -> Option<Vec<u32>> {
+        if light.position().is_some() {
+            return None;
+        }
+        let kernel = self.catalogue.kernel(recipe);
+        let pixels = 0..receivers.len();
+        pixels
+            .map(|i| kernel.layer(receivers.position(i)))
+            .collect()
+    }
+
+    /// Returns the number of fragments that casts draw for a picture of [`SCREEN`] pixels, millions. Casts into images of the
+    /// camera's size grow with its pixels.
+    fn fill(&self, recipe: &Recipe, view: &View<'_>) -> f64 {
+        let covered = Work::of(view, recipe, self.catalogue).covered as f64 * 1e-6;
+        let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;
+        if draws_the_picture(recipe, view.camera) {
+            covered * SCREEN / pixels
+        } else {
+            covered
+        }
+    }
 }
 
 /// Returns a cell without a picture.
-pub(super) fn cell(technique: &dyn ShadowTechnique, outcome: CellOutcome) -> Cell {
+pub(super) fn cell(technique: &TechniquePreset, outcome: CellOutcome) -> Cell {
     Cell {
         technique: technique.name().to_owned(),
         settings: technique.settings(),
@@ -120,34 +191,12 @@ pub(super) fn cell(technique: &dyn ShadowTechnique, outcome: CellOutcome) -> Cel
 }
 
 /// Returns the cell of a setting that has no mask.
-pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
+pub(super) fn no_mask(technique: &TechniquePreset, why: NoMask) -> Cell {
     let outcome = match why {
         NoMask::Unsupported(reason) => CellOutcome::Unsupported { reason },
         NoMask::Fault(what) => CellOutcome::Fault { what },
     };
     cell(technique, outcome)
-}
-
-/// Returns the mean mask over the case's lights on the first backend, and on how many pixels the others differ from it.
-fn play(
-    case_truth: &CaseTruth,
-    technique: &dyn ShadowTechnique,
-    backends: &SharedBackends<'_>,
-) -> Result<RenderedOnAll, NoMask> {
-    let mut all: Option<RenderedOnAll> = None;
-    for light in &case_truth.lights {
-        let one = under(light, case_truth, technique, backends)?;
-        all = Some(match all {
-            None => one,
-            Some(sum) => sum.plus(one),
-        });
-    }
-    let mut all = all.ok_or_else(|| NoMask::Unsupported("there is no light".to_owned()))?;
-    let light_count = case_truth.lights.len() as f32;
-    for visibility in &mut all.mask {
-        *visibility /= light_count;
-    }
-    Ok(all)
 }
 
 impl RenderedOnAll {
@@ -160,49 +209,5 @@ impl RenderedOnAll {
         self.casts |= other.casts;
         self.disagreeing = all_backends::sum(self.disagreeing, other.disagreeing);
         self
-    }
-}
-
-/// Plays a technique under one light.
-fn under(
-    light: &Light,
-    case_truth: &CaseTruth,
-    technique: &dyn ShadowTechnique,
-    backends: &SharedBackends<'_>,
-) -> Result<RenderedOnAll, NoMask> {
-    let view = case_truth.view(light);
-    let recipe = guard::plan(technique, &view.with_receivers(&case_truth.truth.receivers))?;
-    let rendered = all_backends::render(&mut backends.lock().playing, &view, &recipe)?;
-    Ok(RenderedOnAll {
-        mask: rendered.mask,
-        fill: fill(&recipe, &view),
-        casts: !recipe.casts.is_empty(),
-        cascades: cascades(light, &recipe, &case_truth.truth.receivers),
-        disagreeing: rendered.disagreeing,
-    })
-}
-
-/// Returns, of each pixel, the cascade that answers for it; none if the recipe has no cascades. Only a sun's map has several layers
-/// that aren't a cube's.
-fn cascades(light: &Light, recipe: &Recipe, receivers: &Receivers) -> Option<Vec<u32>> {
-    if light.position().is_some() {
-        return None;
-    }
-    let kernel = &recipe.receive.kernel;
-    let pixels = 0..receivers.len();
-    pixels
-        .map(|i| kernel.layer(receivers.position(i)))
-        .collect()
-}
-
-/// Returns the number of fragments that casts draw for a picture of [`SCREEN`] pixels, millions. Casts into images of the
-/// camera's size grow with its pixels.
-fn fill(recipe: &Recipe, view: &View<'_>) -> f64 {
-    let covered = Work::of(view, recipe).covered as f64 * 1e-6;
-    let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;
-    if draws_the_picture(recipe, view.camera) {
-        covered * SCREEN / pixels
-    } else {
-        covered
     }
 }

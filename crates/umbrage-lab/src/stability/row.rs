@@ -2,11 +2,11 @@
 
 use super::measure::Measure;
 use umbrage_core::Fit;
-use umbrage_plan::catalogue::ConfiguredTechniques;
 use umbrage_scenes::{
     SceneEntry,
     motion::{Motion, MovingScene},
 };
+use umbrage_techniques::TechniquePreset;
 
 /// A way in which shadow methods fail, and the scenes that provoke it.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +43,7 @@ pub struct StabilityCase {
     /// traced at texels' centres. See [`Measure::limits_from`].
     pub limits_from: Option<&'static str>,
     /// Settings tried in addition to those of the catalogue, for this map size.
-    pub extra: Option<fn(map_size: u32) -> ConfiguredTechniques>,
+    pub extra: Option<fn(map_size: u32) -> Vec<TechniquePreset>>,
 }
 
 impl StabilityCase {
@@ -98,7 +98,7 @@ impl StabilityCase {
     }
 
     /// Returns the case with settings tried in addition to those of the catalogue: [`StabilityCase::extra`].
-    pub(super) const fn also(self, extra: fn(map_size: u32) -> ConfiguredTechniques) -> Self {
+    pub(super) const fn also(self, extra: fn(map_size: u32) -> Vec<TechniquePreset>) -> Self {
         Self {
             extra: Some(extra),
             ..self

@@ -6,12 +6,11 @@ use super::{
     row::{StabilityCase, StabilityRow},
 };
 use glam::Vec3;
-use std::sync::Arc;
 use umbrage_core::{Cascades, Fit, Layout, Split};
-use umbrage_plan::catalogue::ConfiguredTechniques;
 use umbrage_scenes::motion::MovingScene;
 use umbrage_techniques::{
-    Bias, Evsm, EvsmMoments, Hard, MapFormat, Msm, Pcf, Reconstruction, ShadowMap, Vsm,
+    Bias, Evsm, EvsmMoments, Hard, MapFormat, Msm, Pcf, Reconstruction, ShadowMap, TechniquePreset,
+    Vsm,
 };
 
 /// All rows, by number.
@@ -99,8 +98,8 @@ impl StabilityRow {
 }
 
 /// Returns hard shadows under each of these biases.
-fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> ConfiguredTechniques {
-    let mut out: ConfiguredTechniques = Vec::new();
+fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> Vec<TechniquePreset> {
+    let mut out: Vec<TechniquePreset> = Vec::new();
     for &bias in biases {
         let map = ShadowMap {
             size,
@@ -108,13 +107,13 @@ fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> ConfiguredTechniques {
             format,
             ..ShadowMap::default()
         };
-        out.push(Arc::new(Hard { map }));
+        out.push(TechniquePreset::from(Hard { map }));
     }
     out
 }
 
 /// Returns hard shadows from maps of 16 bits under two biases.
-fn hard_16_bit(size: u32) -> ConfiguredTechniques {
+fn hard_16_bit(size: u32) -> Vec<TechniquePreset> {
     hard(
         size,
         MapFormat::Depth16,
@@ -124,7 +123,7 @@ fn hard_16_bit(size: u32) -> ConfiguredTechniques {
 
 /// Returns hard shadows without bias, under a constant bias and under the normal offset of one comparison: little bias for low
 /// suns and long distances.
-fn hard_small_bias(size: u32) -> ConfiguredTechniques {
+fn hard_small_bias(size: u32) -> Vec<TechniquePreset> {
     hard(
         size,
         MapFormat::Depth32,
@@ -133,7 +132,7 @@ fn hard_small_bias(size: u32) -> ConfiguredTechniques {
 }
 
 /// Returns hard shadows under two biases that let light into rooms and under thin casters.
-fn hard_leaky_bias(size: u32) -> ConfiguredTechniques {
+fn hard_leaky_bias(size: u32) -> Vec<TechniquePreset> {
     hard(
         size,
         MapFormat::Depth32,
@@ -143,7 +142,7 @@ fn hard_leaky_bias(size: u32) -> ConfiguredTechniques {
 
 /// Returns hard and filtered shadows from four cascades that together take the memory of one map: cut by what is seen, stable, and
 /// with answers that blend.
-fn cascaded(size: u32) -> ConfiguredTechniques {
+fn cascaded(size: u32) -> Vec<TechniquePreset> {
     let map = |fit, cascades| ShadowMap {
         size: size / 2,
         fit,
@@ -162,13 +161,13 @@ fn cascaded(size: u32) -> ConfiguredTechniques {
         range: FARTHEST_SEAM,
     };
     vec![
-        Arc::new(Hard {
+        TechniquePreset::from(Hard {
             map: map(Fit::Tight, by_receivers),
         }),
-        Arc::new(Hard {
+        TechniquePreset::from(Hard {
             map: map(stable, Cascades::default()),
         }),
-        Arc::new(Pcf {
+        TechniquePreset::from(Pcf {
             map: map(stable, blended),
             radius: 1,
         }),
@@ -176,18 +175,18 @@ fn cascaded(size: u32) -> ConfiguredTechniques {
 }
 
 /// Returns maps of moments without what hides their light bleeding, by all ways in which they tell light from shadow.
-fn unreduced_moments(size: u32) -> ConfiguredTechniques {
+fn unreduced_moments(size: u32) -> Vec<TechniquePreset> {
     let map = ShadowMap {
         size,
         ..ShadowMap::default()
     };
-    let mut out: ConfiguredTechniques = vec![Arc::new(Vsm {
+    let mut out: Vec<TechniquePreset> = vec![TechniquePreset::from(Vsm {
         map,
         bleeding_reduction: 0.0,
         ..Vsm::default()
     })];
     for moments in [EvsmMoments::Two, EvsmMoments::Four] {
-        out.push(Arc::new(Evsm {
+        out.push(TechniquePreset::from(Evsm {
             map,
             moments,
             bleeding_reduction: 0.0,
@@ -195,7 +194,7 @@ fn unreduced_moments(size: u32) -> ConfiguredTechniques {
         }));
     }
     for reconstruction in [Reconstruction::Hamburger, Reconstruction::Hausdorff] {
-        out.push(Arc::new(Msm {
+        out.push(TechniquePreset::from(Msm {
             map,
             reconstruction,
             bleeding_reduction: 0.0,

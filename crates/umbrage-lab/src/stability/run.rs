@@ -21,9 +21,10 @@ use std::{
     },
     thread,
 };
-use umbrage_core::{Backend, Invalid};
-use umbrage_plan::catalogue::{Catalogue, ConfiguredTechniques};
+use umbrage_core::{Backend, Invalid, ShadowTechnique as _};
+use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::TruthOptions;
+use umbrage_techniques::TechniquePreset;
 
 /// What to play, and how carefully.
 #[derive(Clone, Debug, PartialEq)]
@@ -311,7 +312,7 @@ fn play_case(
             moving.limits(measure, still_limits(measure))
         });
         cells = threads::map(&techniques, |technique| {
-            moving.cell(&**technique, &criteria, &backends)
+            moving.cell(technique, &criteria, &backends)
         });
     } else {
         criteria = Criterion::of_case(case.measure, case_truth, still_limits);
@@ -319,8 +320,9 @@ fn play_case(
             case_truth,
             reference: prepared.reference.as_ref(),
             criteria: &criteria,
+            catalogue: &options.catalogue,
         };
-        cells = threads::map(&techniques, |technique| still.cell(&**technique, &backends));
+        cells = threads::map(&techniques, |technique| still.cell(technique, &backends));
     }
     Ok(CaseResult {
         row: row.number,
@@ -350,7 +352,7 @@ pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
 }
 
 /// Returns the settings that a case runs with: those of the catalogue, then the case's own.
-fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> ConfiguredTechniques {
+fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> Vec<TechniquePreset> {
     let mut out = settings(
         &options.catalogue,
         &options.techniques,

@@ -1,8 +1,8 @@
 //! Chooses the settings of each technique that the matrix shows.
 
-use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
-use umbrage_plan::catalogue::{Catalogue, ConfiguredTechniques};
+use umbrage_plan::catalogue::Catalogue;
+use umbrage_techniques::TechniquePreset;
 
 /// Returns the settings of every technique of the catalogue (or of those named) that run: the one that textbooks have (the first
 /// with a slope bias or a polygon offset, else the first), and those that stand for it in a comparison of frames of real size
@@ -13,7 +13,7 @@ pub fn settings(
     techniques: &[String],
     map_size: u32,
     fit: Fit,
-) -> ConfiguredTechniques {
+) -> Vec<TechniquePreset> {
     let mut out = Vec::new();
     for entry in catalogue.all() {
         if fit != Fit::Tight && !entry.technique.has_map {
@@ -29,29 +29,23 @@ pub fn settings(
 }
 
 /// Returns the setting that textbooks have.
-fn textbook(all: &[Arc<dyn ShadowTechnique>]) -> Option<Arc<dyn ShadowTechnique>> {
-    let usual = all
-        .iter()
-        .find(|t| has_word(&***t, "slope") || has_word(&***t, "polygon offset"));
+fn textbook(all: &[TechniquePreset]) -> Option<TechniquePreset> {
+    let usual = all.iter().find(|preset| {
+        let words = preset.settings();
+        words.contains("slope") || words.contains("polygon offset")
+    });
     usual.or(all.first()).cloned()
 }
 
 /// Returns each setting once.
-fn distinct(settings: impl Iterator<Item = Arc<dyn ShadowTechnique>>) -> ConfiguredTechniques {
-    let mut out: ConfiguredTechniques = Vec::new();
+fn distinct(settings: impl Iterator<Item = TechniquePreset>) -> Vec<TechniquePreset> {
+    let mut out: Vec<TechniquePreset> = Vec::new();
     for setting in settings {
-        if out
-            .iter()
-            .all(|other| other.settings() != setting.settings())
-        {
+        if !out.contains(&setting) {
             out.push(setting);
         }
     }
     out
-}
-
-fn has_word(technique: &dyn ShadowTechnique, word: &str) -> bool {
-    technique.settings().contains(word)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{LabError, compare::Backends};
 use serde::{Deserialize, Serialize};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use umbrage_core::ShadowTechnique;
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 
@@ -287,10 +287,10 @@ struct Trial<'a> {
 
 impl Trial<'_> {
     /// Returns the technique with this much offset.
-    fn technique(&self, amount: f64) -> Arc<dyn ShadowTechnique> {
+    fn technique(&self, amount: f64) -> TechniquePreset {
         let bias = offset_by(self.map.bias, self.base, amount);
         let map = ShadowMap { bias, ..self.map };
-        self.preset.with_map(map).technique()
+        self.preset.with_map(map)
     }
 
     /// Whether amount `i` of `count` passes all cases; none if one isn't served.
@@ -303,11 +303,11 @@ impl Trial<'_> {
     ) -> Result<Option<bool>, LabError> {
         let technique = self.technique(amount);
         for stage in self.stages {
-            let played = match play(&stage.case_truth, &*technique, backends, i, count) {
+            let played = match play(&stage.case_truth, &technique, backends, i, count) {
                 Ok(played) => played,
                 Err(NoMask::Unsupported(_)) => return Ok(None),
                 Err(NoMask::Fault(what)) => {
-                    return Err(not_played(&stage.case_truth, &*technique, &what));
+                    return Err(not_played(&stage.case_truth, &technique, &what));
                 }
             };
             self.disagreeing = all_backends::sum(self.disagreeing, played.disagreeing);

@@ -2,16 +2,16 @@
 
 use super::{Effect, Preset};
 use umbrage_core::{
-    Extents, Fit, Layout, Light, RasterBias, Scene, ShadowTechnique,
+    Extents, Fit, Layout, Light, RasterBias, Scene,
     glam::{UVec2, Vec3},
 };
 use umbrage_scenes::TEXTBOOK_FIT;
 use umbrage_techniques::{
     BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pcf, PcfDithered, Pcss, ShadowMap,
-    ShadowVolumes,
+    ShadowVolumes, TechniquePreset,
 };
 
-type Technique = Box<dyn ShadowTechnique>;
+type Technique = TechniquePreset;
 
 /// Of kernels that blur where truth has no penumbra.
 const IDEAL_LIGHT: &str = "Under a light without extent true edges are sharp, so every blurred pixel beside one counts as an \
@@ -102,11 +102,11 @@ fn room_map(size: u32, bias: Bias) -> ShadowMap {
 }
 
 fn hard(map: ShadowMap) -> Technique {
-    Box::new(Hard { map })
+    TechniquePreset::from(Hard { map })
 }
 
 fn pcf(map: ShadowMap, radius: u32) -> Technique {
-    Box::new(Pcf { map, radius })
+    TechniquePreset::from(Pcf { map, radius })
 }
 
 fn built_in(name: &str) -> Scene {
@@ -281,7 +281,7 @@ const ALL: &[Effect] = &[
         text: "A quarter of the cost of 4x4 comparisons: each pixel takes four of the sixteen, and neighbours take others.",
         fault: cubes_with("one comparison", || hard(coarse(Bias::normal_offset(0.0)))),
         cure: cubes_with("4 of 16, by the pixel's parity", || {
-            Box::new(PcfDithered {
+            TechniquePreset::from(PcfDithered {
                 map: coarse(Bias::normal_offset(1.5)),
             })
         }),
@@ -317,7 +317,7 @@ const ALL: &[Effect] = &[
             label: "PCSS, 16 + 32 taps",
             scene: teapot,
             technique: || {
-                Box::new(Pcss {
+                TechniquePreset::from(Pcss {
                     map: tight(1024, Bias::ADAPTIVE),
                     ..Pcss::default()
                 })
@@ -371,7 +371,7 @@ const ALL: &[Effect] = &[
             label: "midpoint, no bias",
             scene: figure,
             technique: || {
-                Box::new(Midpoint {
+                TechniquePreset::from(Midpoint {
                     map: tight(1024, Bias::NONE),
                     radius: 0,
                 })
@@ -419,7 +419,7 @@ const ALL: &[Effect] = &[
         cure: Preset {
             label: "shadow volumes",
             scene: plate,
-            technique: || Box::new(ShadowVolumes::default()),
+            technique: || TechniquePreset::from(ShadowVolumes::default()),
         },
         worse: None,
     },
@@ -436,7 +436,7 @@ const ALL: &[Effect] = &[
         cure: Preset {
             label: "planar",
             scene: flat,
-            technique: || Box::new(umbrage_techniques::Planar::default()),
+            technique: || TechniquePreset::from(umbrage_techniques::Planar::default()),
         },
         worse: None,
     },

@@ -2,6 +2,7 @@
 
 use super::{Effect, PlayedEffect, Preset, Side};
 use crate::output::html::{data_uri, document, escape};
+use umbrage_core::ShadowTechnique as _;
 
 const STYLE: &str = "\
 body { font: 16px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 72rem; padding: 0 1rem; color: #1d2733; }

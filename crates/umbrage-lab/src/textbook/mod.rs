@@ -10,6 +10,7 @@ pub use gallery::html;
 pub use play::{PlayedEffect, Side, play};
 
 use umbrage_core::{Scene, ShadowTechnique};
+use umbrage_techniques::TechniquePreset;
 
 /// A scene with a technique.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +20,7 @@ pub struct Preset {
     /// Builds the scene.
     pub scene: fn() -> Scene,
     /// Makes the technique.
-    pub technique: fn() -> Box<dyn ShadowTechnique>,
+    pub technique: fn() -> TechniquePreset,
 }
 
 /// A fault and its cure.

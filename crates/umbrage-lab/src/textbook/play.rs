@@ -68,7 +68,7 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend + Send>]) -> Result<Sid
         &mut |camera, geometry| finder.receivers(camera, geometry),
         &|_, _| {},
     )?;
-    let recipe = match stage.recipe(&*(preset.technique)(), &truth.receivers) {
+    let recipe = match stage.recipe(&(preset.technique)(), &truth.receivers) {
         Err(RecipeError::Unsupported(why)) => return Err(unusable(preset, &why).into()),
         planned => planned?,
     };

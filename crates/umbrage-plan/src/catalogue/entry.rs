@@ -1,14 +1,16 @@
 //! Rows of a list of measured techniques, and the list.
 
 use super::{
-    Candidate, CataloguedTechnique, ClosedFormDemand, ConfiguredTechniques, PlannedBiases,
-    RandomParameter,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
+    RandomParameter, kernel::UnknownKernel,
 };
 use std::{
     fmt::{self, Debug, Formatter},
-    sync::{Arc, LazyLock},
+    sync::LazyLock,
 };
-use umbrage_core::{Fit, Invalid, Light, Recipe, ShadowTechnique};
+use umbrage_core::{
+    FilterKernel, Fit, Invalid, Light, ReceiveKernel, Recipe, ShadowTechnique as _,
+};
 use umbrage_techniques::{ShadowMap, TechniqueEntry, TechniquePreset, for_each_technique};
 
 /// A technique of a catalogue: what its [`CataloguedTechnique`] says, whatever its type.
@@ -17,13 +19,13 @@ pub struct CatalogueEntry {
     /// Its row in the library's list: name, summary, default settings.
     pub technique: TechniqueEntry,
     /// The settings worth comparing, for the given map sides (texels) and fit: [`CataloguedTechnique::compared`].
-    pub settings: fn(map_sizes: &[u32], fit: Fit) -> ConfiguredTechniques,
+    pub settings: fn(map_sizes: &[u32], fit: Fit) -> Vec<TechniquePreset>,
     /// The few settings that stand for it, for the given map sides (texels) and fit: [`CataloguedTechnique::headline`].
-    pub headline: fn(map_sizes: &[u32], fit: Fit) -> ConfiguredTechniques,
+    pub headline: fn(map_sizes: &[u32], fit: Fit) -> Vec<TechniquePreset>,
     /// As [`CataloguedTechnique::MAX_COMPARED_TRIANGLES`].
     pub max_compared_triangles: Option<usize>,
     /// Every setting that differs in code path, at one map side (texels): [`CataloguedTechnique::exhaustive`].
-    pub exhaustive: fn(map_size: u32) -> ConfiguredTechniques,
+    pub exhaustive: fn(map_size: u32) -> Vec<TechniquePreset>,
     /// What a planner tries: [`CataloguedTechnique::candidates`].
     pub candidates: fn(map: ShadowMap, light: &Light) -> Vec<Candidate<TechniquePreset>>,
     /// Which biases a planner may give to its maps.
@@ -33,6 +35,12 @@ pub struct CatalogueEntry {
     pub why_chosen: fn(preset: &TechniquePreset, error: f64, recipe: &Recipe) -> Option<String>,
     /// What closed forms demand of it: [`CataloguedTechnique::closed_form`].
     pub closed_form: fn(map: ShadowMap) -> Option<ClosedFormDemand<TechniquePreset>>,
+    /// How far its lookups go: [`CataloguedTechnique::kernel_reach`]. `None` of another technique's settings, too.
+    pub kernel_reach: fn(&TechniquePreset) -> Option<f32>,
+    /// What is measured of its kernel: [`CataloguedTechnique::kernel`].
+    pub kernel: fn(&dyn ReceiveKernel) -> Option<&dyn CataloguedKernel>,
+    /// What its filters load: [`CataloguedTechnique::filter_loads`].
+    pub filter_loads: fn(&dyn FilterKernel) -> Option<u32>,
     /// How often random scenes are rendered with it, relative to a technique with 1.
     pub random_weight: u32,
     /// The ranges of the numbers that [`CatalogueEntry::random`] takes.
@@ -57,10 +65,10 @@ impl CatalogueEntry {
     pub fn of<T: CataloguedTechnique>() -> Self {
         Self {
             technique: TechniqueEntry::of::<T>(),
-            settings: |map_sizes, fit| erased(T::compared(map_sizes, fit)),
-            headline: |map_sizes, fit| erased(T::headline(map_sizes, fit)),
+            settings: |map_sizes, fit| presets(T::compared(map_sizes, fit)),
+            headline: |map_sizes, fit| presets(T::headline(map_sizes, fit)),
             max_compared_triangles: T::MAX_COMPARED_TRIANGLES,
-            exhaustive: |map_size| erased(T::exhaustive(map_size)),
+            exhaustive: |map_size| presets(T::exhaustive(map_size)),
             candidates: |map, light| {
                 let candidates = T::candidates(map, light).into_iter();
                 candidates.map(|c| c.map(TechniquePreset::from)).collect()
@@ -76,6 +84,9 @@ impl CatalogueEntry {
                     closed_bodies: demand.closed_bodies,
                 })
             },
+            kernel_reach: |preset| preset.get::<T>()?.kernel_reach(),
+            kernel: T::kernel,
+            filter_loads: T::filter_loads,
             random_weight: T::RANDOM_WEIGHT,
             random_parameters: T::random_parameters,
             random: |map, numbers| TechniquePreset::from(T::random(map, numbers)),
@@ -85,11 +96,8 @@ impl CatalogueEntry {
     }
 }
 
-fn erased<T: CataloguedTechnique>(settings: Vec<T>) -> ConfiguredTechniques {
-    settings
-        .into_iter()
-        .map(|technique| Arc::new(technique) as Arc<dyn ShadowTechnique>)
-        .collect()
+fn presets<T: CataloguedTechnique>(settings: Vec<T>) -> Vec<TechniquePreset> {
+    settings.into_iter().map(TechniquePreset::from).collect()
 }
 
 macro_rules! rows {
@@ -161,6 +169,33 @@ impl Catalogue {
     /// The technique with this name.
     pub fn find(&self, name: &str) -> Option<&CatalogueEntry> {
         self.0.iter().find(|entry| entry.technique.name == name)
+    }
+
+    /// Returns how far, in texels, lookups go with these settings: [`CataloguedTechnique::kernel_reach`].
+    pub fn kernel_reach(&self, preset: &TechniquePreset) -> Option<f32> {
+        let entry = self.find(preset.name())?;
+        (entry.kernel_reach)(preset)
+    }
+
+    /// Returns what is measured of a recipe's kernel: by the catalogue's own techniques, or by a built-in one.
+    pub fn kernel<'a>(&self, recipe: &'a Recipe) -> &'a dyn CataloguedKernel {
+        let kernel = &*recipe.receive.kernel;
+        let known = self
+            .all_and_built_in()
+            .find_map(|entry| (entry.kernel)(kernel));
+        known.unwrap_or(&UnknownKernel)
+    }
+
+    /// Returns how many texels a filter loads for each that it makes: by the catalogue's own techniques, or by a built-in one.
+    pub fn filter_loads(&self, filter: &dyn FilterKernel) -> u32 {
+        let known = self
+            .all_and_built_in()
+            .find_map(|entry| (entry.filter_loads)(filter));
+        known.unwrap_or(1)
+    }
+
+    fn all_and_built_in(&self) -> impl Iterator<Item = &CatalogueEntry> {
+        self.0.iter().chain(all())
     }
 
     /// All names, in order.

@@ -1,13 +1,26 @@
 //! What is measured and planned of `evsm`.
 
 use super::{
-    Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter, moments,
-    sweeps,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
+    RandomParameter, kernel, moments, sweeps,
 };
-use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Bias, Evsm, EvsmMoments, MomentPrecision, ShadowMap};
+use crate::cost::KernelCost;
+use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_techniques::{Bias, Evsm, EvsmKernel, EvsmMoments, MomentPrecision, ShadowMap};
 
 impl CataloguedTechnique for Evsm {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(moments::kernel_reach(self.blur))
+    }
+
+    fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
+        moments::filter_loads(filter)
+    }
+
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<EvsmKernel>(kernel)
+    }
+
     // Its filters take longer than most techniques' lookups, above all on software drivers.
     const IS_PREVIEWED: bool = false;
 
@@ -102,5 +115,19 @@ impl CataloguedTechnique for Evsm {
             positive_exponent: numbers[4],
             negative_exponent: numbers[5],
         }
+    }
+}
+
+impl CataloguedKernel for EvsmKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        moments::lookup_cost(self.uniforms.mipmaps.levels)
+    }
+
+    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.lookup_reach(position, normal)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        Some(self.uniforms.lookup.layer_of(position))
     }
 }

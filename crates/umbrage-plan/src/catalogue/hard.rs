@@ -1,8 +1,8 @@
 //! What is measured and planned of `hard`.
 
-use super::{CataloguedTechnique, sweeps};
-use umbrage_core::Fit;
-use umbrage_techniques::{Bias, Hard, MapFormat, ShadowMap};
+use super::{CataloguedKernel, CataloguedTechnique, kernel, sweeps};
+use umbrage_core::{Fit, ReceiveKernel, glam::Vec3};
+use umbrage_techniques::{Bias, Hard, HardKernel, MapFormat, ShadowMap};
 
 /// One comparison shows best what each bias does. The first is compared at every map size.
 const COMPARED_BIASES: [Bias; 8] = [
@@ -17,6 +17,14 @@ const COMPARED_BIASES: [Bias; 8] = [
 ];
 
 impl CataloguedTechnique for Hard {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(0.0)
+    }
+
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<HardKernel>(kernel)
+    }
+
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut out = sweeps::sweep(map_sizes, fit, &COMPARED_BIASES, |map| Self { map });
         for format in [MapFormat::Depth16, MapFormat::Rgba8] {
@@ -45,4 +53,15 @@ impl CataloguedTechnique for Hard {
     }
 
     const RANDOM_WEIGHT: u32 = 2;
+}
+
+impl CataloguedKernel for HardKernel {
+    // It reaches no farther than the receiver's own texel, also where a technique that does falls back on it.
+    fn reach(&self, _: Vec3, _: Vec3) -> Option<f32> {
+        Some(0.0)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        Some(self.0.lookup.layer_of(position))
+    }
 }

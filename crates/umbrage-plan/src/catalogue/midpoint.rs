@@ -5,6 +5,10 @@ use umbrage_core::{Fit, Light};
 use umbrage_techniques::{Bias, Midpoint, ShadowMap};
 
 impl CataloguedTechnique for Midpoint {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius as f32)
+    }
+
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let biases = [Bias::NONE, Bias::ADAPTIVE];
         sweeps::sweep(map_sizes, fit, &biases, |map| Self { map, radius: 0 })

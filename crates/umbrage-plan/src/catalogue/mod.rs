@@ -8,6 +8,7 @@ mod entry;
 mod evsm;
 mod exact;
 mod hard;
+pub mod kernel;
 mod midpoint;
 mod moments;
 mod msm;
@@ -27,13 +28,11 @@ mod volumes;
 mod vsm;
 
 pub use entry::{Catalogue, CatalogueEntry, all, find};
+pub use kernel::CataloguedKernel;
 
-use std::{ops::Range, sync::Arc};
-use umbrage_core::{Fit, Light, Recipe, ShadowTechnique};
+use std::ops::Range;
+use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, Recipe};
 use umbrage_techniques::{ListedTechnique, ShadowMap};
-
-/// Techniques with their settings.
-pub type ConfiguredTechniques = Vec<Arc<dyn ShadowTechnique>>;
 
 /// A technique that is measured, planned and tested.
 ///
@@ -49,7 +48,6 @@ pub type ConfiguredTechniques = Vec<Arc<dyn ShadowTechnique>>;
 /// # struct Mine { map: ShadowMap }
 /// # impl ShadowTechnique for Mine {
 /// #     fn name(&self) -> &'static str { "mine" }
-/// #     fn settings(&self) -> String { self.map.label() }
 /// #     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
 /// #         Hard { map: self.map }.recipe(view)
 /// #     }
@@ -128,12 +126,33 @@ pub trait CataloguedTechnique: ListedTechnique {
     /// for single points, or doesn't meet them.
     ///
     /// By default the default settings are right where no edge is within
-    /// [`kernel_reach`](umbrage_core::ShadowTechnique::kernel_reach); techniques without a map have no demand.
+    /// [`kernel_reach`](Self::kernel_reach); techniques without a map have no demand.
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         let technique = Self::default().with_map(map);
         technique.map()?;
         let reach = technique.kernel_reach()?;
         Some(ClosedFormDemand::new(technique, reach))
+    }
+
+    /// Returns how far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one
+    /// texel, 1 for the 3 x 3 around it. If it differs from one receiver to the next, this is the narrowest, and
+    /// [`CataloguedKernel::reach`] returns each. `None` if no map of what the light sees is looked up, or it isn't known: reports
+    /// then say nothing of its maps.
+    fn kernel_reach(&self) -> Option<f32> {
+        None
+    }
+
+    /// Returns what is measured of a kernel, if recipes of this technique receive with it.
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        let _ = kernel;
+        None
+    }
+
+    /// Returns how many texels a filter loads for each that it makes, if recipes of this technique have it and it loads more than
+    /// one. One is part of the price of any filter.
+    fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
+        let _ = filter;
+        None
     }
 
     /// How often random scenes are rendered with it, relative to a technique with 1.

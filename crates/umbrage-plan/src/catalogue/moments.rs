@@ -1,8 +1,10 @@
 //! What `vsm`, `evsm` and `msm` have in common.
 
-use super::ClosedFormDemand;
-use umbrage_core::ShadowTechnique;
-use umbrage_techniques::{MomentPrecision, ShadowMap};
+use super::{CataloguedTechnique, ClosedFormDemand};
+use crate::cost::KernelCost;
+use std::any::Any;
+use umbrage_core::FilterKernel;
+use umbrage_techniques::{BoxBlurKernel, HalveKernel, HalveUniforms, MomentPrecision, ShadowMap};
 
 /// How far from light or darkness a bound may be where a formula knows either: what is mixed into moments, the least variance, and the
 /// variance of curved surfaces leave a little of both.
@@ -25,12 +27,41 @@ pub(super) fn closed_form_map(map: ShadowMap) -> ShadowMap {
 }
 
 /// Returns what closed forms demand of a technique that looks up moments.
-pub(super) fn closed_form_demand<T: ShadowTechnique>(technique: T) -> Option<ClosedFormDemand<T>> {
+pub(super) fn closed_form_demand<T: CataloguedTechnique>(
+    technique: T,
+) -> Option<ClosedFormDemand<T>> {
     let reach = technique.kernel_reach()?;
     Some(ClosedFormDemand {
         tolerance: CLOSED_FORM_TOLERANCE,
         ..ClosedFormDemand::new(technique, reach)
     })
+}
+
+/// Returns how far a lookup reaches beyond the receiver's own texel, texels: as the blur does, and
+/// one more for the blend of four texels.
+pub(super) fn kernel_reach(blur: u32) -> f32 {
+    blur as f32 + 1.0
+}
+
+/// Returns what a lookup costs: four texels of one level, or of two if there are levels beyond the
+/// first.
+pub(super) fn lookup_cost(levels: u32) -> KernelCost {
+    KernelCost::taps(if levels > 0 { 8 } else { 4 })
+}
+
+/// Returns how many texels a filter of moments loads for each that it makes, if it is one.
+pub(super) fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
+    let filter: &dyn Any = filter;
+    if let Some(blur) = filter.downcast_ref::<BoxBlurKernel>() {
+        return Some(2 * blur.uniforms.radius.unsigned_abs() + 1);
+    }
+    let HalveUniforms {
+        levels,
+        along_columns,
+    } = filter.downcast_ref::<HalveKernel>()?.uniforms;
+    // Each level loads the whole map along rows, and along columns half as much as the one before,
+    // for half of the texels.
+    Some(if along_columns == 0 { levels as u32 } else { 2 })
 }
 
 /// Returns what a random switch ([`RandomParameter::Switch`](super::RandomParameter::Switch))

@@ -1,13 +1,26 @@
 //! What is measured and planned of `msm`.
 
 use super::{
-    Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter, moments,
-    sweeps,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
+    RandomParameter, kernel, moments, sweeps,
 };
-use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Msm, Reconstruction, ShadowMap};
+use crate::cost::KernelCost;
+use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_techniques::{Msm, MsmKernel, Reconstruction, ShadowMap};
 
 impl CataloguedTechnique for Msm {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(moments::kernel_reach(self.blur))
+    }
+
+    fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
+        moments::filter_loads(filter)
+    }
+
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<MsmKernel>(kernel)
+    }
+
     // Its filters take longer than most techniques' lookups, above all on software drivers.
     const IS_PREVIEWED: bool = false;
 
@@ -87,5 +100,19 @@ impl CataloguedTechnique for Msm {
                 Reconstruction::Hamburger
             },
         }
+    }
+}
+
+impl CataloguedKernel for MsmKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        moments::lookup_cost(self.uniforms.mipmaps.levels)
+    }
+
+    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.lookup_reach(position, normal)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        Some(self.uniforms.lookup.layer_of(position))
     }
 }

@@ -1,10 +1,22 @@
 //! What is measured and planned of `pcf_disc`.
 
-use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter, sweeps};
-use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, PcfDisc, ShadowMap};
+use super::{
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
+    sweeps,
+};
+use crate::cost::KernelCost;
+use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, PcfDisc, PcfDiscKernel, ShadowMap};
 
 impl CataloguedTechnique for PcfDisc {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius)
+    }
+
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<PcfDiscKernel>(kernel)
+    }
+
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let few = Self {
             taps: 8,
@@ -95,5 +107,15 @@ impl CataloguedTechnique for PcfDisc {
             pattern: Pattern::ALL[numbers[2] as usize],
             rotate: numbers[3] > 0.0,
         }
+    }
+}
+
+impl CataloguedKernel for PcfDiscKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(self.uniforms.taps)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        Some(self.uniforms.lookup.layer_of(position))
     }
 }

@@ -1,10 +1,22 @@
 //! What is measured and planned of `pcf_hardware`.
 
-use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter, sweeps};
-use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Bias, PcfHardware, ShadowMap};
+use super::{
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
+    sweeps,
+};
+use crate::cost::KernelCost;
+use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_techniques::{Bias, HardwareKernel, PcfHardware, ShadowMap};
 
 impl CataloguedTechnique for PcfHardware {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(Self::reach(self.samples))
+    }
+
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<HardwareKernel>(kernel)
+    }
+
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let swept = |samples: u32| {
             let biases = sweeps::two_biases(Self::reach(samples));
@@ -62,5 +74,15 @@ impl CataloguedTechnique for PcfHardware {
             map,
             samples: numbers[0] as u32,
         }
+    }
+}
+
+impl CataloguedKernel for HardwareKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::samples(self.0.samples.unsigned_abs().pow(2))
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        Some(self.0.lookup.layer_of(position))
     }
 }

@@ -1,10 +1,22 @@
 //! What is measured and planned of `pcf_merged`.
 
-use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter, sweeps};
-use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Bias, PcfMerged, ShadowMap};
+use super::{
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
+    sweeps,
+};
+use crate::cost::KernelCost;
+use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_techniques::{Bias, MergedKernel, PcfMerged, ShadowMap};
 
 impl CataloguedTechnique for PcfMerged {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(Self::reach(self.radius))
+    }
+
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<MergedKernel>(kernel)
+    }
+
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut out = Vec::new();
         for radius in [1, 2] {
@@ -63,5 +75,15 @@ impl CataloguedTechnique for PcfMerged {
             map,
             radius: numbers[0] as u32,
         }
+    }
+}
+
+impl CataloguedKernel for MergedKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::samples(self.0.samples.unsigned_abs().pow(2))
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        Some(self.0.lookup.layer_of(position))
     }
 }

@@ -1,10 +1,22 @@
 //! What is measured and planned of `pcss`.
 
-use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter, sweeps};
-use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, Pcss, ShadowMap};
+use super::{
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
+    sweeps,
+};
+use crate::cost::KernelCost;
+use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, Pcss, PcssKernel, ShadowMap};
 
 impl CataloguedTechnique for Pcss {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(1.0)
+    }
+
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<PcssKernel>(kernel)
+    }
+
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let few = with_taps(8, 16);
         let usual = with_taps(16, 32);
@@ -85,6 +97,25 @@ impl CataloguedTechnique for Pcss {
             pattern: Pattern::ALL[numbers[2] as usize],
             rotate: numbers[3] > 0.0,
         }
+    }
+}
+
+impl CataloguedKernel for PcssKernel {
+    /// Second comparisons at a tap are left out: they are few, and as many receivers need no search.
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(1 + self.uniforms.blocker_taps + self.uniforms.filter_taps)
+    }
+
+    fn horizon_error(&self) -> Option<f32> {
+        Some(0.0)
+    }
+
+    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        Some(self.lookup_reach(position, normal))
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        Some(self.uniforms.lookup.layer_of(position))
     }
 }
 

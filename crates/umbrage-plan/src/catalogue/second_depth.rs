@@ -7,6 +7,10 @@ use umbrage_core::{Fit, Light};
 use umbrage_techniques::{Bias, SecondDepth, ShadowMap};
 
 impl CataloguedTechnique for SecondDepth {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius as f32)
+    }
+
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         sweeps::sweep(map_sizes, fit, &[Bias::FRONT_CULL], |map| Self {
             map,

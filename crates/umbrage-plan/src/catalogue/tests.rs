@@ -2,7 +2,7 @@
 
 use super::*;
 use std::collections::HashSet;
-use umbrage_core::glam::Vec3;
+use umbrage_core::{ShadowTechnique as _, glam::Vec3};
 use umbrage_techniques::Pcss;
 
 #[test]

@@ -1,8 +1,11 @@
 //! What is measured and planned of `traced`.
 
-use super::{Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter};
-use umbrage_core::{Fit, Light, Recipe};
-use umbrage_techniques::{ShadowMap, Traced};
+use super::{
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
+};
+use crate::cost::KernelCost;
+use umbrage_core::{Fit, Light, ReceiveKernel, Recipe};
+use umbrage_techniques::{ShadowMap, Traced, TracedKernel};
 
 /// Rays a receiver that a planner tries, each a fifth or so more than the one before (or one more), as each costs so much
 /// more.
@@ -14,6 +17,10 @@ const PLANNED_SAMPLES: [u32; 23] = [
 const GAIN_OF_RAYS: f64 = 2.0;
 
 impl CataloguedTechnique for Traced {
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<TracedKernel>(kernel)
+    }
+
     fn compared(_: &[u32], _: Fit) -> Vec<Self> {
         [1, 4, 32].map(|samples| Self { samples }).to_vec()
     }
@@ -55,5 +62,11 @@ impl CataloguedTechnique for Traced {
         Self {
             samples: numbers[0] as u32,
         }
+    }
+}
+
+impl CataloguedKernel for TracedKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::rays(self.uniforms.samples)
     }
 }

@@ -1,14 +1,25 @@
 //! What is measured and planned of `none`.
 
-use super::CataloguedTechnique;
-use umbrage_core::Recipe;
-use umbrage_techniques::Unshadowed;
+use super::{CataloguedKernel, CataloguedTechnique, kernel};
+use crate::cost::KernelCost;
+use umbrage_core::{ReceiveKernel, Recipe};
+use umbrage_techniques::{Unshadowed, UnshadowedKernel};
 
 impl CataloguedTechnique for Unshadowed {
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<UnshadowedKernel>(kernel)
+    }
+
     // It begins with the light, but nothing is compiled anew for that.
     const BRANCHES_ON_UNIFORMS: bool = false;
 
     fn why_chosen(&self, error: f64, _: &Recipe) -> Option<String> {
         (error > 0.0).then(|| format!("leaving all shadows out errs by only {error:.4}"))
+    }
+}
+
+impl CataloguedKernel for UnshadowedKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(0)
     }
 }

@@ -1,13 +1,26 @@
 //! What is measured and planned of `vsm`.
 
 use super::{
-    Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter, moments,
-    sweeps,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
+    RandomParameter, kernel, moments, sweeps,
 };
-use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Bias, ShadowMap, Vsm};
+use crate::cost::KernelCost;
+use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_techniques::{Bias, ShadowMap, Vsm, VsmKernel};
 
 impl CataloguedTechnique for Vsm {
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(moments::kernel_reach(self.blur))
+    }
+
+    fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
+        moments::filter_loads(filter)
+    }
+
+    fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
+        kernel::downcast::<VsmKernel>(kernel)
+    }
+
     // Its filters take longer than most techniques' lookups, above all on software drivers.
     const IS_PREVIEWED: bool = false;
 
@@ -90,5 +103,19 @@ impl CataloguedTechnique for Vsm {
             least_deviation: Some(numbers[1]),
             bleeding_reduction: numbers[2],
         }
+    }
+}
+
+impl CataloguedKernel for VsmKernel {
+    fn cost_per_receiver(&self) -> KernelCost {
+        moments::lookup_cost(self.uniforms.mipmaps.levels)
+    }
+
+    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        self.lookup_reach(position, normal)
+    }
+
+    fn layer(&self, position: Vec3) -> Option<u32> {
+        Some(self.uniforms.lookup.layer_of(position))
     }
 }

@@ -1,16 +1,17 @@
 //! Measures the prices of work.
 
-use super::{CostModel, counts, least_squares::solve};
-use crate::{MeasureError, statistics::Sorted};
+use super::{CostModel, Work, counts, least_squares::solve};
+use crate::{MeasureError, catalogue::Catalogue, statistics::Sorted};
 use glam::UVec2;
 use std::{
     sync::Arc,
     time::{Duration, Instant},
 };
 use umbrage_core::{
-    Backend, BackendError, Bvh, Geometry, RecipeError, Scene, ShadowTechnique, View, Work,
+    Backend, BackendError, Bvh, Geometry, RecipeError, Scene, ShadowTechnique as _, View,
 };
 use umbrage_cpu::Cpu;
+use umbrage_techniques::TechniquePreset;
 
 /// The work and time of a recipe's part: of what it draws (casts and filters), or of its lookup.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +65,7 @@ pub fn time_work(
     backend: &mut dyn Backend,
     scenes: &[Scene],
     sizes: &[UVec2],
-    settings: &[Arc<dyn ShadowTechnique>],
+    settings: &[TechniquePreset],
     runs: u32,
     on_setting: &mut dyn FnMut(),
 ) -> Result<Vec<CostSample>, MeasureError> {
@@ -83,7 +84,7 @@ pub fn time_work(
             for technique in settings {
                 on_setting();
                 let place = format!("{} {size}", scene.name);
-                samples.extend(measure(backend, &view, &**technique, runs, &place)?);
+                samples.extend(measure(backend, &view, technique, runs, &place)?);
             }
         }
     }
@@ -94,7 +95,7 @@ pub fn time_work(
 fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
-    technique: &dyn ShadowTechnique,
+    technique: &TechniquePreset,
     runs: u32,
     place: &str,
 ) -> Result<Vec<CostSample>, MeasureError> {
@@ -133,7 +134,7 @@ fn measure(
         }
     }
     let label = format!("{place} {} ({})", technique.name(), technique.settings());
-    let work = Work::of(view, &recipe);
+    let work = Work::of(view, &recipe, &Catalogue::built_in());
     Ok(CostSample::of_parts(
         &label,
         &work,

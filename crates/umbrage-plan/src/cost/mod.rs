@@ -10,13 +10,14 @@ mod price_list;
 mod ranks;
 #[cfg(test)]
 mod recorded;
+mod work;
 
 pub use calibrate::{Calibration, CostSample, fit, time_work};
 pub use price_list::PriceList;
 pub use ranks::rank_correlation;
+pub use work::{KernelCost, Work};
 
 use serde::{Deserialize, Serialize};
-use umbrage_core::Work;
 
 /// Kinds of work that have a price.
 pub const KINDS: usize = 13;

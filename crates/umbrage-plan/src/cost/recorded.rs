@@ -5,8 +5,8 @@
 //! 100 triangles or more. `record.sh` makes such lines of one or several files `work.csv`.
 
 use super::{Calibration, CostModel, CostSample, KIND_NAMES, PriceList, fit, rank_correlation};
+use crate::cost::Work;
 use std::collections::BTreeMap;
-use umbrage_core::Work;
 
 const RECORDED: &str = include_str!("recorded.csv");
 

@@ -3,7 +3,8 @@
 use super::weighting::Weighting;
 use crate::{
     MeasureError,
-    cost::CostModel,
+    catalogue::Catalogue,
+    cost::{CostModel, Work},
     motion::follows_camera,
     truth::{PixelTruth, Progress, TruthOptions, TruthRequest, trace_pixels, unlit},
 };
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use umbrage_core::{
     Backend as _, BackendError, Camera, FitMemory, Geometry, Light, Receivers, Recipe, RecipeError,
-    View, Work,
+    View,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::TechniquePreset;
@@ -151,8 +152,8 @@ impl<'a> PlanScene<'a> {
         View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers)
     }
 
-    pub(crate) fn price(&self, recipe: &Recipe, cost: &CostModel) -> Price {
-        let work = Work::of(&self.played_view(), recipe);
+    pub(crate) fn price(&self, recipe: &Recipe, cost: &CostModel, catalogue: &Catalogue) -> Price {
+        let work = Work::of(&self.played_view(), recipe, catalogue);
         let lookup_ms = cost.lookup_milliseconds(&work);
         Price {
             draw_ms: cost.milliseconds(&work) - lookup_ms,

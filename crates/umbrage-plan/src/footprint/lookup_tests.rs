@@ -1,7 +1,7 @@
 //! What is said to be unused is held against the kernels themselves: texels that no lookup touches may hold anything.
 
 use super::*;
-use umbrage_core::{Backend as _, Geometry, Image, Inputs, Scene, Simd};
+use umbrage_core::{Backend as _, Geometry, Image, Inputs, Scene, ShadowTechnique as _, Simd};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
     Bias, Pattern, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
@@ -96,14 +96,21 @@ fn texels_never_looked_up_may_hold_anything() {
         let geometry = Geometry::bake(&scene).unwrap();
         let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
-        for technique in presets().iter().map(TechniquePreset::technique) {
+        for technique in presets() {
             let label = format!("{name}: {} ({})", technique.name(), technique.settings());
             let Ok(mut recipe) = technique.recipe(&view) else {
                 continue;
             };
             recipe.keep_images = true;
             let images = Cpu::new().render(&view, &recipe).unwrap().images;
-            let footprint = of(&*technique, &view, &recipe, &receivers).expect("it has a map");
+            let footprint = of(
+                &technique,
+                &view,
+                &recipe,
+                &receivers,
+                &Catalogue::built_in(),
+            )
+            .expect("it has a map");
             let right = asked(&recipe, &images, &receivers);
             let unused = spoilt(&recipe, &images, &footprint, |n| n == 0);
             assert_eq!(asked(&recipe, &unused, &receivers), right, "{label}");

@@ -5,14 +5,16 @@ mod lookup_tests;
 #[cfg(test)]
 mod tests;
 
+use crate::catalogue::{Catalogue, CataloguedKernel};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Cast, CastMode, Receivers, Recipe, ShadowTechnique, View,
+    Cast, CastMode, Receivers, Recipe, View,
     footprint::{at_least, side_of, texels_per_pixel_in},
     glam::{Mat4, UVec2, Vec2, Vec3},
     math::transform,
 };
+use umbrage_techniques::TechniquePreset;
 
 /// The share of receivers that face the light of which [`MapUse::texels`] and [`MapUse::side`] speak: the light grazes a few,
 /// and no map is fine enough for them.
@@ -93,22 +95,28 @@ pub struct CastFootprint {
     pub unused: f64,
 }
 
-/// Returns the use of a technique's maps in a recipe that it made for `view`; none where it looks up no maps. `receivers` are
-/// what the view's camera sees.
+/// Returns the use of a technique's maps in a recipe that it made for `view`; `None` if it looks up no maps. `catalogue` knows
+/// how far it looks, and `receivers` are what the view's camera sees.
 pub fn of(
-    technique: &dyn ShadowTechnique,
+    preset: &TechniquePreset,
     view: &View<'_>,
     recipe: &Recipe,
     receivers: &Receivers,
+    catalogue: &Catalogue,
 ) -> Option<RecipeFootprint> {
-    technique
-        .kernel_reach()
-        .map(|reach| measure(view, recipe, receivers, reach))
+    let reach = catalogue.kernel_reach(preset)?;
+    Some(measure(
+        view,
+        recipe,
+        receivers,
+        reach,
+        catalogue.kernel(recipe),
+    ))
 }
 
 /// Measures the use of a recipe's maps. `receivers` are what the view's camera sees; `reach` is how far, in texels, the
 /// recipe's kernel reaches beyond the texel that a receiver falls on, if it doesn't
-/// [say so of each](umbrage_core::ReceiveKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups count as the whole
+/// [say so of each](CataloguedKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups count as the whole
 /// square within reach, whether each of its texels is tapped or not. That a bias may move receivers along their normals is
 /// neglected. Peeled layers are left out, since they are looked up as their first ones are.
 pub fn measure(
@@ -116,6 +124,7 @@ pub fn measure(
     recipe: &Recipe,
     receivers: &Receivers,
     reach: f32,
+    kernel: &dyn CataloguedKernel,
 ) -> RecipeFootprint {
     let nearest = recipe
         .casts
@@ -123,14 +132,14 @@ pub fn measure(
         .filter(|cast| cast.mode == CastMode::Depth);
     let casts: Vec<CastFootprint> = nearest
         .clone()
-        .map(|cast| of_cast(cast, recipe, receivers, reach))
+        .map(|cast| of_cast(cast, recipe, receivers, reach, kernel))
         .collect();
     let texels: usize = casts.iter().map(|c| c.lookups.len()).sum();
     let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
     let layers: Vec<Layer> = nearest.map(Layer::of).collect();
     let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
     let mut sizes = texels_per_pixel_in(view, receivers, 1, |position, _| {
-        Some(layer_at(&layers, recipe, position)?.clip_from_world)
+        Some(layer_at(&layers, kernel, position)?.clip_from_world)
     });
     sizes.par_sort_unstable_by(f32::total_cmp);
     let overview = sizes
@@ -222,24 +231,25 @@ impl CastFootprint {
 ///
 /// ```
 /// use umbrage_core::{Geometry, ShadowTechnique, View};
-/// use umbrage_plan::footprint::MapPlaces;
+/// use umbrage_plan::{catalogue::Catalogue, footprint::MapPlaces};
 /// use umbrage_techniques::{Exact, Hard};
 ///
 /// let scene = umbrage_scenes::by_argument("cubes")?;
 /// let geometry = Geometry::bake(&scene)?;
 /// let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
 /// let recipe = Hard::default().recipe(&view)?;
-/// let places = MapPlaces::new(&recipe).expect("a map");
+/// let catalogue = Catalogue::built_in();
+/// let places = MapPlaces::new(&recipe, &catalogue).expect("a map");
 /// let place = places.at(geometry.bounds().center()).expect("on the map");
 /// assert_eq!(place.layer, 0);
 /// assert!(place.texel.min_element() > 0.0 && place.texel.max_element() < 1024.0);
 ///
 /// // Lists of casters are no map.
-/// assert!(MapPlaces::new(&Exact::default().recipe(&view)?).is_none());
+/// assert!(MapPlaces::new(&Exact::default().recipe(&view)?, &catalogue).is_none());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct MapPlaces<'a> {
-    recipe: &'a Recipe,
+    kernel: &'a dyn CataloguedKernel,
     layers: Vec<Layer>,
     /// Of all layers, texels.
     size: Vec2,
@@ -263,13 +273,13 @@ impl std::fmt::Debug for MapPlaces<'_> {
 }
 
 impl<'a> MapPlaces<'a> {
-    /// Returns where a recipe's lookups go; none if it draws no map.
-    pub fn new(recipe: &'a Recipe) -> Option<Self> {
+    /// Returns where a recipe's lookups go; `None` if it draws no map.
+    pub fn new(recipe: &'a Recipe, catalogue: &Catalogue) -> Option<Self> {
         let is_map = |cast: &&Cast| cast.mode == CastMode::Depth;
         let maps: Vec<&Cast> = recipe.casts.iter().filter(is_map).collect();
         let first = maps.first()?;
         Some(Self {
-            recipe,
+            kernel: catalogue.kernel(recipe),
             layers: maps.iter().map(|cast| Layer::of(cast)).collect(),
             size: recipe.images[first.image].size.as_vec2(),
         })
@@ -278,7 +288,7 @@ impl<'a> MapPlaces<'a> {
     /// Returns where a receiver at `position` (world space) falls; none behind the light or beside its map. That a bias may move
     /// receivers along their normals is neglected.
     pub fn at(&self, position: Vec3) -> Option<MapPlace> {
-        let layer = layer_at(&self.layers, self.recipe, position)?;
+        let layer = layer_at(&self.layers, self.kernel, position)?;
         let texel = texel_at(layer.clip_from_world, self.size, position)?;
         let is_on_map = texel.cmpge(Vec2::ZERO).all() && texel.cmplt(self.size).all();
         is_on_map.then_some(MapPlace {
@@ -319,8 +329,12 @@ impl Layer {
 
 /// Returns the layer in which a receiver is looked up: the one that the recipe's kernel names, or that along whose view the receiver
 /// is farthest, as with a cube; none if nothing was drawn there.
-fn layer_at<'a>(layers: &'a [Layer], recipe: &Recipe, position: Vec3) -> Option<&'a Layer> {
-    if let Some(index) = recipe.receive.kernel.layer(position) {
+fn layer_at<'a>(
+    layers: &'a [Layer],
+    kernel: &dyn CataloguedKernel,
+    position: Vec3,
+) -> Option<&'a Layer> {
+    if let Some(index) = kernel.layer(position) {
         return layers.iter().find(|layer| layer.index == index);
     }
     let distance = |layer: &Layer| -transform(layer.view_from_world, position).z;
@@ -329,11 +343,16 @@ fn layer_at<'a>(layers: &'a [Layer], recipe: &Recipe, position: Vec3) -> Option<
 }
 
 /// Returns whether a receiver is looked up in another layer than the cast's.
-fn is_on_other_layer(cast: &Cast, recipe: &Recipe, position: Vec3) -> bool {
+fn is_on_other_layer(
+    cast: &Cast,
+    recipe: &Recipe,
+    kernel: &dyn CataloguedKernel,
+    position: Vec3,
+) -> bool {
     if recipe.images[cast.image].layers == 1 {
         return false;
     }
-    if let Some(index) = recipe.receive.kernel.layer(position) {
+    if let Some(index) = kernel.layer(position) {
         return index != cast.layer;
     }
     // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
@@ -342,12 +361,18 @@ fn is_on_other_layer(cast: &Cast, recipe: &Recipe, position: Vec3) -> bool {
 }
 
 /// Counts the lookups of one map.
-fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> CastFootprint {
+fn of_cast(
+    cast: &Cast,
+    recipe: &Recipe,
+    receivers: &Receivers,
+    reach: f32,
+    kernel: &dyn CataloguedKernel,
+) -> CastFootprint {
     let image = &recipe.images[cast.image];
     let touched: Vec<[TexelSpan; 2]> = (0..receivers.len())
         .into_par_iter()
         .filter(|&i| receivers.receives[i])
-        .filter_map(|i| touched_texels(cast, recipe, receivers, i, reach))
+        .filter_map(|i| touched_texels(cast, recipe, receivers, i, reach, kernel))
         .collect();
     let mut counts = LookupCounts::new(image.size);
     for [columns, rows] in touched {
@@ -371,14 +396,14 @@ fn touched_texels(
     receivers: &Receivers,
     i: usize,
     reach: f32,
+    kernel: &dyn CataloguedKernel,
 ) -> Option<[TexelSpan; 2]> {
     let image = &recipe.images[cast.image];
     let position = receivers.position(i);
-    if is_on_other_layer(cast, recipe, position) {
+    if is_on_other_layer(cast, recipe, kernel, position) {
         return None;
     }
     let texel = texel_at(cast.space.clip_from_world(), image.size.as_vec2(), position)?;
-    let kernel = &recipe.receive.kernel;
     let reach = kernel.reach(position, receivers.normal(i)).unwrap_or(reach);
     let columns = TexelSpan::around(texel.x, reach, image.size.x);
     let rows = TexelSpan::around(texel.y, reach, image.size.y);

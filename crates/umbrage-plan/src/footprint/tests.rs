@@ -81,7 +81,9 @@ fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> RecipeFoo
     let (camera, geometry) = (camera(half), plane());
     let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
     let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
-    measure(&view, &technique.recipe(&view).unwrap(), &receivers, reach)
+    let recipe = technique.recipe(&view).unwrap();
+    let catalogue = Catalogue::built_in();
+    measure(&view, &recipe, &receivers, reach, catalogue.kernel(&recipe))
 }
 
 /// Pixels of 1/8 m on texels of 1/8 m, over a quarter of the map.
@@ -139,12 +141,9 @@ fn nothing_seen_is_no_use() {
     let (camera, geometry) = (camera(2.0), plane());
     let view = View::new(&camera, &SUN, &geometry);
     let nothing = Receivers::empty(camera.size);
-    let f = measure(
-        &view,
-        &Hard { map: map() }.recipe(&view).unwrap(),
-        &nothing,
-        0.0,
-    );
+    let recipe = Hard { map: map() }.recipe(&view).unwrap();
+    let catalogue = Catalogue::built_in();
+    let f = measure(&view, &recipe, &nothing, 0.0, catalogue.kernel(&recipe));
     assert_eq!((f.total.unused, f.total.texels_per_pixel), (1.0, None));
 }
 

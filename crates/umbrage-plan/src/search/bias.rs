@@ -4,7 +4,7 @@ use crate::catalogue::PlannedBiases;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::SQRT_2;
 use umbrage_core::RasterBias;
-use umbrage_techniques::{Bias, TechniquePreset};
+use umbrage_techniques::Bias;
 
 /// A kind of bias with an amount.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -74,9 +74,10 @@ impl BiasAmounts {
     }
 }
 
-/// Returns the kinds of bias worth trying with a technique, with amounts around the one that frees a plane of acne.
-pub(super) fn bias_amounts(preset: &TechniquePreset, planned: PlannedBiases) -> Vec<BiasAmounts> {
-    let Some(reach) = reach(preset, planned) else {
+/// Returns the kinds of bias worth trying with a technique whose lookups reach so far (texels), with amounts around the one that
+/// frees a plane of acne.
+pub(super) fn bias_amounts(kernel_reach: Option<f32>, planned: PlannedBiases) -> Vec<BiasAmounts> {
+    let Some(reach) = kernel_reach.filter(|_| planned != PlannedBiases::Own) else {
         return vec![BiasAmounts {
             kind: BiasKind::Own,
             amounts: vec![0.0],
@@ -109,24 +110,16 @@ pub(super) fn bias_amounts(preset: &TechniquePreset, planned: PlannedBiases) -> 
     out
 }
 
-/// Returns how far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
-fn reach(preset: &TechniquePreset, planned: PlannedBiases) -> Option<f32> {
-    if planned == PlannedBiases::Own {
-        None
-    } else {
-        preset.technique().kernel_reach()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::catalogue::CataloguedTechnique as _;
     use umbrage_techniques::Pcf;
 
     #[test]
     fn first_tries_are_the_biases_that_free_planes_of_acne() {
-        let pcf = TechniquePreset::from(Pcf::default());
-        let firsts: Vec<Bias> = bias_amounts(&pcf, PlannedBiases::All)
+        let reach = Pcf::default().kernel_reach();
+        let firsts: Vec<Bias> = bias_amounts(reach, PlannedBiases::All)
             .iter()
             .map(|biases| biases.kind.bias(biases.first(), Bias::NONE))
             .collect();
@@ -142,10 +135,10 @@ mod tests {
 
     #[test]
     fn amounts_rise() {
-        for biases in crate::catalogue::all()
-            .iter()
-            .flat_map(|entry| bias_amounts(&(entry.technique.preset)(), entry.planned_biases))
-        {
+        for biases in crate::catalogue::all().iter().flat_map(|entry| {
+            let reach = (entry.kernel_reach)(&(entry.technique.preset)());
+            bias_amounts(reach, entry.planned_biases)
+        }) {
             assert!(
                 biases.amounts.windows(2).all(|w| w[0] < w[1])
                     && biases.first_index < biases.amounts.len(),

@@ -5,7 +5,7 @@ use super::{
     resolution,
 };
 use crate::{
-    catalogue::{Candidate, Catalogue, PlannedBiases},
+    catalogue::{Candidate, Catalogue, CatalogueEntry, PlannedBiases},
     estimate::scene::PlanScene,
 };
 use umbrage_core::{Cascades, Fit, Layout, Light, math::transform};
@@ -28,10 +28,12 @@ pub(super) struct Family {
     pub(super) max_gain: f64,
     /// Which biases its maps may have.
     planned_biases: PlannedBiases,
+    /// How far its lookups reach, texels.
+    kernel_reach: Option<f32>,
 }
 
 impl Family {
-    fn new(candidate: Candidate<TechniquePreset>, planned_biases: PlannedBiases) -> Self {
+    fn new(candidate: Candidate<TechniquePreset>, entry: &CatalogueEntry) -> Self {
         let (candidates, max_gain) = match candidate {
             Candidate::One(preset) if preset.map().is_some() => {
                 let maps = SIZES.map(|side| with_map_side(&preset, side));
@@ -41,15 +43,16 @@ impl Family {
             Candidate::Series { settings, max_gain } => (settings, max_gain),
         };
         Self {
+            kernel_reach: candidates.first().and_then(entry.kernel_reach),
+            planned_biases: entry.planned_biases,
             candidates,
             max_gain,
-            planned_biases,
         }
     }
 
     /// Returns the kinds of bias worth trying, with their amounts.
     pub(super) fn bias_amounts(&self) -> Vec<BiasAmounts> {
-        bias_amounts(self.preset(), self.planned_biases)
+        bias_amounts(self.kernel_reach, self.planned_biases)
     }
 
     /// Returns the family with one map more, of `side` texels a side, unless it has one of about that side or has no maps.
@@ -272,7 +275,7 @@ fn families_of(
         .filter(|entry| entry.technique.has_map == has_map)
         .flat_map(|entry| {
             let candidates = (entry.candidates)(map, light).into_iter();
-            candidates.map(|candidate| Family::new(candidate, entry.planned_biases))
+            candidates.map(|candidate| Family::new(candidate, entry))
         })
         .collect()
 }
@@ -280,12 +283,14 @@ fn families_of(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::catalogue::CataloguedTechnique;
     use std::collections::HashSet;
     use umbrage_core::glam::Vec3;
     use umbrage_techniques::{Hard, Traced};
 
-    fn family_of(technique: impl Into<TechniquePreset>) -> Family {
-        Family::new(Candidate::One(technique.into()), PlannedBiases::All)
+    fn family_of<T: CataloguedTechnique>(technique: T) -> Family {
+        let candidate = Candidate::One(TechniquePreset::from(technique));
+        Family::new(candidate, &CatalogueEntry::of::<T>())
     }
 
     /// A technique that is added to the catalogue must be a candidate, too.
@@ -343,7 +348,7 @@ mod tests {
         let cascaded = hard.cascaded(Cascades::default()).expect("has maps");
         let largest = |family: &Family| map_side(family.candidates.last().expect("some"));
         assert_eq!(2 * largest(&cascaded), largest(&hard));
-        let label = cascaded.candidates[0].technique().settings();
+        let label = cascaded.candidates[0].settings();
         assert!(label.contains("4 cascades"), "{label}");
         let stable = cascaded.stable(50.0).expect("tight");
         assert_eq!(

@@ -103,6 +103,7 @@ impl<'a> Planner<'a> {
             views.push(sampled_view(scene, samples, options, on_step)?);
         }
         let counting = Counting {
+            catalogue: options.catalogue.clone(),
             cost: options.cost,
             motion: options.motion,
             hold: options.hold,

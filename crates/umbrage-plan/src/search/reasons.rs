@@ -57,7 +57,7 @@ impl Facts {
         let Some(chosen) = chosen else { return Ok(out) };
         out.extend(exactness(trials, catalogue, chosen)?);
         let all = trials.all();
-        out.extend(map_use(&trials.views[0].scene, chosen)?);
+        out.extend(map_use(&trials.views[0].scene, chosen, catalogue)?);
         out.extend(smaller_map(&all, chosen));
         out.extend(cheaper(&all, chosen, bounds));
         out.extend(next_bound(&all, chosen));
@@ -139,10 +139,14 @@ fn exactness(
 }
 
 /// Says how well a chosen map is used; none without one.
-fn map_use(scene: &PlanScene<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
+fn map_use(
+    scene: &PlanScene<'_>,
+    chosen: &Setting,
+    catalogue: &Catalogue,
+) -> Result<Option<String>, MeasureError> {
     let recipe = scene.recipe(&chosen.preset)?;
-    let technique = chosen.preset.technique();
-    let found = footprint::of(&*technique, &scene.played_view(), &recipe, &scene.receivers);
+    let view = scene.played_view();
+    let found = footprint::of(&chosen.preset, &view, &recipe, &scene.receivers, catalogue);
     Ok(found.map(|footprint| footprint.total.words()))
 }
 

@@ -16,7 +16,7 @@ use crate::{
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Backend, Geometry, Scene,
+    Backend, Geometry, Scene, ShadowTechnique as _,
     metrics::{Errors, Pixel},
 };
 use umbrage_techniques::TechniquePreset;
@@ -377,7 +377,7 @@ impl<'a> Sweep<'a> {
                 continue;
             }
             let milliseconds = setting.milliseconds;
-            let technique = preset.technique();
+            let technique = preset;
             let tried = self.planner.search.trials.count();
             (self.planner.search.on_step)(Step::Trying(technique.name(), tried));
             let Some(error) = self.error_of_candidate(&setting)? else {

@@ -16,7 +16,7 @@ use crate::{
 use glam::UVec2;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use umbrage_core::{
-    Camera, Fit, Light, Receivers, RecipeError, View,
+    Camera, Fit, Light, Receivers, RecipeError, ShadowTechnique as _, View,
     metrics::{Errors, Pixel},
 };
 use umbrage_cpu::Cpu;

@@ -3,6 +3,7 @@
 use super::{Bounds, CameraFigures, Hold, Setting};
 use crate::{
     MeasureError,
+    catalogue::Catalogue,
     cost::CostModel,
     estimate::{
         error::Estimate,
@@ -17,7 +18,7 @@ use crate::{
     truth::TruthOptions,
 };
 use std::collections::HashMap;
-use umbrage_core::{BackendError, Recipe, RecipeError};
+use umbrage_core::{BackendError, Recipe, RecipeError, ShadowTechnique as _};
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset, Unshadowed};
 
 /// One camera's view with its sample.
@@ -59,8 +60,10 @@ impl<'a> SampledView<'a> {
 }
 
 /// How costs and errors are counted.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Counting {
+    /// What kernels cost.
+    pub(super) catalogue: Catalogue,
     pub(super) cost: CostModel,
     pub(super) motion: FrameMotion,
     pub(super) hold: Hold,
@@ -244,13 +247,17 @@ impl<'a> Trials<'a> {
 
     fn price_of(&mut self, preset: &TechniquePreset, recipes: &[Recipe]) -> Prices {
         let Counting {
-            cost, motion, hold, ..
+            ref catalogue,
+            ref cost,
+            motion,
+            hold,
+            ..
         } = self.counting;
         let prices: Vec<Price> = self
             .views
             .iter()
             .zip(recipes)
-            .map(|(view, recipe)| view.scene.price(recipe, &cost))
+            .map(|(view, recipe)| view.scene.price(recipe, cost, catalogue))
             .collect();
         let kept_as_camera_moves =
             (motion == FrameMotion::CameraMoves).then(|| self.is_kept(preset, &recipes[0]));
@@ -323,7 +330,7 @@ impl<'a> Trials<'a> {
         estimates: &[Estimate],
         prices: &Prices,
     ) -> Setting {
-        let technique = preset.technique();
+        let technique = preset;
         let mut setting = Setting {
             preset: preset.clone(),
             technique: technique.name().to_owned(),
@@ -424,14 +431,19 @@ impl<'a> Trials<'a> {
         scenes: &mut [PlanScene<'_>],
         preset: &TechniquePreset,
     ) -> Result<Option<(Estimate, f64, f64)>, MeasureError> {
-        let Counting { cost, hold, .. } = self.counting;
+        let Counting {
+            ref catalogue,
+            ref cost,
+            hold,
+            ..
+        } = self.counting;
         let mut estimates = Vec::new();
         let mut prices = Vec::new();
         for (view, scene) in self.views.iter().zip(scenes) {
             let Ok(recipe) = scene.recipe(preset) else {
                 return Ok(None);
             };
-            prices.push(scene.price(&recipe, &cost));
+            prices.push(scene.price(&recipe, cost, catalogue));
             let estimate = view.sampled.estimate(scene, &recipe)?;
             estimates.push(estimate.times(view.scale));
         }

@@ -3,9 +3,10 @@
 use super::places::SeenFrom;
 use anyhow::Result;
 use umbrage::{
-    Work,
+    ShadowTechnique as _,
     plan::{
-        cost::CostModel,
+        catalogue::Catalogue,
+        cost::{CostModel, Work},
         motion::{FrameMotion, follows_camera},
     },
     techniques::TechniquePreset,
@@ -34,15 +35,15 @@ impl Cost {
     /// Errors if the technique refuses the light.
     pub(crate) fn of(preset: &TechniquePreset, seen: &SeenFrom<'_>) -> Result<Self> {
         let view = seen.planned_view();
-        let technique = preset.technique();
-        let recipe = technique.recipe(&view)?;
-        let work = Work::of(&view.with_receivers(seen.receivers), &recipe);
+        let recipe = preset.recipe(&view)?;
+        let seen_view = view.with_receivers(seen.receivers);
+        let work = Work::of(&seen_view, &recipe, &Catalogue::built_in());
         let prices = prices();
         let lookup_ms = prices.lookup_milliseconds(&work);
         Ok(Self {
             draw_ms: prices.milliseconds(&work) - lookup_ms,
             lookup_ms,
-            follows_camera: follows_camera(&*technique, &recipe, &view),
+            follows_camera: follows_camera(preset, &recipe, &view),
         })
     }
 

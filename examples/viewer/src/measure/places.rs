@@ -7,7 +7,10 @@ use umbrage::{
     Aabb, Camera, Geometry, Light, Receivers, ShadowTechnique, View,
     cpu::Cpu,
     glam::UVec2,
-    plan::footprint::{MapPlace, MapPlaces},
+    plan::{
+        catalogue::Catalogue,
+        footprint::{MapPlace, MapPlaces},
+    },
     techniques::{AskedCell, Exact},
 };
 
@@ -91,7 +94,8 @@ fn picture(
         return heat(technique, &view, seen.receivers).map(Some);
     }
     let recipe = technique.recipe(&view)?;
-    let Some(places) = MapPlaces::new(&recipe) else {
+    let catalogue = Catalogue::built_in();
+    let Some(places) = MapPlaces::new(&recipe, &catalogue) else {
         return Ok(None);
     };
     let texel = |i: usize| {

@@ -11,6 +11,7 @@ use crate::{
 };
 use glam::Vec3;
 use umbrage_core::{Fit, Scene, ShadowTechnique};
+use umbrage_techniques::TechniquePreset;
 
 /// A scene and the quantity that is varied in it.
 #[derive(Debug)]
@@ -129,17 +130,11 @@ pub(super) fn sweep(
         if of_techniques.is_empty() {
             of_techniques = techniques
                 .iter()
-                .map(|technique| empty_curve(&**technique, map_size))
+                .map(|technique| empty_curve(technique, map_size))
                 .collect();
         }
         for (technique, curve) in techniques.iter().zip(&mut of_techniques) {
-            let played = play(
-                &case_truth,
-                &**technique,
-                backends,
-                place,
-                kind.values.len(),
-            );
+            let played = play(&case_truth, technique, backends, place, kind.values.len());
             match played {
                 Ok(played) => {
                     let error = Measure::Rmse.figure(&case_truth, &played.mask);
@@ -148,7 +143,7 @@ pub(super) fn sweep(
                 }
                 Err(NoMask::Unsupported(_)) => {}
                 Err(NoMask::Fault(what)) => {
-                    return Err(not_played(&case_truth, &**technique, &what));
+                    return Err(not_played(&case_truth, technique, &what));
                 }
             }
         }
@@ -180,7 +175,7 @@ fn truth_of(
 
 /// Returns the curve of a setting, without points. Its label leaves out the map's side, which the x axis has or which is the
 /// same for all curves.
-fn empty_curve(technique: &dyn ShadowTechnique, map_size: u32) -> Curve {
+fn empty_curve(technique: &TechniquePreset, map_size: u32) -> Curve {
     let label = format!("{} ({})", technique.name(), technique.settings());
     Curve {
         label: label.replace(&format!("{map_size}, "), ""),

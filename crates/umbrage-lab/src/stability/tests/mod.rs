@@ -21,7 +21,9 @@ use umbrage_core::{Backend, BackendError, Fit, Invalid, Recipe, ShadowTechnique,
 use umbrage_cpu::Cpu;
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::{self, TruthOptions};
-use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
+use umbrage_techniques::{
+    Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, TechniquePreset, Traced,
+};
 
 /// Small enough that all cases take seconds.
 fn small() -> StabilityOptions {
@@ -178,8 +180,8 @@ fn without_casters_no_shadow_is_left() {
     }
 }
 
-fn hard(bias: Bias) -> Box<dyn ShadowTechnique> {
-    Box::new(Hard {
+fn hard(bias: Bias) -> TechniquePreset {
+    TechniquePreset::from(Hard {
         map: ShadowMap {
             size: 512,
             bias,
@@ -200,13 +202,19 @@ fn known_weaknesses_are_seen() {
         bias: Bias::FRONT_CULL,
         ..ShadowMap::default()
     };
-    let known: [(&str, Box<dyn ShadowTechnique>); 10] = [
+    let known: [(&str, TechniquePreset); 10] = [
         ("thin-plate", hard(too_much)),
         ("thin-plate-leak", hard(too_much)),
         ("low-sun-5", hard(Bias::NONE)),
         ("long-plane", hard(Bias::NONE)),
-        ("open-shells", Box::new(SecondDepth { map, radius: 0 })),
-        ("broken-meshes", Box::new(SecondDepth { map, radius: 0 })),
+        (
+            "open-shells",
+            TechniquePreset::from(SecondDepth { map, radius: 0 }),
+        ),
+        (
+            "broken-meshes",
+            TechniquePreset::from(SecondDepth { map, radius: 0 }),
+        ),
         ("rising-boxes", hard(Bias::ADAPTIVE)),
         ("two-blockers", hard(Bias::ADAPTIVE)),
         ("rising-boxes-disc", hard(Bias::ADAPTIVE)),
@@ -217,7 +225,7 @@ fn known_weaknesses_are_seen() {
         let case_truth = case_truth_of(case, &small());
         let figure = case
             .measure
-            .figure(&case_truth, &mask(&case_truth, &*technique));
+            .figure(&case_truth, &mask(&case_truth, &technique));
         let limits = case.measure.limits(&case_truth);
         assert_ne!(
             limits.judge(figure),
@@ -355,8 +363,8 @@ fn relief_that_the_map_lacks_leaves_joints_lit() {
     let whole = case_truth_of(case("displaced-wall"), &small());
     let split = case_truth_of(case("relief-without-depth-pass"), &small());
     let technique = hard(Bias::ADAPTIVE);
-    let with = false_light(&whole, &mask(&whole, &*technique));
-    let without = false_light(&whole, &mask(&split, &*technique));
+    let with = false_light(&whole, &mask(&whole, &technique));
+    let without = false_light(&whole, &mask(&split, &technique));
     assert!(
         without > 3.0 * with && without > 1.0,
         "{with} % with the relief, {without} % without"

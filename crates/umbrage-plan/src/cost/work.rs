@@ -1,13 +1,13 @@
 //! How much work a recipe is, counted rather than timed: the same on every machine, however noisy.
 
-use crate::{
-    geometry::{Geometry, clip_polygon::Polygon},
-    recipe::{Cast, CastMode, Cull, Recipe, Source},
-    view::View,
-};
-use glam::{DMat4, DVec2, DVec4, UVec2};
+use crate::catalogue::Catalogue;
 use rayon::prelude::*;
 use std::ops::Range;
+use umbrage_core::{
+    Cast, CastMode, Cull, Geometry, Recipe, Source, View,
+    geometry::clip_polygon::Polygon,
+    glam::{DMat4, DVec2, DVec4, UVec2},
+};
 
 /// A clip-space triangle cut by the six planes of the view volume: at most nine corners.
 type ClipPolygon = Polygon<DVec4, 9>;
@@ -79,7 +79,7 @@ pub struct Work {
     /// Texels that these faces cover, as [`covered`](Self::covered): each reads and writes a count.
     #[serde(default)]
     pub counted: u64,
-    /// Triangles that the receive kernel's tables were made of ([`ReceiveKernel::triangles_listed`](crate::ReceiveKernel::triangles_listed)):
+    /// Triangles that the receive kernel's tables were made of ([`CataloguedKernel::triangles_listed`](crate::catalogue::CataloguedKernel::triangles_listed)):
     /// work of the recipe's maker, not of the backend that plays it.
     #[serde(default)]
     pub listed: u64,
@@ -105,14 +105,14 @@ pub struct Work {
 }
 
 impl Work {
-    /// Returns the work of a recipe for the view that it was made for. Without `view.receivers` every pixel counts as one;
+    /// Returns the work of a recipe for the view that it was made for; `catalogue` knows what its kernels cost. Without `view.receivers` every pixel counts as one;
     /// without `view.geometry` only faces that the technique made are counted as drawn.
-    pub fn of(view: &View<'_>, recipe: &Recipe) -> Self {
+    pub fn of(view: &View<'_>, recipe: &Recipe, catalogue: &Catalogue) -> Self {
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
         let receivers = view
             .receivers
             .map_or(pixels, |r| r.receives.iter().filter(|&&r| r).count() as u64);
-        let kernel = &recipe.receive.kernel;
+        let kernel = catalogue.kernel(recipe);
         let cost = match view.receivers {
             Some(receivers) => kernel.cost_for(receivers),
             None => kernel.cost_per_receiver(),
@@ -154,7 +154,7 @@ impl Work {
         for filter in &recipe.filters {
             let image = &recipe.images[filter.output];
             let texels = image.texels();
-            let more_loads = filter.kernel.loads_per_texel().saturating_sub(1);
+            let more_loads = catalogue.filter_loads(&*filter.kernel).saturating_sub(1);
             work.filtered += texels;
             work.filter_taps += texels * u64::from(more_loads);
         }
@@ -326,7 +326,7 @@ fn fan_area(corners: &[DVec4]) -> f64 {
 /// Returns the point at which the edge from `a` to `b` crosses a plane, given the signed distances of both; none unless it
 /// has an end on either side.
 ///
-/// It differs from [`edge_crossing`](crate::geometry::clip_polygon::edge_crossing) on purpose: an end on the plane is no
+/// It differs from [`edge_crossing`](umbrage_core::geometry::clip_polygon::edge_crossing) on purpose: an end on the plane is no
 /// crossing, since it would be a second corner in the same place, off by a rounding; and the formula stays the one by which
 /// areas were always counted, since these are rounded to whole texels, and counts are compared exactly.
 fn strict_edge_crossing(a: DVec4, b: DVec4, distance_a: f64, distance_b: f64) -> Option<DVec4> {
@@ -358,7 +358,7 @@ mod tests {
     /// Triangles within, across and beside the view have the area that clipping by all planes gives, bit by bit.
     #[test]
     fn what_needs_no_clipping_has_the_same_bits() {
-        let random = |i: u32| f64::from(crate::scene::light_sample::hash(i)) / f64::from(u32::MAX);
+        let random = |i: u32| f64::from(umbrage_core::light_sample::hash(i)) / f64::from(u32::MAX);
         for i in 0..4000 {
             let spread = [0.5, 2.0, 6.0][i as usize % 3];
             let triangle = [0, 1, 2].map(|k: u32| {
