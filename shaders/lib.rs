@@ -40,7 +40,9 @@ pub use techniques::pcf_hardware::{HardwareKernel, HardwareUniforms};
 pub use techniques::pcf_merged::{MergedKernel, MergedUniforms};
 pub use techniques::pcss::{PcssKernel, PcssUniforms};
 pub use techniques::planar::{MAX_PLANES, PlanarKernel, PlanarUniforms, planar_shadow_matrix};
+#[cfg(feature = "rays")]
 pub use techniques::soft::{MAX_SUN_DEGREES, SOFT_ERRORS, SoftKernel, SoftUniforms};
+#[cfg(feature = "rays")]
 pub use techniques::traced::{MAX_SAMPLES, TracedKernel, TracedUniforms};
 pub use techniques::unshadowed::{UnshadowedKernel, UnshadowedUniforms};
 pub use techniques::volumes::{VolumesKernel, VolumesUniforms};

@@ -1,21 +1,24 @@
 //! The one list of techniques: command line, help, comparison, planner, presets, charts, tables and tests read it.
 
 use crate::listing::{TechniqueEntry, TechniquePreset};
-use serde::{Deserialize, Deserializer, de::Error as _};
 use std::sync::LazyLock;
+#[cfg(feature = "presets")]
 use umbrage_core::Invalid;
 
 /// Declares the built-in techniques. Each implements [`ListedTechnique`](crate::ListedTechnique) in its own file.
 macro_rules! registry {
-    ($($module:ident::$technique:ident,)*) => {
-        $(pub use crate::techniques::$module::$technique;)*
+    ($($(#[$condition:meta])* $module:ident::$technique:ident,)*) => {
+        $($(#[$condition])* pub use crate::techniques::$module::$technique;)*
 
         fn built_in() -> Vec<TechniqueEntry> {
-            vec![$(TechniqueEntry::of::<$technique>()),*]
+            let mut out = Vec::new();
+            $($(#[$condition])* out.push(TechniqueEntry::of::<$technique>());)*
+            out
         }
 
         /// Calls a macro with the types of all built-in techniques, cheapest first, each followed by a
         /// comma.
+        #[cfg(feature = "rays")]
         #[macro_export]
         macro_rules! for_each_technique {
             ($callback:ident) => {
@@ -43,8 +46,8 @@ registry! {
     planar::Planar,
     volumes::ShadowVolumes,
     exact::Exact,
-    soft::Soft,
-    traced::Traced,
+    #[cfg(feature = "rays")] soft::Soft,
+    #[cfg(feature = "rays")] traced::Traced,
 }
 
 static BUILT_IN: LazyLock<Vec<TechniqueEntry>> = LazyLock::new(built_in);
@@ -64,7 +67,10 @@ impl TechniquePreset {
     pub fn defaults() -> Vec<Self> {
         all().iter().map(|entry| (entry.preset)()).collect()
     }
+}
 
+#[cfg(feature = "presets")]
+impl TechniquePreset {
     /// Reads a preset of a built-in technique from TOML. For others: [`TechniquePreset::read`].
     ///
     /// # Errors
@@ -75,10 +81,11 @@ impl TechniquePreset {
 }
 
 /// Presets of built-in techniques.
-impl<'de> Deserialize<'de> for TechniquePreset {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let table = toml::Table::deserialize(deserializer)?;
-        Self::from_table(table, all()).map_err(D::Error::custom)
+#[cfg(feature = "presets")]
+impl<'de> serde::Deserialize<'de> for TechniquePreset {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let table = <toml::Table as serde::Deserialize>::deserialize(deserializer)?;
+        Self::from_table(table, all()).map_err(serde::de::Error::custom)
     }
 }
 

@@ -13,7 +13,6 @@
 //! Duty: Advanced Warfare"): bands become fine noise.
 
 use glam::{DVec2, Vec2, Vec3, Vec4};
-use serde::{Deserialize, Serialize};
 use std::{
     f64::consts::TAU,
     sync::{Arc, Mutex, PoisonError},
@@ -53,8 +52,12 @@ pub(crate) struct TapSet {
 }
 
 /// How taps are spread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Pattern {
     /// A sunflower's spiral; on squares the Fibonacci lattice.
     #[default]

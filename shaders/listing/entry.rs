@@ -15,6 +15,7 @@ pub struct TechniqueEntry {
     /// Its default settings.
     pub preset: fn() -> TechniquePreset,
     /// Reads its settings.
+    #[cfg(feature = "presets")]
     pub(super) read: fn(toml::Table) -> Result<TechniquePreset, toml::de::Error>,
 }
 
@@ -34,6 +35,7 @@ impl TechniqueEntry {
             summary: T::SUMMARY,
             has_map: default.map().is_some(),
             preset: || TechniquePreset::from(T::default()),
+            #[cfg(feature = "presets")]
             read: |table| T::deserialize(table).map(TechniquePreset::from),
         }
     }

@@ -1,12 +1,16 @@
 //! What a light gets: a technique, and what of its work a renderer may leave out.
 
 use super::TechniquePreset;
-use serde::{Deserialize, Serialize};
+#[cfg(feature = "presets")]
 use umbrage_core::Invalid;
 
 /// When a renderer draws a light's maps and other images again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Update {
     /// Every frame.
     #[default]
@@ -18,8 +22,12 @@ pub enum Update {
 }
 
 /// What of a light's work a renderer may leave out, since a plan found that it changes too little.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct FrameRules {
     /// When its images are drawn again.
     pub update: Update,
@@ -47,8 +55,10 @@ pub struct LightPreset {
 }
 
 /// The name of the rules' table in files.
+#[cfg(feature = "presets")]
 pub(super) const FRAME: &str = "frame";
 
+#[cfg(feature = "presets")]
 impl LightPreset {
     /// Returns the preset as TOML that [`LightPreset::from_toml`] reads back bit by bit.
     ///
@@ -93,6 +103,7 @@ impl LightPreset {
     }
 }
 
+#[cfg(feature = "presets")]
 fn unreadable(why: &str) -> Invalid {
     Invalid::new(
         format!("preset's table `{FRAME}`"),

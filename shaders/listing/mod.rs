@@ -12,8 +12,22 @@ pub use light_preset::{FrameRules, LightPreset, Update};
 pub use preset::TechniquePreset;
 
 use crate::shadow_map::ShadowMap;
-use serde::{Serialize, de::DeserializeOwned};
 use umbrage_core::ShadowTechnique;
+
+/// What files need of settings: `serde`'s traits, with the feature `presets`, and nothing without it. It is implemented by
+/// itself.
+#[cfg(feature = "presets")]
+pub trait Stored: serde::Serialize + serde::de::DeserializeOwned {}
+
+#[cfg(feature = "presets")]
+impl<T: serde::Serialize + serde::de::DeserializeOwned> Stored for T {}
+
+/// What files need of settings: nothing, without the feature `presets`.
+#[cfg(not(feature = "presets"))]
+pub trait Stored {}
+
+#[cfg(not(feature = "presets"))]
+impl<T> Stored for T {}
 
 /// A technique that lists and files can hold: its settings are plain data.
 ///
@@ -58,7 +72,7 @@ use umbrage_core::ShadowTechnique;
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
 pub trait ListedTechnique:
-    ShadowTechnique + Clone + Default + PartialEq + Serialize + DeserializeOwned + 'static
+    ShadowTechnique + Clone + Default + PartialEq + Stored + 'static
 {
     /// What it does, in one line, with the paper it comes from.
     const SUMMARY: &'static str;

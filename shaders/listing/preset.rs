@@ -1,10 +1,13 @@
 //! Techniques as data: any listed one with its settings, to be kept in a file.
 
-use super::{ListedTechnique, TechniqueEntry, light_preset};
+use super::ListedTechnique;
+#[cfg(feature = "presets")]
+use super::{TechniqueEntry, light_preset};
 use crate::shadow_map::ShadowMap;
-use serde::{Serialize, Serializer};
 use std::{any::Any, sync::Arc};
-use umbrage_core::{DeviceRecipe, Invalid, Light, Recipe, RecipeError, ShadowTechnique, View};
+#[cfg(feature = "presets")]
+use umbrage_core::Invalid;
+use umbrage_core::{DeviceRecipe, Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// A technique and its settings. In a file the field `technique` names it as [`ShadowTechnique::name`] does, and all other
 /// fields are those of its struct; those left out have its defaults.
@@ -24,6 +27,7 @@ trait AnyTechnique: ShadowTechnique + Any {
     fn equals(&self, other: &TechniquePreset) -> bool;
     fn shadow_map(&self) -> Option<&ShadowMap>;
     fn on_map(&self, map: ShadowMap) -> TechniquePreset;
+    #[cfg(feature = "presets")]
     fn as_data(&self) -> &dyn erased_serde::Serialize;
 }
 
@@ -44,6 +48,7 @@ impl<T: ListedTechnique> AnyTechnique for T {
         TechniquePreset::from(self.clone().with_map(map))
     }
 
+    #[cfg(feature = "presets")]
     fn as_data(&self) -> &dyn erased_serde::Serialize {
         self
     }
@@ -80,9 +85,10 @@ impl ShadowTechnique for TechniquePreset {
     }
 }
 
-impl Serialize for TechniquePreset {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
+#[cfg(feature = "presets")]
+impl serde::Serialize for TechniquePreset {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(serde::Serialize)]
         struct Tagged<'a> {
             technique: &'static str,
             #[serde(flatten)]
@@ -92,7 +98,7 @@ impl Serialize for TechniquePreset {
             technique: self.0.name(),
             settings: self.0.as_data(),
         };
-        tagged.serialize(serializer)
+        serde::Serialize::serialize(&tagged, serializer)
     }
 }
 
@@ -113,6 +119,21 @@ impl TechniquePreset {
         technique.downcast_ref()
     }
 
+    /// Returns the map that is looked up; `None` for techniques without one.
+    pub fn map(&self) -> Option<&ShadowMap> {
+        self.0.shadow_map()
+    }
+
+    /// Returns the same technique with another map; techniques without one stay as they are.
+    #[must_use]
+    pub fn with_map(&self, map: ShadowMap) -> Self {
+        self.0.on_map(map)
+    }
+}
+
+/// Files.
+#[cfg(feature = "presets")]
+impl TechniquePreset {
     /// Returns the preset as TOML that [`TechniquePreset::from_toml`] reads back bit by bit.
     ///
     /// # Errors
@@ -155,20 +176,10 @@ impl TechniquePreset {
             unreadable(&why, techniques)
         })
     }
-
-    /// Returns the map that is looked up; `None` for techniques without one.
-    pub fn map(&self) -> Option<&ShadowMap> {
-        self.0.shadow_map()
-    }
-
-    /// Returns the same technique with another map; techniques without one stay as they are.
-    #[must_use]
-    pub fn with_map(&self, map: ShadowMap) -> Self {
-        self.0.on_map(map)
-    }
 }
 
 /// Returns the error for a text that is no preset: why, and what to write.
+#[cfg(feature = "presets")]
 fn unreadable(why: &str, techniques: &[TechniqueEntry]) -> Invalid {
     let known: Vec<&str> = techniques.iter().map(|entry| entry.name).collect();
     let help = format!(

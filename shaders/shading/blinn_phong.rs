@@ -26,7 +26,6 @@ use crate::shading::{
     texture::TEXTURE,
 };
 use glam::{Vec2, Vec3, Vec4};
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Camera, Invalid, Kernel, Light, Module, Recipe, Scene, Shade, ShadeKernel, Span, UniformBlock,
@@ -34,8 +33,12 @@ use umbrage_core::{
 };
 
 /// How a picture is lit. Colours are linear.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct BlinnPhong {
     /// Light from everywhere, which shadows don't touch; multiplied with the diffuse colour.
     pub ambient: Vec3,

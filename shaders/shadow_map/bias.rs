@@ -49,7 +49,6 @@
 //! (shapes of a metre from a kilometre on). Constant and slope-scaled biases are clip depth: under a lamp, whose clip depth
 //! is crowded near it, they lose casters close to the lamp, and shadows start centimetres behind thin plates.
 
-use serde::{Deserialize, Serialize};
 #[cfg(doc)]
 use umbrage_core::Snapping;
 use umbrage_core::{Cull, Invalid, RasterBias, invalid};
@@ -83,8 +82,12 @@ pub enum CompareMethod {
 }
 
 /// The bias of a map technique. `Default` is none at all.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Bias {
     /// Clip depth, 0 to 1; subtracted from the receiver's depth. Where the bias also moves the receiver or its taps (normal
     /// offset, receiver's plane), this is for rounding: under directional light it is at least what positions so far from

@@ -2,7 +2,6 @@
 
 use crate::shadow_map::{Bias, CompareMethod, between, layers::ShadowMapUniforms, packing};
 use glam::UVec2;
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Filter, FilterKernel, Fit, Format, ImageDesc, ImageId, Invalid, Layout, Light,
@@ -14,8 +13,12 @@ use umbrage_core::{
 pub const SIDE_STEP: u32 = 16;
 
 /// Which depth a map keeps of the surfaces that its texels show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Surface {
     /// The nearest surface's.
     #[default]
@@ -25,8 +28,12 @@ pub enum Surface {
 }
 
 /// How a map stores depth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum MapFormat {
     /// 32-bit floats.
     #[default]
@@ -38,8 +45,12 @@ pub enum MapFormat {
 }
 
 /// What a lookup beside the map finds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Border {
     /// Nothing: it is lit, as if the map had a border of depth 1.
     #[default]
@@ -49,8 +60,12 @@ pub enum Border {
 }
 
 /// What becomes of receivers beyond the map's far plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum BeyondFar {
     /// They are lit.
     #[default]
@@ -60,8 +75,12 @@ pub enum BeyondFar {
 }
 
 /// Square depth maps of a light, one a light space.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct ShadowMap {
     /// Side, texels.
     pub size: u32,

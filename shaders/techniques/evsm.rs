@@ -27,7 +27,6 @@ use crate::{
     shadow_map::{ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{Vec2, Vec3};
-use serde::{Deserialize, Serialize};
 use std::f32::consts::LOG2_E;
 use umbrage_core::{
     Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
@@ -38,8 +37,12 @@ use umbrage_core::{
 pub const MAX_EVSM_EXPONENT: f32 = 42.0;
 
 /// Which exponentials of depth a map holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum EvsmMoments {
     /// The one that rises with depth, and its square.
     Two,
@@ -49,8 +52,12 @@ pub enum EvsmMoments {
 }
 
 /// Chebyshev's bound of exponentials.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Evsm {
     /// The map of depth that moments are made of.
     pub map: ShadowMap,

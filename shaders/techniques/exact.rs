@@ -23,20 +23,20 @@ mod outline;
 mod tile;
 mod touches;
 
-use crate::{listing::ListedTechnique, techniques::traced::longest_ray};
+use crate::listing::ListedTechnique;
 use at_once::answer_all;
 use holes::CasterHoles;
 use lists::{KeptLists, Lists, Rows};
 use lookup::{Asked, cells_of_span, look_up_span};
 pub use on_device::ListsGrid;
-use serde::{Deserialize, Serialize};
 use std::{
     fmt::{Debug, Formatter},
     sync::Arc,
 };
 use umbrage_core::{
-    CutOuts, DeviceRecipe, Geometry, Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers,
-    Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock, View,
+    Aabb, CutOuts, DeviceRecipe, Geometry, Inputs, Kernel, Module, Receive, ReceiveKernel,
+    Receivers, Recipe, RecipeError, ShadowTechnique, Simd, Span, Table, TableRows, UniformBlock,
+    View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     glam::{UVec4, Vec4},
@@ -66,8 +66,12 @@ const CASTER_CUT_OUT: Module = Module {
 const SAMPLED_RECEIVERS: usize = 2048;
 
 /// Lists of casters in the light's cells.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Exact {}
 
 impl ShadowTechnique for Exact {
@@ -199,6 +203,15 @@ impl Exact {
         }
         Ok(out)
     }
+}
+
+/// Greatest length of rays towards directional lights, metres: what is within the range of 32 bits after a division.
+const FARTHEST: f32 = 1e38;
+
+/// Returns the length of rays towards directional lights, metres: from the eye or any triangle they leave the scene.
+pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
+    let all = geometry.bounds().union(&Aabb::around([view.camera.eye()]));
+    (2.0 * all.diagonal()).min(FARTHEST)
 }
 
 uniforms! {

@@ -9,15 +9,18 @@ use crate::{
     listing::ListedTechnique,
     shadow_map::{ShadowMap, layers::MapOnlyUniforms},
 };
-use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View,
 };
 
 /// One comparison a receiver.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Hard {
     /// The map looked up.
     pub map: ShadowMap,

@@ -15,12 +15,15 @@ use crate::{
     shadow_map::{ShadowMap, Surface},
     techniques::pcf::Pcf,
 };
-use serde::{Deserialize, Serialize};
 use umbrage_core::{Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// Comparisons with the middle between the nearest two surfaces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Midpoint {
     /// The map looked up; [`ShadowMap::surface`] is taken to be [`Surface::Midpoint`].
     pub map: ShadowMap,

@@ -14,7 +14,9 @@ pub mod pcf_merged;
 pub mod pcss;
 pub mod planar;
 pub mod second_depth;
+#[cfg(feature = "rays")]
 pub mod soft;
+#[cfg(feature = "rays")]
 pub mod traced;
 pub mod unshadowed;
 pub mod volumes;

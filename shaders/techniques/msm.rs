@@ -32,15 +32,18 @@ use crate::{
     shadow_map::{ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
 };
 use glam::{Vec3, Vec4};
-use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View, uniforms,
 };
 
 /// Which distributions of depth the moments may belong to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Reconstruction {
     /// Any: three depths. Somewhat cheaper.
     Hamburger,
@@ -50,8 +53,12 @@ pub enum Reconstruction {
 }
 
 /// The least shadow of four moments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Msm {
     /// The map of depth that moments are made of.
     pub map: ShadowMap,

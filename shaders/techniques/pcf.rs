@@ -17,7 +17,6 @@ use crate::{
         ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
-use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
     Span, UniformBlock, View, uniforms,
@@ -27,8 +26,12 @@ use umbrage_core::{
 pub const MAX_RADIUS: u32 = 16;
 
 /// A square of comparisons.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Pcf {
     /// The map looked up.
     pub map: ShadowMap,

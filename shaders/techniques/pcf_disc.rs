@@ -17,7 +17,6 @@ use crate::{
     shadow_map::{ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{UVec2, Vec2, Vec4};
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
@@ -28,8 +27,12 @@ use umbrage_core::{
 pub const MAX_DISC_RADIUS: f32 = 64.0;
 
 /// A disc of comparisons.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct PcfDisc {
     /// The map looked up.
     pub map: ShadowMap,

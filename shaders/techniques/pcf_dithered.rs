@@ -16,15 +16,18 @@ use crate::{
     shadow_map::{ShadowMap, layers::MapOnlyUniforms, texel_compare::DepthMap},
 };
 use glam::{UVec2, Vec2};
-use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View,
 };
 
 /// Four dithered comparisons.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct PcfDithered {
     /// The map looked up.
     pub map: ShadowMap,

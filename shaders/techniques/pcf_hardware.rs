@@ -21,15 +21,18 @@ use crate::{
         texel_compare::DepthMap,
     },
 };
-use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
     Span, UniformBlock, View, uniforms,
 };
 
 /// A square of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct PcfHardware {
     /// The map looked up.
     pub map: ShadowMap,

@@ -22,15 +22,18 @@ use crate::{
     techniques::pcf_hardware::{check_map, check_samples},
 };
 use glam::{Vec2, Vec4};
-use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View, uniforms,
 };
 
 /// A smooth filter.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct PcfMerged {
     /// The map looked up.
     pub map: ShadowMap,

@@ -65,7 +65,6 @@ use crate::{
     },
 };
 use glam::{Vec2, Vec3};
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     ImageView, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
@@ -73,8 +72,12 @@ use umbrage_core::{
 };
 
 /// Penumbrae as wide as the light makes them.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Pcss {
     /// The map looked up.
     pub map: ShadowMap,

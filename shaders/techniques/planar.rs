@@ -29,7 +29,6 @@ use crate::{
     },
 };
 use glam::Vec4;
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Module, Receive, ReceiveKernel,
@@ -40,8 +39,12 @@ use umbrage_core::{
 pub const MAX_PLANES: u32 = 256;
 
 /// Casters flattened onto planes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Planar {
     /// Most planes that may be seen lit, 1 to [`MAX_PLANES`]; each takes a layer of the camera's size.
     pub planes: u32,

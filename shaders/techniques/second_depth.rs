@@ -13,12 +13,15 @@ use crate::{
     shadow_map::{Bias, ShadowMap},
     techniques::pcf::Pcf,
 };
-use serde::{Deserialize, Serialize};
 use umbrage_core::{Cull, Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// Comparisons with the far sides of casters.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct SecondDepth {
     /// The map looked up; its bias culls front faces, whatever else it says.
     pub map: ShadowMap,

@@ -29,7 +29,7 @@ pub mod search;
 
 use crate::{
     listing::ListedTechnique,
-    techniques::traced::{check_stack, longest_ray},
+    techniques::{exact::longest_ray, traced::check_stack},
 };
 use footprint::FOOTPRINT;
 use hidden::{HIDDEN, sorted};
@@ -37,7 +37,6 @@ use holes::{HOLES, NO_HOLES};
 use lattice::{LATTICE, LATTICES, Lattices, rows_for};
 use light_plane::{LIGHT_PLANE, domain_of, spread_of};
 use search::{Search, look_up_span};
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Bvh, CutOuts, Geometry, Inputs, Invalid, Kernel, Light, Module, Receive, ReceiveKernel, Recipe,
@@ -56,8 +55,12 @@ pub const MAX_SUN_DEGREES: f32 = 30.0;
 pub const SOFT_ERRORS: [f32; 2] = [0.002, 0.2];
 
 /// Light points behind the casters of a shaft.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Soft {
     /// The root mean square error at straight edges, as a part of the light, within [`SOFT_ERRORS`]: it chooses the number of points.
     pub error: f32,

@@ -5,12 +5,11 @@
 //! go on; a light point below the receiver's tangent plane is not seen. Exact for ideal lights; noisy with few samples of wide ones: four rays miss what passes for smooth
 //! in penumbrae (the noise of 16 independent rays) where many casters overlap. Costs one traversal a sample.
 
-use crate::listing::ListedTechnique;
-use serde::{Deserialize, Serialize};
+use crate::{listing::ListedTechnique, techniques::exact::longest_ray};
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, Bvh, Geometry, Inputs, Invalid, Kernel, Module, Receive, ReceiveKernel, Recipe,
-    RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    Bvh, Geometry, Inputs, Invalid, Kernel, Module, Receive, ReceiveKernel, Recipe, RecipeError,
+    ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     glam::Vec4,
@@ -25,12 +24,13 @@ pub const MAX_SAMPLES: u32 = 65_536;
 /// Nodes that shaders can keep for later: `STACK` in traced.wgsl and soft.wgsl. Each level of the hierarchy leaves one.
 const STACK: usize = 64;
 
-/// Greatest length of rays towards directional lights, metres: what is within the range of 32 bits after a division.
-const FARTHEST: f32 = 1e38;
-
 /// Any-hit rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Traced {
     /// Rays a receiver for lights with an extent, 1 to [`MAX_SAMPLES`]; powers of two are best. Ideal lights take one.
     pub samples: u32,
@@ -132,12 +132,6 @@ pub(super) fn check_stack(geometry: &Geometry) -> Result<(), RecipeError> {
     Err(RecipeError::unsupported(format!(
         "the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}"
     )))
-}
-
-/// Returns the length of rays towards directional lights, metres: from the eye or any triangle they leave the scene.
-pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
-    let all = geometry.bounds().union(&Aabb::around([view.camera.eye()]));
-    (2.0 * all.diagonal()).min(FARTHEST)
 }
 
 uniforms! {

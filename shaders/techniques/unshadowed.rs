@@ -9,7 +9,6 @@ use crate::{
     shading::facing::{FACING, homogeneous, turned_away},
 };
 use glam::Vec4;
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Inputs, Kernel, Light, Module, Receive, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
@@ -17,8 +16,12 @@ use umbrage_core::{
 };
 
 /// No shadows. There is nothing to set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Unshadowed {}
 
 impl ShadowTechnique for Unshadowed {

@@ -43,7 +43,6 @@ use crate::{
     },
 };
 use glam::Vec4;
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, RasterBias, Receive,
@@ -61,8 +60,12 @@ const BEHIND: RasterBias = RasterBias {
 };
 
 /// Stencil shadow volumes. There is nothing to set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct ShadowVolumes {}
 
 impl ShadowTechnique for ShadowVolumes {

@@ -23,15 +23,18 @@ use crate::{
     shadow_map::{ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{Vec2, Vec3};
-use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View, uniforms,
 };
 
 /// Chebyshev's bound.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Vsm {
     /// The map of depth that moments are made of.
     pub map: ShadowMap,

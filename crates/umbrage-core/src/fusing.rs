@@ -3,8 +3,12 @@
 use std::fmt;
 
 /// What a device does with a product and a sum in fragment shaders.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Fusing {
     /// Whether `a * b + c` is rounded once.
     pub product_and_sum: bool,
@@ -12,7 +16,7 @@ pub struct Fusing {
     pub fma: bool,
     /// Whether the sum of `product(a, b)` of `math.wgsl` and `c` is rounded once. This must be false: what decides whether a point is
     /// lit relies on it. `None` if unknown: older files of cards lack it.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub guarded_product: Option<bool>,
 }
 

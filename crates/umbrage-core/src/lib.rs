@@ -13,6 +13,7 @@ pub mod invalid;
 pub mod light_space;
 pub mod math;
 pub mod metrics;
+pub mod parallel;
 pub mod picture;
 pub mod recipe;
 mod recipe_error;
@@ -29,10 +30,12 @@ pub use gbuffer::{
     receivers::{NO_TRIANGLE, Receivers, Span},
     resolve,
 };
+#[cfg(feature = "rays")]
+pub use geometry::bvh::Bvh;
 pub use geometry::{
     Geometry, NO_MATERIAL, TRIANGLES_A_RUN,
     aabb::Aabb,
-    bvh::{self, Bvh},
+    bvh,
     cut_out::{self, CutOuts},
     displacement, hashed_alpha,
     subdivide::MAX_SUBDIVIDED_TRIANGLES,

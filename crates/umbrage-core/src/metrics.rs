@@ -51,7 +51,8 @@ impl Pixel {
 
 /// How far a mask is from the truth. Shares are percentages of the counted pixels, 0..=100; all figures are 0 when no
 /// pixel counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Errors {
     /// Root of the mean square of mask - truth, 0..=1.
     pub rmse: f64,
@@ -74,14 +75,14 @@ pub struct Errors {
     /// Pixels left out: they face away from the light or lie outside its cone.
     pub unlit: u64,
     /// Pixels left out: the backend sees another triangle there than truth.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub elsewhere: u64,
     /// Pixels left out: only a sample of the pixels is judged.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub unsampled: u64,
     /// Standard error of `rmse`, as only a sample of the pixels is judged; 0 where all are. It is also 0, and bounds nothing, where
     /// fewer than two pixels are judged or none of them is wrong.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub rmse_error: f64,
 }
 
@@ -293,7 +294,8 @@ pub const MAX_UNDECIDED_SHARE: f64 = 0.001;
 pub const MAX_EXCESS_RMSE: f64 = 0.005;
 
 /// How well a mask agrees with the CPU's of the same view.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Agreement {
     /// Pixels compared.
     pub compared: u64,
@@ -309,11 +311,11 @@ pub struct Agreement {
     pub violations: u64,
     /// Pixels on which the CPU's own mask changes by more than is allowed once it rounds vertices as the other backend's
     /// device does ([`Snapping`](crate::Snapping)). There the other backend must agree with the changed mask.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub by_grid: u64,
     /// How much greater the mask's RMSE against truth is than that of the CPU's mask over the same pixels; 0 if nobody
     /// measured it.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub excess: f64,
 }
 

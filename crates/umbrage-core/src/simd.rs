@@ -4,7 +4,7 @@
 /// are fused in both (by hardware in one, in software in the other).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Simd {
-    /// The best that this processor has and `pulp` knows.
+    /// The best that this processor has and `pulp` knows; without the feature `simd`, the same as [`Baseline`](Self::Baseline).
     #[default]
     Native,
     /// What the compiler may assume of every processor of this kind.
@@ -16,12 +16,17 @@ impl Simd {
     /// `#[inline(always)]`.
     #[inline]
     pub fn run_task<T: SimdTask>(self, task: T) -> T::Output {
-        let instructions = match self {
-            Self::Native => pulp::Arch::new(),
-            Self::Baseline => pulp::Arch::Scalar,
-        };
-        // One dispatch for both, as each inlines the task once for every set of instructions, and long tasks take seconds to compile.
-        instructions.dispatch(Inlined(task))
+        #[cfg(feature = "simd")]
+        {
+            let instructions = match self {
+                Self::Native => pulp::Arch::new(),
+                Self::Baseline => pulp::Arch::Scalar,
+            };
+            // One dispatch for both, as each inlines the task once for every set of instructions, and long tasks take seconds to compile.
+            instructions.dispatch(Inlined(task))
+        }
+        #[cfg(not(feature = "simd"))]
+        task.run()
     }
 }
 
@@ -34,8 +39,10 @@ pub trait SimdTask {
     fn run(self) -> Self::Output;
 }
 
+#[cfg(feature = "simd")]
 struct Inlined<T>(T);
 
+#[cfg(feature = "simd")]
 impl<T: SimdTask> pulp::WithSimd for Inlined<T> {
     type Output = T::Output;
 

@@ -8,24 +8,30 @@ use crate::invalid::Invalid;
 use std::{fmt, ops::RangeInclusive};
 
 /// How a rasteriser rounds vertices, and what its unit of polygon offset is. The default is the rule of Mesa's software drivers, which the CPU backend follows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Snapping {
     /// Binary digits of the sub-pixel grid, 4 to 8: vertices lie on multiples of 2^-bits pixels.
     pub sub_pixel_bits: u32,
     /// Which vertices depth planes go through.
     pub planes: DepthPlanes,
     /// What a unit of polygon offset is in images of 16 bits.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub offset_unit: OffsetUnit,
 }
 
 /// What a unit of polygon offset is in images of 16 bits: Vulkan leaves to devices what they take for the least difference that
 /// can be told ("minimum resolvable difference").
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
 )]
-#[serde(rename_all = "snake_case")]
 pub enum OffsetUnit {
     /// One step of the image's depths, as hardware and SwiftShader have it.
     OneStep,
@@ -45,10 +51,12 @@ impl OffsetUnit {
 }
 
 /// Which vertices depth planes go through.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
 )]
-#[serde(rename_all = "snake_case")]
 pub enum DepthPlanes {
     /// Those before rounding: depths don't depend on the grid.
     #[default]

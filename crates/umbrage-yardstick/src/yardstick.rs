@@ -108,7 +108,8 @@ uniforms! {
 /// A chain of loads and products.
 #[derive(Clone, Debug)]
 pub struct YardstickKernel {
-    uniforms: YardstickUniforms,
+    /// Uniforms.
+    pub uniforms: YardstickUniforms,
     rows: Arc<[[u32; 4]]>,
 }
 

@@ -6,7 +6,10 @@
 //! * by type: `umbrage::cpu::Cpu` or `umbrage::wgpu::Gpu`, both [`Backend`]s, in functions generic over it;
 //! * at compile time: the features `cpu` and `wgpu`, both on by default.
 //!
-//! Three more features are off by default. With `scenes`, `umbrage::scenes` loads scene files and OBJ models (with `gltf` glTF, too) and has the built-in
+//! Two more are on by default: `presets` (settings as TOML, and `serde` for what holds data) and `rays` (`traced` and `soft`). A renderer on
+//! wgpu that needs neither names `default-features = false, features = ["wgpu"]`, and builds no threads, no hierarchies and no parsers.
+//!
+//! Three features are off by default. With `scenes`, `umbrage::scenes` loads scene files and OBJ models (with `gltf` glTF, too) and has the built-in
 //! scenes. With `plan`, `umbrage::auto` finds the least technique that a scene needs, by measurement.
 //!
 //! Programs with a device and an encoder of their own use `umbrage::wgpu::ShadowRenderer`.

@@ -49,6 +49,13 @@ fn the_renderer_needs_no_scenes_and_no_planner() {
         "umbrage-lab",
     ];
     assert_without("wgpu", &unwanted);
+    // Nor what makes the CPU quick, traces rays, or reads settings.
+    let unwanted = ["rayon", "obvhs", "pulp", "rdst", "toml", "serde"];
+    assert_without("wgpu", &unwanted);
+    let of_default = packages("default");
+    for name in unwanted {
+        assert!(of_default.contains(name), "{name}");
+    }
 }
 
 #[test]

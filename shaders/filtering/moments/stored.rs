@@ -1,7 +1,6 @@
 //! How a map holds moments: as 32-bit floats, or as channels of 16 bits, which take half of the memory.
 
 use glam::{Vec2, Vec4};
-use serde::{Deserialize, Serialize};
 use umbrage_core::{Module, SimdTask};
 
 /// The WGSL half.
@@ -11,8 +10,12 @@ const STORED: Module = Module {
 };
 
 /// Bits of each moment in a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "presets",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum MomentPrecision {
     /// 32-bit floats.
     #[default]

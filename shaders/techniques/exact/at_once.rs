@@ -17,9 +17,9 @@ use super::{ExactUniforms, holes::CasterHoles, light_frame::LightFrame};
 use boxes::{BOXES, Reach};
 use caster_run::{CasterRun, RUN};
 use open::take_lowest;
-use rayon::prelude::*;
 use rays::{AllRays, FaceRays, Rays, make_rays};
 use std::ops::Range;
+use umbrage_core::parallel::prelude::*;
 use umbrage_core::{Aabb, Geometry, Receivers, Simd, SimdTask};
 
 /// Runs of casters that a thread takes at a time.

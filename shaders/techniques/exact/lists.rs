@@ -5,11 +5,11 @@ use super::{
     tile::{Scratch, TileLists, TilePlace, Weights},
     touches::TouchesByTile,
 };
-use rayon::prelude::*;
 use std::sync::{
     Arc, Mutex, OnceLock, PoisonError,
     atomic::{AtomicU32, Ordering},
 };
+use umbrage_core::parallel::prelude::*;
 use umbrage_core::{Geometry, Light};
 
 /// Rows of four words.
@@ -183,7 +183,7 @@ impl Lists {
         let casters = geometry.casters();
         let chunk = casters
             .len()
-            .div_ceil(2 * rayon::current_num_threads())
+            .div_ceil(2 * umbrage_core::parallel::current_num_threads())
             .max(1) as u32;
         let firsts: Vec<u32> = casters.clone().step_by(chunk as usize).collect();
         let touches: Vec<TouchesByTile> = firsts

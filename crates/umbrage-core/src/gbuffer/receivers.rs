@@ -1,8 +1,8 @@
 //! What the camera sees, pixel by pixel.
 
 use crate::invalid::Invalid;
+use crate::parallel::prelude::*;
 use glam::{UVec2, Vec3};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// The triangle id of a pixel that shows nothing.

@@ -1,5 +1,6 @@
 //! Seen points in tiles of the image, with boxes around them, so that whole tiles can be passed over.
 
+use crate::parallel::prelude::*;
 use crate::{
     gbuffer::receivers::Receivers,
     geometry::{
@@ -9,7 +10,6 @@ use crate::{
     light_space::fit::SliceOfView,
 };
 use glam::Vec3;
-use rayon::prelude::*;
 use std::{ops::Range, sync::Arc};
 
 /// Side of a tile, pixels. A tile is a run of the tree of boxes.

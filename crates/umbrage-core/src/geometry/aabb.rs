@@ -2,10 +2,10 @@
 
 use crate::invalid::{self, Invalid};
 use glam::{BVec3, Vec3};
-use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box; empty when `min > max` in any axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// The corner with the smallest coordinates.
     pub min: Vec3,

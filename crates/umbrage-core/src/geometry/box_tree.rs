@@ -4,7 +4,7 @@
 //! Runs are in the order of the list, which meshes give some locality, so that the tree is made in one pass.
 
 use crate::geometry::{Geometry, aabb::Aabb};
-use rayon::prelude::*;
+use crate::parallel::prelude::*;
 #[cfg(feature = "testing")]
 use std::sync::atomic::{self, AtomicU64};
 use std::{cmp::Ordering, collections::BinaryHeap, ops::Range};

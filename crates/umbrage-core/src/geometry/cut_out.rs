@@ -353,6 +353,7 @@ impl CutOuts {
     ///
     /// # Errors
     /// Errors if they are not tables as [`CutOuts::rows`] and [`CutOuts::coverage_rows`] return them.
+    #[cfg(feature = "serde")]
     pub(super) fn from_rows(
         rows: &[[u32; 4]],
         coverage_rows: &[[u32; 4]],

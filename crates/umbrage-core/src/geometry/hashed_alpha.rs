@@ -245,6 +245,7 @@ impl Coverage {
     ///
     /// # Errors
     /// Errors if it is not a table as [`CutOuts::coverage_rows`](crate::CutOuts::coverage_rows) returns it.
+    #[cfg(feature = "serde")]
     pub(super) fn from_rows(rows: &[[u32; 4]], sizes: &[UVec2]) -> Result<Option<Self>, Invalid> {
         if rows.is_empty() {
             return Ok(None);
@@ -262,6 +263,7 @@ impl Coverage {
 }
 
 /// Returns whether the levels of a texture of this size begin at a row of a table.
+#[cfg(feature = "serde")]
 fn are_levels(rows: &[[u32; 4]], first: usize, size: UVec2) -> bool {
     let last = last_level(size);
     let mut size = size;

@@ -15,16 +15,20 @@ mod random;
 pub(crate) mod ray_box;
 pub(crate) mod ray_triangle;
 pub(crate) mod segment_lanes;
+#[cfg(feature = "serde")]
 mod serialized;
+#[cfg(feature = "rays")]
 pub(crate) mod shaft;
 pub(crate) mod subdivide;
 pub(crate) mod weld;
 
+#[cfg(feature = "rays")]
+use crate::geometry::bvh::Bvh;
+use crate::parallel::prelude::*;
 use crate::{
     geometry::{
         aabb::Aabb,
         box_tree::{BoxTree, RUN},
-        bvh::Bvh,
         cut_out::CutOuts,
         derived::Derived,
         placed::PlacedMeshes,
@@ -33,7 +37,6 @@ use crate::{
     scene::{Instance, Scene, material::AlphaCutout},
 };
 use glam::{Vec2, Vec3, Vec4};
-use rayon::prelude::*;
 use std::{
     any::Any,
     collections::BTreeMap,
@@ -59,7 +62,9 @@ pub struct Geometry {
     /// Of casters and of all else; none if nothing is cut out.
     cut_outs: Option<Arc<CutOuts>>,
     fingerprint: u64,
+    #[cfg(feature = "rays")]
     bvh: OnceLock<Arc<Bvh>>,
+    #[cfg(feature = "rays")]
     bvh_tables: OnceLock<[Rows; 2]>,
     bounds: OnceLock<Aabb>,
     box_tree: OnceLock<Arc<BoxTree>>,
@@ -98,6 +103,7 @@ impl Group {
 }
 
 /// Rows of four words, as shaders' tables hold them.
+#[cfg(feature = "rays")]
 type Rows = Arc<[[u32; 4]]>;
 
 impl Geometry {
@@ -170,7 +176,9 @@ impl Geometry {
     pub fn without_casters(&self) -> Self {
         let mut out = Self {
             casters: 0..0,
+            #[cfg(feature = "rays")]
             bvh: OnceLock::new(),
+            #[cfg(feature = "rays")]
             bvh_tables: OnceLock::new(),
             derived: Derived::default(),
             ..self.clone()
@@ -184,7 +192,9 @@ impl Geometry {
     #[must_use]
     pub fn without_hierarchies(&self) -> Self {
         Self {
+            #[cfg(feature = "rays")]
             bvh: OnceLock::new(),
+            #[cfg(feature = "rays")]
             bvh_tables: OnceLock::new(),
             bounds: OnceLock::new(),
             box_tree: OnceLock::new(),
@@ -337,6 +347,7 @@ impl Geometry {
     }
 
     /// Returns the hierarchy over the casters, which is built on first use (the one costly step of ray tracing).
+    #[cfg(feature = "rays")]
     pub fn bvh(&self) -> &Arc<Bvh> {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
     }
@@ -376,6 +387,7 @@ impl Geometry {
     }
 
     /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.
+    #[cfg(feature = "rays")]
     pub fn bvh_tables(&self) -> &[Rows; 2] {
         self.bvh_tables.get_or_init(|| {
             let bvh = self.bvh();

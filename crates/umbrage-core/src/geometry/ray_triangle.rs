@@ -75,6 +75,7 @@ impl Corners {
     }
 
     /// The three corners.
+    #[cfg(feature = "rays")]
     #[inline(always)]
     pub(crate) fn points(&self) -> [Vec3; 3] {
         let Self { x, y, z } = self;

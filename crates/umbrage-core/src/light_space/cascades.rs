@@ -6,7 +6,6 @@
 //! it.
 
 use crate::invalid::{self, Invalid};
-use serde::{Deserialize, Serialize};
 
 /// Most slices.
 pub const MAX_CASCADES: usize = 8;
@@ -17,8 +16,12 @@ const SHRINK_AT: f32 = 1.2;
 ///
 /// Slices are cut along the camera's view, and their maps overlap. A lookup takes the first map, from the camera on, that holds
 /// the receiver with all that the kernel reaches; the last one where none does.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Cascades {
     /// How many slices, 1 to [`MAX_CASCADES`].
     pub count: u32,
@@ -44,8 +47,12 @@ impl Default for Cascades {
 }
 
 /// Where a camera's view is cut into slices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Split {
     /// Each slice ends at the same multiple of the distance at which it begins: then a texel of each map spans as many pixels
     /// (Lloyd, Tuft, Yoon and Manocha 2006, "Warping and partitioning for low error shadow maps").
@@ -70,8 +77,12 @@ pub enum Split {
 
 /// Where slices end, metres along the camera's view, from the nearest on. None ends before the one before it; slices that end
 /// where they begin are empty.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<f32>", into = "Vec<f32>")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Vec<f32>", into = "Vec<f32>")
+)]
 pub struct SliceEnds {
     count: usize,
     /// Those after the first `count` are 0.

@@ -6,6 +6,7 @@
 //! than a pixel, whichever way it is stretched. J grows with the map's side N, so the side at which it reaches 1 is
 //! N / least singular value.
 
+use crate::parallel::prelude::*;
 use crate::{
     gbuffer::receivers::Receivers,
     light_space::layers::{LayerPicker, LightSpaces},
@@ -14,7 +15,6 @@ use crate::{
     view::View,
 };
 use glam::{Mat4, Vec2, Vec3};
-use rayon::prelude::*;
 
 /// Returns, for each receiver that faces the light, shadowed or not, and falls on a map: how many texels of it a pixel
 /// spans in the direction in which it spans the fewest. In the order of the pixels. `size` is the maps' side in texels;

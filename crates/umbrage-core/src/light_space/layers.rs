@@ -9,8 +9,12 @@ use crate::{
 use glam::{Mat4, Vec3};
 
 /// Into how many light spaces the surroundings of a light are divided. Each has its own layer of a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Layout {
     /// One space where one can hold all that matters with texels no larger than a cube's, or all casters; else a cube.
     #[default]

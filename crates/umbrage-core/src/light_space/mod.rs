@@ -112,8 +112,12 @@ fn stable_up(forward: DVec3, up: DVec3) -> DVec3 {
 }
 
 /// The extents of an orthographic projection, in view-space metres; `near` and `far` are distances along the view.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Extents {
     /// Least x.
     pub left: f32,

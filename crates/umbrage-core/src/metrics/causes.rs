@@ -23,7 +23,8 @@ use glam::UVec2;
 pub const CONTACT: f32 = 1.0 / 32.0;
 
 /// What an error comes from. The first five are means of |mask - truth| over all counted pixels, 0..=1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Causes {
     /// Surfaces that shadow themselves.
     pub acne: f64,

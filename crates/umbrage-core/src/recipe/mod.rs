@@ -46,10 +46,12 @@ pub struct Recipe {
 }
 
 /// Which casters' faces are left out.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
 )]
-#[serde(rename_all = "snake_case")]
 pub enum Cull {
     /// Draw both sides.
     #[default]
@@ -62,17 +64,21 @@ pub enum Cull {
 
 /// Polygon offset, as Vulkan and WebGPU define it: depth grows by `constant * r + slope * m`, where m is the greater of
 /// the triangle's depth slopes in x and y (clip depth a texel) and r the spacing of floats at its greatest depth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct RasterBias {
     /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two, depending on the device.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub constant: i32,
     /// In units of m.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub slope: f32,
     /// Bound of the sum, clip depth; 0 for none, negative for a lower bound.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub clamp: f32,
 }
 

@@ -5,7 +5,6 @@ use crate::{
     light_space::{Extents, LightSpace, look_along, orthographic, perspective},
 };
 use glam::{Affine3A, DAffine3, DMat4, DVec2, DVec3, Mat4, UVec2, Vec2, Vec3, Vec4};
-use serde::{Deserialize, Serialize};
 
 /// Largest image side that is accepted anywhere.
 pub const MAX_SIDE: u32 = 16_384;
@@ -15,7 +14,8 @@ pub const MAX_SIDE: u32 = 16_384;
 /// The constructors make cameras that look along their own -z, with depth 0 at near and 1 at far. Matrices of a renderer
 /// with reversed depth, without a far plane, or whose views are left-handed may be put in as they are: all that the library
 /// computes goes through [`Camera::standard`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Camera {
     /// Where it stands; it looks along its own -z, or along +z if its projection is that of a left-handed view.
     pub world_from_view: Affine3A,

@@ -2,10 +2,10 @@
 
 use crate::invalid::{Invalid, direction, finite, not_negative, positive};
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
 
 /// A light. Lights with an extent emit from all of it, to both sides, and are seen as a fraction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Light {
     /// Infinitely far.
     Directional {

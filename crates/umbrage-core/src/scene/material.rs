@@ -3,10 +3,10 @@
 
 use crate::invalid::{Invalid, finite, not_negative};
 use glam::{UVec2, Vec3};
-use serde::{Deserialize, Serialize};
 
 /// Texels of any meaning: colour, tangent-space normals, height, alpha.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Texture {
     /// A name for error messages.
     pub name: String,
@@ -17,7 +17,8 @@ pub struct Texture {
 }
 
 /// How a surface looks. Colours are linear, 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Material {
     /// Colour of diffuse reflection; multiplied with the texture, if there is one.
     pub diffuse: Vec3,
@@ -41,20 +42,22 @@ pub struct Material {
 /// Holes in a surface, cut out by a texture: through them light falls, and the camera sees. A point is a hole if the fourth
 /// channel of the texel nearest to its uv (repeating) is less than the cut-off. A texture without such a texel cuts nothing out, and
 /// [`Geometry::bake`](crate::Geometry::bake) leaves it aside.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlphaCutout {
     /// Index into [`Scene::textures`](crate::Scene::textures); its fourth channel is alpha, 0 clear to 1 opaque.
     pub texture: usize,
     /// Least alpha of what is there, 0 to 1. With 0 nothing is cut out of a texture whose alpha is not negative.
     pub cutoff: f32,
     /// What images ask of the texture where their pixels are larger than its texels.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub filter: AlphaFilter,
 }
 
 /// What the camera's image and shadow maps ask of an alpha texture where a pixel of theirs is larger than a texel. Rays always ask for the
 /// nearest texel, and so truth does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AlphaFilter {
     /// The texel at the pixel's centre, as rays do: no approximation. Far away an edge is as noisy as one ray a pixel is.
     #[default]
@@ -87,7 +90,8 @@ impl AlphaCutout {
 
 /// Relief: each vertex moves along its unit normal by `lambda (2 h - 1)`, where h is the first channel of the texture at
 /// its uv, bilinear and repeating. It is baked into the geometry, so that camera and light see the same relief.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Displacement {
     /// Index into the scene's textures.
     pub texture: usize,

@@ -1,13 +1,18 @@
 //! Rows on a device whose clock falls when it is idle, and at random moments.
 
 use super::*;
-use std::{sync::Arc, time::Duration};
+use std::{any::Any, sync::Arc, time::Duration};
 use umbrage_core::{
     Backend, BackendError, ReceiveKernel, Recipe, Shadows, Snapping, Timings, View, glam::UVec2,
     light_sample::hash,
 };
 use umbrage_cpu::Cpu;
-use umbrage_plan::{catalogue::Catalogue, cost::PriceList, cost::Work, truth::TruthOptions};
+use umbrage_plan::{
+    catalogue::Catalogue,
+    cost::{PriceList, Work},
+    truth::TruthOptions,
+};
+use umbrage_yardstick::YardstickKernel;
 
 /// How much longer everything takes while the clock is low.
 const SLOWDOWN: f64 = 4.0;
@@ -48,8 +53,7 @@ impl ThrottledBackend {
 
     /// Returns what the time of the next render is multiplied by.
     fn slowdown(&mut self, kernel: &Arc<dyn ReceiveKernel>) -> f64 {
-        let uniforms = kernel.uniforms();
-        let is_yardstick = uniforms.is_some_and(|u| u.uniform_layout().name == "YardstickUniforms");
+        let is_yardstick = as_yardstick(&**kernel).is_some();
         let is_same_row = self
             .row
             .as_ref()
@@ -86,7 +90,10 @@ impl Backend for ThrottledBackend {
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let slowdown = self.slowdown(&recipe.receive.kernel);
         let mut shadows = self.cpu.render(view, recipe)?;
-        let work = Work::of(view, recipe, &Catalogue::built_in()).played();
+        let mut work = Work::of(view, recipe, &Catalogue::built_in()).played();
+        if let Some(yardstick) = as_yardstick(&*recipe.receive.kernel) {
+            work.taps = work.receivers * u64::from(yardstick.uniforms.links);
+        }
         let milliseconds = slowdown * self.prices.of("wgpu").milliseconds(&work);
         shadows.timings = Timings {
             receive: Some(Duration::from_secs_f64(milliseconds / 1e3)),
@@ -94,6 +101,12 @@ impl Backend for ThrottledBackend {
         };
         Ok(shadows)
     }
+}
+
+/// Returns a kernel as that of the yardstick, if it is.
+fn as_yardstick(kernel: &dyn ReceiveKernel) -> Option<&YardstickKernel> {
+    let kernel: &dyn Any = kernel;
+    kernel.downcast_ref()
 }
 
 /// Returns Kendall's tau of pairs: the share of pairs of them in the same order less that in the

@@ -1,8 +1,8 @@
 //! Which rays are not known to be blocked: a bit for each ray of a block, each block of a group, and so on up to the top.
 
 use super::boxes::BOXES;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicU8, Ordering};
+use umbrage_core::parallel::prelude::*;
 
 /// Bits that only ever go off.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! Sorts rays by where they lie: two passes of a radix sort from the lowest digit up (Knuth 1998, "The Art of Computer Programming" 3, section
 //! 5.2.5), which keep the order of equal keys. A comparison sort takes three times as long.
 
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
+use umbrage_core::parallel::prelude::*;
 
 /// Bits of a key.
 pub(super) const KEY_BITS: u32 = 2 * DIGIT_BITS;

@@ -15,11 +15,11 @@ use super::{
     order::{Entry, KEY_BITS, Sorted, sort},
 };
 use crate::lanes::batch::{BATCH, PaddedReceivers, ReceiverBatch};
-use rayon::prelude::*;
 use std::{
     ops::Range,
     sync::atomic::{AtomicU32, Ordering},
 };
+use umbrage_core::parallel::prelude::*;
 use umbrage_core::{
     Receivers, Simd, SimdTask,
     bvh::{FourSegments, SEGMENT_LANES, longest_axis},
@@ -123,7 +123,7 @@ pub(super) fn make_rays(
     receivers: &Receivers,
 ) -> AllRays {
     let mask = Mask((0..receivers.len()).map(|_| AtomicU32::new(0)).collect());
-    let threads = rayon::current_num_threads();
+    let threads = umbrage_core::parallel::current_num_threads();
     let band = receivers
         .len()
         .div_ceil(threads)

@@ -3,6 +3,7 @@
 //! A coarse grid over the map holds, for each cell, the farthest receiver that looks up the map there. A caster matters
 //! if somewhere it lies before that: tested with its box, so that one too many may be kept, but never one too few.
 
+use crate::parallel::prelude::*;
 use crate::{
     gbuffer::seen_points::SeenPoints,
     geometry::{Geometry, aabb::Aabb},
@@ -13,7 +14,6 @@ use crate::{
     scene::light::Light,
 };
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::{
     cell::{Cell, OnceCell},
     ops::Range,

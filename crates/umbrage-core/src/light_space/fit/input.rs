@@ -1,5 +1,6 @@
 //! A view, with what several steps of a fit ask of it.
 
+use crate::parallel::prelude::*;
 use crate::{
     gbuffer::seen_points::SeenPoints,
     geometry::aabb::Aabb,
@@ -7,7 +8,6 @@ use crate::{
     view::View,
 };
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use std::sync::OnceLock;
 
 /// A valid view, what is seen in it, and what was found out about it.

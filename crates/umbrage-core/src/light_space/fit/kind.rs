@@ -4,8 +4,12 @@ use crate::light_space::Extents;
 use glam::Vec3;
 
 /// How light spaces are laid around a scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Fit {
     /// Culled to need: as tight as it goes without changing any shadow. Of the casters, only those count that can shadow a
     /// seen receiver; sideways the map covers what they share with what is seen to receive, in depth it runs from the

@@ -1,0 +1,334 @@
+//! The hierarchy over the casters.
+
+use crate::geometry::{
+    Geometry,
+    aabb::Aabb,
+    bvh::{build, wide::Wide},
+    cut_out::CutOuts,
+    ray_box::{enters_box, slab_inverse, span},
+    ray_triangle::{Corners, Segment},
+    shaft::{Shaft, ShaftSearch},
+};
+use glam::Vec3;
+use obvhs::{bvh2::Bvh2, cwbvh::CwBvh};
+use std::sync::{Arc, OnceLock};
+
+/// A hierarchy over the casters of a [`Geometry`].
+#[derive(Clone)]
+pub struct Bvh {
+    wide: Wide,
+    narrow: Bvh2,
+    corners: Vec<Corners>,
+    ids: Vec<u32>,
+    narrow_order: Vec<u32>,
+    /// Holes of casters.
+    cut_outs: Option<Arc<CutOuts>>,
+    /// [`Bvh::depth`], found on first use.
+    depth: OnceLock<usize>,
+}
+
+impl std::fmt::Debug for Bvh {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Bvh")
+            .field("triangles", &self.ids.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Bvh {
+    /// Builds the hierarchy. Holes are cut out as each hit is asked: they don't change its shape.
+    pub fn build(geometry: &Geometry) -> Self {
+        let ids: Vec<u32> = geometry.casters().collect();
+        if ids.is_empty() {
+            let wide = Wide::default();
+            let narrow = Bvh2::default();
+            return Self {
+                wide,
+                narrow,
+                corners: Vec::new(),
+                ids,
+                narrow_order: Vec::new(),
+                cut_outs: None,
+                depth: OnceLock::new(),
+            };
+        }
+        let boxes = boxes_of(geometry, &ids);
+        let (narrow, tree) = build::trees(&boxes);
+        // Triangles in the order in which leaves name them: one indirection less a test.
+        let order = &tree.primitive_indices;
+        let in_order: Vec<_> = order.iter().map(|&i| boxes[i as usize]).collect();
+        let narrow_order = narrow
+            .primitive_indices
+            .iter()
+            .map(|&i| ids[i as usize])
+            .collect();
+        Self {
+            wide: Wide::new(&tree, &in_order),
+            narrow,
+            corners: order
+                .iter()
+                .map(|&i| Corners::new(geometry.corners(ids[i as usize])))
+                .collect(),
+            ids: order.iter().map(|&i| ids[i as usize]).collect(),
+            narrow_order,
+            cut_outs: geometry.cut_outs().cloned(),
+            depth: OnceLock::new(),
+        }
+    }
+
+    /// Returns whether any caster but triangle `skip` meets the segment from `o` to `o + d`, elsewhere than in a hole that is cut out.
+    #[inline]
+    pub fn occluded(&self, o: Vec3, d: Vec3, skip: u32) -> bool {
+        self.occluder(o, d, skip).is_some()
+    }
+
+    /// Returns a caster other than triangle `skip` that meets the segment from `o` to `o + d`, so that similar segments can be
+    /// tested against it first by [`Bvh::hits`]. The number is the hierarchy's own, not a triangle id.
+    #[inline]
+    pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
+        let segment = Segment::new(o, d);
+        let mut found = None;
+        self.wide.search(&segment, |i, _| {
+            let hit =
+                segment.hits(&self.corners[i]) && self.ids[i] != skip && !self.is_hole(&segment, i);
+            if hit {
+                found = Some(i as u32);
+            }
+            hit
+        });
+        found
+    }
+
+    /// Returns where the segment from `o` to `o + d` first meets a caster other than triangle `skip`: a fraction of `d`, 0..=1.
+    pub fn nearest(&self, geometry: &Geometry, o: Vec3, d: Vec3, skip: u32) -> Option<f32> {
+        let segment = Segment::new(o, d);
+        let mut nearest = None;
+        self.wide.search(&segment, |i, limit| {
+            if segment.hits(&self.corners[i]) && self.ids[i] != skip && !self.is_hole(&segment, i) {
+                let [a, b, c] = geometry
+                    .corners(self.ids[i])
+                    .map(|corner| corner.as_dvec3());
+                let normal = (b - a).cross(c - a);
+                let t = normal.dot(a - o.as_dvec3()) / normal.dot(d.as_dvec3());
+                // Within the triangle's box, so that no box around it is passed over that is entered before.
+                let [entry, exit] = span(
+                    segment.origin,
+                    segment.inverse,
+                    self.corners[i].padded_box(),
+                );
+                *limit = (t as f32).max(entry).min(exit).min(*limit);
+                nearest = Some(*limit);
+            }
+            false
+        });
+        nearest
+    }
+
+    /// Returns whether a segment passes through a hole of the hierarchy's triangle `i`, which it hits.
+    #[inline(always)]
+    fn is_hole(&self, segment: &Segment, i: usize) -> bool {
+        match &self.cut_outs {
+            None => false,
+            Some(cut_outs) => cut_outs.is_hole_met(self.ids[i], &self.corners[i], segment),
+        }
+    }
+
+    /// Appends the triangle ids of the casters that may come within `radius` of the segment from `o` to `o + d`, measured
+    /// along each axis. Cautious: it may name others, too.
+    pub fn near(&self, o: Vec3, d: Vec3, radius: f32, out: &mut Vec<u32>) {
+        let inverse = slab_inverse(d);
+        let mut stack = self.narrow_root();
+        while let Some(i) = stack.pop() {
+            let node = &self.narrow.nodes[i];
+            let low = node.aabb.min;
+            let high = node.aabb.max;
+            // The sums below round, once more than the boxes allow for.
+            let grow = radius + low.abs().max(high.abs()).max_element() * f32::EPSILON;
+            if !enters_box(o.into(), inverse, [low - grow, high + grow]) {
+                continue;
+            }
+            let first = node.first_index as usize;
+            if node.prim_count == 0 {
+                stack.extend([first, first + 1]);
+            } else {
+                out.extend(&self.narrow_order[first..first + node.prim_count as usize]);
+            }
+        }
+    }
+
+    /// Passes on all casters that segments of a shaft may meet, roughly from near to far, until the search has enough. Cautious: it may
+    /// pass on others, too. What is cut out of casters is not asked.
+    #[inline(always)]
+    pub fn in_shaft(&self, shaft: &Shaft, search: &mut impl ShaftSearch) {
+        let caster = |i: usize| (self.ids[i], self.corners[i].points());
+        self.wide.search_shaft(shaft, caster, search);
+    }
+
+    /// Returns whether the caster that [`Bvh::occluder`] returned meets the segment, too, unless it is triangle `skip`.
+    ///
+    /// # Panics
+    /// Panics if it came from another hierarchy with more triangles.
+    #[inline]
+    pub fn hits(&self, occluder: u32, o: Vec3, d: Vec3, skip: u32) -> bool {
+        let i = occluder as usize;
+        let segment = Segment::new(o, d);
+        self.ids[i] != skip && segment.hits(&self.corners[i]) && !self.is_hole(&segment, i)
+    }
+
+    /// Returns whether no caster reaches into the convex region `normal.dot(x) >= distance` of all these planes (normals of any
+    /// length). Cautious: it may return false where one only comes near. One such query can spare a thousand rays.
+    pub fn is_clear(&self, geometry: &Geometry, planes: &[(Vec3, f32)]) -> bool {
+        let mut stack = self.narrow_root();
+        while let Some(i) = stack.pop() {
+            let node = &self.narrow.nodes[i];
+            if is_box_outside(planes, node.aabb.min.into(), node.aabb.max.into()) {
+                continue;
+            }
+            let first = node.first_index as usize;
+            if node.prim_count == 0 {
+                stack.extend([first, first + 1]);
+                continue;
+            }
+            for &id in &self.narrow_order[first..first + node.prim_count as usize] {
+                if !is_triangle_outside(planes, geometry.corners(id)) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Returns a stack of nodes of the two-way hierarchy that holds its root; an empty one where nothing casts.
+    fn narrow_root(&self) -> Vec<usize> {
+        if self.ids.is_empty() {
+            Vec::new()
+        } else {
+            vec![0]
+        }
+    }
+
+    /// Returns the greatest number of nodes from the root of the two-way hierarchy to a leaf: the size of a shader's stack.
+    pub fn depth(&self) -> usize {
+        *self.depth.get_or_init(|| self.find_depth())
+    }
+
+    fn find_depth(&self) -> usize {
+        let nodes = &self.narrow.nodes;
+        let mut deepest = 0;
+        // Nodes, and the number of nodes from the root to them.
+        let mut open: Vec<(usize, usize)> = Vec::new();
+        if !nodes.is_empty() {
+            open.push((0, 1));
+        }
+        while let Some((node, depth)) = open.pop() {
+            deepest = deepest.max(depth);
+            if nodes[node].prim_count == 0 {
+                let first = nodes[node].first_index as usize;
+                open.extend([(first, depth + 1), (first + 1, depth + 1)]);
+            }
+        }
+        deepest
+    }
+
+    /// Returns the two-way hierarchy as rows of four words, for shaders: row 2i is node i's least corner and its first child or
+    /// triangle, row 2i + 1 its greatest corner and its triangle count (0 for an inner node, whose children are
+    /// adjacent). Two rows of zeros where nothing casts.
+    pub fn node_rows(&self) -> Vec<[u32; 4]> {
+        let mut rows = Vec::new();
+        for node in &self.narrow.nodes {
+            rows.push(row(node.aabb.min.into(), node.first_index));
+            rows.push(row(node.aabb.max.into(), node.prim_count));
+        }
+        if rows.is_empty() {
+            vec![[0; 4]; 2]
+        } else {
+            rows
+        }
+    }
+
+    /// Returns the triangles in the order in which [`Bvh::node_rows`] names them, three rows each: a corner, and the id as the
+    /// fourth word. Three rows of zeros where nothing casts. If the geometry has cut-outs, the second row's fourth word is the row of
+    /// the triangle's record in [`CutOuts::rows`], 0 for those without holes.
+    pub fn triangle_rows(&self, geometry: &Geometry) -> Vec<[u32; 4]> {
+        let mut rows = Vec::new();
+        for &id in &self.narrow_order {
+            let [a, b, c] = geometry.corners(id);
+            let second = match geometry.cut_outs() {
+                None => id,
+                Some(cut_outs) => cut_outs.record_row(id).unwrap_or(0),
+            };
+            rows.extend([row(a, id), row(b, second), row(c, id)]);
+        }
+        if rows.is_empty() {
+            vec![[0; 4]; 3]
+        } else {
+            rows
+        }
+    }
+
+    /// Returns the eight-way hierarchy as `obvhs` makes it of the casters, and each of its primitives' triangle id: to time
+    /// `obvhs` by itself. `None` if nothing casts.
+    pub fn obvhs_alone(geometry: &Geometry) -> Option<(CwBvh, Vec<u32>)> {
+        let ids: Vec<u32> = geometry.casters().collect();
+        if ids.is_empty() {
+            return None;
+        }
+        let boxes = boxes_of(geometry, &ids);
+        let (narrow, _) = build::trees(&boxes);
+        let tree = build::eight_way(&narrow);
+        let order = tree
+            .primitive_indices
+            .iter()
+            .map(|&i| ids[i as usize])
+            .collect();
+        Some((tree, order))
+    }
+}
+
+/// Returns a row of a shader's table.
+fn row(v: Vec3, w: u32) -> [u32; 4] {
+    [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w]
+}
+
+/// Returns whether a box lies outside one of the half spaces (inner normal, distance).
+fn is_box_outside(half_spaces: &[(Vec3, f32)], min: Vec3, max: Vec3) -> bool {
+    half_spaces.iter().any(|&half_space| {
+        // The corner that is farthest along the normal decides.
+        let farthest = Vec3::select(half_space.0.cmpge(Vec3::ZERO), max, min);
+        is_outside(half_space, farthest)
+    })
+}
+
+/// Returns whether a triangle lies outside one of the half spaces (inner normal, distance).
+fn is_triangle_outside(half_spaces: &[(Vec3, f32)], corners: [Vec3; 3]) -> bool {
+    half_spaces
+        .iter()
+        .any(|&half_space| corners.iter().all(|&c| is_outside(half_space, c)))
+}
+
+/// Returns whether a point lies outside a half space (its inner normal and distance), whatever rounding (eight units in the
+/// last place) does to it and to the hit of a triangle that has it as a corner (`ray_triangle.rs`).
+fn is_outside(half_space: (Vec3, f32), p: Vec3) -> bool {
+    let (n, distance) = half_space;
+    n.dot(p) < distance - 8.0 * f32::EPSILON * (n.abs().dot(p.abs()) + distance.abs())
+}
+
+#[cfg(test)]
+#[path = "order_tests.rs"]
+mod order_tests;
+
+/// Returns the boxes of triangles, as large as the triangle test needs them (`ray_triangle.rs`).
+fn boxes_of(geometry: &Geometry, ids: &[u32]) -> Vec<Aabb> {
+    ids.iter()
+        .map(|&id| {
+            let [min, max] = Corners::new(geometry.corners(id))
+                .padded_box()
+                .map(Into::into);
+            Aabb { min, max }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;
