@@ -26,26 +26,16 @@ pub fn sampler_tolerance(kernel: &dyn Kernel) -> f32 {
 /// The most samples along one side of the square.
 pub(crate) const LANES: usize = 4;
 
-/// The WGSL half, with both variants of `sampled`.
+/// The WGSL half.
 const COMPARISON_SAMPLER: Module = Module {
     name: "comparison_sampler",
     text: include_str!("comparison_sampler.wgsl"),
 };
-// The chosen variant: see `shadow_map/choices.rs`.
-const CLAMPED: Module = Module {
-    name: "choice: samples beside the map read its edge",
-    text: "fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 { return sampled_clamped(l, size, at); }\n",
-};
-const LIT_BORDER: Module = Module {
-    name: "choice: samples beside the map are lit",
-    text: "fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 { return sampled_lit(l, size, at); }\n",
-};
 
 /// Returns the map's modules and, after them, the WGSL of `sampled`.
 pub(crate) fn modules(m: &ShadowMapUniforms) -> Vec<Module> {
-    let border = if m.clamped != 0 { CLAMPED } else { LIT_BORDER };
     let mut modules = m.modules();
-    modules.extend([BILINEAR_WEIGHTS, COMPARISON_SAMPLER, border]);
+    modules.extend([BILINEAR_WEIGHTS, COMPARISON_SAMPLER]);
     modules
 }
 

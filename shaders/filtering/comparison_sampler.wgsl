@@ -1,5 +1,4 @@
-// Twin of comparison_sampler.rs: the sampler's blend of four comparisons. `sampled` is the map's choice between `sampled_clamped`
-// and `sampled_lit`.
+// Twin of comparison_sampler.rs: the sampler's blend of four comparisons.
 
 fn compared(l: ShadowCoord, size: f32, at: vec2f, depth: f32) -> f32 {
     if depth > 1.0 {
@@ -8,15 +7,13 @@ fn compared(l: ShadowCoord, size: f32, at: vec2f, depth: f32) -> f32 {
     return compare_0(at / size, l.layer, depth);
 }
 
-// Where the map's edge repeats: as the sampler does by itself.
-fn sampled_clamped(l: ShadowCoord, size: f32, at: vec2f) -> f32 {
-    return compared(l, size, at, reference_depth(l.depth, l.gradient, l.deepest, kernel.lookup.sample_gain, at - l.texel));
-}
-
-// Where all beside the map is lit. Samplers that know borders are not in WebGPU: samples that touch the border are blended by hand
-// from four answers of texels that surely lie within the map.
-fn sampled_lit(l: ShadowCoord, size: f32, at: vec2f) -> f32 {
+// Samplers repeat the map's edge by themselves. Those that know borders are not in WebGPU: where all beside the map is lit, samples that
+// touch the border are blended by hand from four answers of texels that surely lie within the map.
+fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 {
     let depth = reference_depth(l.depth, l.gradient, l.deepest, kernel.lookup.sample_gain, at - l.texel);
+    if EDGE_REPEATS {
+        return compared(l, size, at, depth);
+    }
     if at.x < 0.5 || at.y < 0.5 || at.x > size - 0.5 || at.y > size - 0.5 {
         return sampled_at_rim(l, size, at, depth);
     }

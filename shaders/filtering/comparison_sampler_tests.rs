@@ -35,8 +35,6 @@ fn lookup(border: Border, receiver_plane: f32) -> ShadowMapUniforms {
         layer_count: 1,
         packed: 0,
         clamped: u32::from(border == Border::Clamp),
-        has_receiver_bias: 0,
-        arrangement: SINGLE,
         pick_reach: 0.0,
         blend: 0.0,
         layers: [layer(receiver_plane); MAX_LAYERS],

@@ -1,6 +1,6 @@
 //! The least depth of each tile of a map: a level of a pyramid of minima.
 
-use crate::shadow_map::{choices::stored_depth, packing::unpack_depth};
+use crate::shadow_map::{packing::unpack_depth, variants::stored_depth};
 use glam::{UVec2, Vec4};
 use umbrage_core::{FilterKernel, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms};
 

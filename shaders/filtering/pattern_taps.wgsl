@@ -10,7 +10,7 @@ fn place_depths(l: ShadowCoord, size: i32, at: vec2f) -> vec2f {
     let y = i32(floor(at.y));
     let receiver = depth_at(l, x, y);
     let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
-    if kernel.lookup.clamped == 0u && (texel.x != x || texel.y != y) {
+    if !EDGE_REPEATS && (texel.x != x || texel.y != y) {
         return vec2f(2.0, receiver);
     }
     return vec2f(stored_depth(texel, l.layer), receiver);

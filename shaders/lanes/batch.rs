@@ -8,10 +8,10 @@ use crate::shadow_map::{
         ShadowCoord, clip_w, is_covered, offset_along_normal, plane_gradient, point_over_w,
         slope_bias, texel_from_point, to_light,
     },
-    layers::{CASCADES, MapLayer, SINGLE, ShadowMapUniforms, layer_at},
+    layers::{MapLayer, ShadowMapUniforms, layer_at},
 };
 use glam::{Vec2, Vec3};
-use umbrage_core::{Simd, SimdTask, Span, math::dot3};
+use umbrage_core::{Arrangement, Simd, SimdTask, Span, math::dot3};
 
 /// How many receivers are projected before the taps begin.
 pub const BATCH: usize = 64;
@@ -287,11 +287,11 @@ const NO_LAYER: i32 = -1;
 
 /// Looks up a batch of receivers, each in the layer in which it lies.
 fn project(simd: Simd, m: &ShadowMapUniforms, receivers: &ReceiverBatch<'_>, batch: &mut Batch) {
-    if m.arrangement == SINGLE {
+    if m.arrangement() == Arrangement::Single {
         project_into(simd, m, &m.layers[0], receivers, batch);
         return;
     }
-    if m.arrangement == CASCADES {
+    if matches!(m.arrangement(), Arrangement::Cascades(_)) {
         simd.run_task(PickCascades {
             m,
             receivers,
@@ -482,10 +482,7 @@ fn follow_planes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow_map::{
-        coord::shadow_coord,
-        layers::{CUBE, MAX_LAYERS},
-    };
+    use crate::shadow_map::{coord::shadow_coord, layers::MAX_LAYERS};
     use glam::{Mat4, Quat, Vec4, dcamera::rh::proj::directx};
 
     /// A bias's slope, normal offset and receiver plane.
@@ -495,7 +492,7 @@ mod tests {
         receiver_plane: f32,
     }
 
-    fn map(light: Vec4, layer_count: u32, arrangement: u32, bias: &BiasCase) -> ShadowMapUniforms {
+    fn map(light: Vec4, layer_count: u32, bias: &BiasCase) -> ShadowMapUniforms {
         let clip_from_view = directx::perspective(1.2, 1.0, 0.3, 40.0).as_mat4();
         let layer = |i: usize| {
             // Layers look elsewhere, and differ in all that layers have of their own.
@@ -518,8 +515,6 @@ mod tests {
             layer_count,
             packed: 0,
             clamped: 0,
-            has_receiver_bias: u32::from(bias.slope != 0.0 || bias.normal_offset != 0.0),
-            arrangement,
             pick_reach: 40.0,
             blend: 0.0,
             layers: std::array::from_fn(layer),
@@ -583,13 +578,7 @@ mod tests {
         let sun = Vec4::new(0.0, 1.0, 0.0, 0.0);
         let lamp = Vec4::new(1.0, 4.0, 2.0, 1.0);
         let many = MAX_LAYERS as u32;
-        for (light, layers, arrangement) in [
-            (sun, 1, SINGLE),
-            (lamp, 1, SINGLE),
-            (lamp, 6, CUBE),
-            (sun, many, CASCADES),
-            (sun, 3, CASCADES),
-        ] {
+        for (light, layers) in [(sun, 1), (lamp, 1), (lamp, 6), (sun, many), (sun, 3)] {
             for [slope, normal_offset, receiver_plane] in [
                 [0.05, 0.0, 0.0],
                 [0.0, 0.0, 0.0],
@@ -603,7 +592,7 @@ mod tests {
                     normal_offset,
                     receiver_plane,
                 };
-                let m = map(light, layers, arrangement, &bias);
+                let m = map(light, layers, &bias);
                 let check = Check { m: &m, span: &span };
                 for simd in [Simd::Baseline, Simd::Native] {
                     let mut out = vec![9.0; 200];

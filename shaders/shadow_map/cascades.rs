@@ -19,9 +19,9 @@ pub const CASCADES: Module = Module {
 };
 
 /// The WGSL of `cascade_at`.
-pub(crate) const CASCADE_PICK: Module = Module {
-    name: "cascade_pick",
-    text: include_str!("cascade_pick.wgsl"),
+pub(crate) const LAYER_PICK: Module = Module {
+    name: "layer_pick",
+    text: include_str!("layer_pick.wgsl"),
 };
 
 /// Returns how far inside a cascade's map `p` (world space) lies: from the nearest side of the map, texels (x), and before the far

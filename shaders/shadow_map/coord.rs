@@ -11,7 +11,7 @@ use umbrage_core::{
 };
 
 /// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH), [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`], and the
-/// variants that `choices.rs` selects.
+/// variants that `variants.rs` selects.
 pub const COORD: Module = Module {
     name: "coord",
     text: include_str!("coord.wgsl"),
@@ -37,7 +37,7 @@ pub struct ShadowCoord {
     pub deepest: f32,
     /// Index of the map's layer.
     pub layer: i32,
-    /// Whether the receiver is in front of the light and not beyond the far bound; else it is lit. WGSL's `seen`.
+    /// Whether the receiver is in front of the light and not beyond the far bound; else it is lit.
     pub covered: bool,
 }
 
@@ -197,7 +197,7 @@ pub fn shadow_coord_in(index: i32, m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> S
     let layer = &m.layers[index as usize];
     let mut moved = p;
     let mut bias = layer.constant;
-    if m.has_receiver_bias != 0 {
+    if layer.has_receiver_bias() {
         let n_dot_l = dot3(n, to_light(m.light, p));
         bias += slope_bias(layer.slope, layer.slope_min, n_dot_l);
         if layer.moves_receivers() {

@@ -1,5 +1,9 @@
-// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `biased_receiver`, `receiver_gradient`
-// and `far_bound` are this map's choices: see choices.rs.
+// Twin of coord.rs: from a receiver to a texel of the map.
+
+// What `BIAS` may be: see variants.rs.
+const CONSTANT_BIAS = 0u;
+const SLOPE_BIAS = 1u;
+const NORMAL_OFFSET = 2u;
 
 struct ShadowCoord {
     texel: vec2f,
@@ -7,20 +11,35 @@ struct ShadowCoord {
     gradient: vec2f,
     deepest: f32,
     layer: i32,
-    seen: bool,
+    covered: bool,
 }
 
 // The receiver's place, and in w its bias.
-fn receiver_with_slope_bias(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
-    let n_dot_l = dot3(n, to_light(light, p));
-    return vec4f(p, layer.constant + slope_bias(layer.slope, layer.slope_min, n_dot_l));
-}
-
-// The same, moved along its normal.
-fn receiver_with_normal_offset(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
+fn biased_receiver(layer: MapLayer, light: vec4f, p: vec3f, n: vec3f) -> vec4f {
+    if BIAS == CONSTANT_BIAS {
+        return vec4f(p, layer.constant);
+    }
     let n_dot_l = dot3(n, to_light(light, p));
     let bias = layer.constant + slope_bias(layer.slope, layer.slope_min, n_dot_l);
-    return vec4f(offset_along_normal(layer, p, n, n_dot_l), bias);
+    if BIAS == NORMAL_OFFSET {
+        return vec4f(offset_along_normal(layer, p, n, n_dot_l), bias);
+    }
+    return vec4f(p, bias);
+}
+
+fn receiver_gradient(layer: MapLayer, point: vec3f, n: vec3f, size: f32) -> vec2f {
+    if TAPS_FOLLOW_PLANE {
+        return plane_gradient(layer.clip_from_world, point, n, size, layer.receiver_plane);
+    }
+    return vec2f(0.0, 0.0);
+}
+
+// The greatest clip depth that is compared.
+fn far_bound(layer: MapLayer) -> f32 {
+    if IS_LIT_BEYOND_FAR {
+        return 1.0;
+    }
+    return layer.far;
 }
 
 fn shadow_coord(m: ShadowMapUniforms, p: vec3f, n: vec3f) -> ShadowCoord {
@@ -38,6 +57,6 @@ fn shadow_coord_in(index: i32, m: ShadowMapUniforms, p: vec3f, n: vec3f) -> Shad
     let gradient = receiver_gradient(layer, point, n, side);
     let depth = point.z - biased.w;
     let deepest = max(depth, layer.deepest_tap);
-    let seen = clip.w > 0.0 && point.z <= far_bound(layer);
-    return ShadowCoord(texel.xy, depth, gradient, deepest, index, seen);
+    let covered = clip.w > 0.0 && point.z <= far_bound(layer);
+    return ShadowCoord(texel.xy, depth, gradient, deepest, index, covered);
 }

@@ -17,13 +17,6 @@ pub const LAYERS: Module = Module {
 /// Most layers of a map: a cube has six.
 pub const MAX_LAYERS: usize = MAX_CASCADES;
 
-/// [`ShadowMapUniforms::arrangement`] of a single map.
-pub const SINGLE: u32 = 0;
-/// [`ShadowMapUniforms::arrangement`] of a cube.
-pub const CUBE: u32 = 1;
-/// [`ShadowMapUniforms::arrangement`] of cascades.
-pub const CASCADES: u32 = 2;
-
 /// [`MapLayer::deepest_tap`] where no tap is compared deeper than the receiver: nearer than any depth.
 pub const NEVER_DEEPER: f32 = f32::MIN;
 
@@ -65,11 +58,6 @@ uniforms! {
         pub packed: u32,
         /// 1 if the map's edge repeats, else 0.
         pub clamped: u32,
-        /// 1 if the bias has a slope or a normal offset, else 0. Shaders branch on this word and not on the layers' floats:
-        /// software drivers compile a variant for each value that a branch depends on.
-        pub has_receiver_bias: u32,
-        /// How receivers find their layer: [`SINGLE`], [`CUBE`] or [`CASCADES`].
-        pub arrangement: u32,
         /// Of cascades: how far from its rim a layer holds a receiver with all that the kernel reaches, texels.
         pub pick_reach: f32,
         /// Of cascades: over how many texels the answers of two blend; 0 where they don't.
@@ -131,6 +119,12 @@ impl MapLayer {
         self.receiver_plane > 0.0
     }
 
+    /// Returns whether the bias has a slope or a normal offset.
+    #[inline(always)]
+    pub fn has_receiver_bias(&self) -> bool {
+        self.slope != 0.0 || self.slope_min != 0.0 || self.moves_receivers()
+    }
+
     /// Returns whether receivers are moved along their normals.
     #[inline(always)]
     pub fn moves_receivers(&self) -> bool {
@@ -144,20 +138,15 @@ impl ShadowMapUniforms {
     /// Panics if there are no spaces.
     pub fn new(map: &ShadowMap, view: &View<'_>, spaces: &LightSpaces) -> Self {
         let bias = map.bias;
-        let (arrangement, pick) = match spaces.arrangement {
-            Arrangement::Single => (SINGLE, CascadePick::default()),
-            Arrangement::Cube => (CUBE, CascadePick::default()),
-            Arrangement::Cascades(pick) => (CASCADES, pick),
+        let pick = match spaces.arrangement {
+            Arrangement::Single | Arrangement::Cube => CascadePick::default(),
+            Arrangement::Cascades(pick) => pick,
         };
         let spaces = &spaces.spaces;
-        let has_slope = bias.slope != 0.0 || bias.slope_min != 0.0;
-        let has_receiver_bias = has_slope || bias.normal_offset != 0.0;
         Self {
             layer_count: spaces.len() as u32,
             packed: u32::from(map.format == MapFormat::Rgba8),
             clamped: u32::from(map.border == Border::Clamp),
-            has_receiver_bias: u32::from(has_receiver_bias),
-            arrangement,
             pick_reach: pick.reach,
             blend: pick.blend,
             layers: std::array::from_fn(|i| {
@@ -176,10 +165,26 @@ impl ShadowMapUniforms {
         layer_at(self, position) as u32
     }
 
+    /// Returns how receivers find their layer.
+    #[inline(always)]
+    pub fn arrangement(&self) -> Arrangement {
+        if self.layer_count == 1 {
+            return Arrangement::Single;
+        }
+        // Suns have cascades, and lamps cubes: only a position has w = 1.
+        if self.light.w != 0.0 {
+            return Arrangement::Cube;
+        }
+        Arrangement::Cascades(CascadePick {
+            reach: self.pick_reach,
+            blend: self.blend,
+        })
+    }
+
     /// Returns whether the answers of two layers blend.
     #[inline(always)]
     pub fn blends(&self) -> bool {
-        self.arrangement == CASCADES && self.layer_count > 1 && self.blend > 0.0
+        matches!(self.arrangement(), Arrangement::Cascades(pick) if pick.blend > 0.0)
     }
 
     /// Returns the layers that are used.
@@ -202,10 +207,10 @@ fn depth_in_texels(clip_from_view: Mat4, texel: f32) -> f32 {
 /// Returns the index of the layer in which a receiver at `p` (world space) is looked up. WGSL's `layer_at`.
 #[inline(always)]
 pub fn layer_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
-    match m.arrangement {
-        CUBE => cube_face(m.light, p),
-        CASCADES => cascade_at(m, p),
-        _ => 0,
+    match m.arrangement() {
+        Arrangement::Single => 0,
+        Arrangement::Cube => cube_face(m.light, p),
+        Arrangement::Cascades(_) => cascade_at(m, p),
     }
 }
 

@@ -1,5 +1,9 @@
-// Twin of layers.rs: a shadow map's layers, and the face of a cube in which a receiver lies. `layer_at` and `map_layer` are this
-// map's choices: see choices.rs.
+// Twin of layers.rs: a shadow map's layers, and the face of a cube in which a receiver lies.
+
+// What `ARRANGEMENT` may be: see variants.rs.
+const SINGLE_MAP = 0u;
+const CUBE = 1u;
+const CASCADED_MAPS = 2u;
 
 struct MapLayer {
     clip_from_world: mat4x4f,
@@ -18,8 +22,6 @@ struct ShadowMapUniforms {
     layer_count: u32,
     packed: u32,
     clamped: u32,
-    has_receiver_bias: u32,
-    arrangement: u32,
     pick_reach: f32,
     blend: f32,
     layers: array<MapLayer, 8>,

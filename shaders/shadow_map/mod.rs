@@ -21,13 +21,13 @@
 mod between;
 mod bias;
 pub mod cascades;
-pub(crate) mod choices;
 pub mod coord;
 pub mod layers;
 pub mod packing;
 pub(crate) mod position_error;
 mod settings;
 pub mod texel_compare;
+pub(crate) mod variants;
 
 pub use between::BetweenKernel;
 pub use bias::{Bias, CompareMethod};

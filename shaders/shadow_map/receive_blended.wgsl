@@ -1,7 +1,7 @@
-// Twin of `blend_layers` in batch.rs: where a cascade's map ends, its answers blend into those of the next.
+// `receive` where a cascade's answers blend into those of the next one as its map ends. Twin of `blend_layers` in batch.rs.
 
-fn receive_from_two(r: Receiver) -> f32 {
-    // As in receive_from_one.
+fn receive(r: Receiver) -> f32 {
+    // As in receive_one.wgsl.
     opaque_zero = bitcast<u32>(kernel.lookup.light.w) >> 31u;
     let layer = layer_at(kernel.lookup.light, r.position);
     let own = visibility_in(layer, r);

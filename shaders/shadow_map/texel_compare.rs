@@ -6,7 +6,7 @@ use glam::{Vec2, Vec4};
 use umbrage_core::{ImageView, Module};
 
 /// The WGSL half: `stored_depth`, `tap`, and their variants. It reads the kernel's first image, and needs the modules
-/// [`COORD`](super::coord::COORD), [`DEPTH_ON_PLANE`] and the map's choices.
+/// [`COORD`](super::coord::COORD), [`DEPTH_ON_PLANE`] and the map's constants.
 pub const TEXEL_COMPARE: Module = Module {
     name: "texel_compare",
     text: include_str!("texel_compare.wgsl"),

@@ -1,14 +1,17 @@
-// Twin of texel_compare.rs: the comparison with one texel of the kernel's first image. `depth_at`, `stored_depth` and
-// `is_lit_beside` are this map's choices (see choices.rs) among the variants below.
+// Twin of texel_compare.rs: the comparison with one texel of the kernel's first image.
 
-// Where the receiver's plane is followed.
-fn depth_at_on_plane(l: ShadowCoord, x: i32, y: i32) -> f32 {
-    return depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y);
+fn depth_at(l: ShadowCoord, x: i32, y: i32) -> f32 {
+    if TAPS_FOLLOW_PLANE {
+        return depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y);
+    }
+    return l.depth;
 }
 
-// Where it is not: one depth for all taps.
-fn depth_at_receiver(l: ShadowCoord, x: i32, y: i32) -> f32 {
-    return l.depth;
+fn is_lit_beside(is_outside: bool) -> bool {
+    if EDGE_REPEATS {
+        return false;
+    }
+    return is_outside;
 }
 
 fn tap(size: i32, l: ShadowCoord, x: i32, y: i32) -> f32 {

@@ -24,7 +24,7 @@ use crate::{
         stored::{Encoding, MomentPrecision},
     },
     listing::ListedTechnique,
-    shadow_map::{ShadowMap, layers::ShadowMapUniforms},
+    shadow_map::{ShadowMap, layers::ShadowMapUniforms, variants::constant},
 };
 use glam::{Vec2, Vec3};
 use std::f32::consts::LOG2_E;
@@ -245,14 +245,8 @@ pub struct EvsmKernel {
     pub uniforms: EvsmUniforms,
 }
 
-const TWO: Module = Module {
-    name: "choice: two moments",
-    text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_two(moments, depth); }\n",
-};
-const FOUR: Module = Module {
-    name: "choice: four moments",
-    text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_both(moments, depth); }\n",
-};
+const TWO: Module = constant!("HAS_FOUR_MOMENTS = false");
+const FOUR: Module = constant!("HAS_FOUR_MOMENTS = true");
 
 impl EvsmKernel {
     fn moment_map(&self) -> MomentMap<'_> {
@@ -276,11 +270,11 @@ impl Kernel for EvsmKernel {
             name: "evsm",
             text: include_str!("evsm.wgsl"),
         };
-        let choice = match self.moments {
+        let count = match self.moments {
             EvsmMoments::Two => TWO,
             EvsmMoments::Four => FOUR,
         };
-        look_up::modules(self.moment_map(), &[own, choice])
+        look_up::modules(self.moment_map(), &[count, own])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

@@ -1,4 +1,4 @@
-// Twin of evsm.rs: the bounds by exponentials of depth. `lit_by_moments` is the kernel's choice between these.
+// Twin of evsm.rs: the bounds by exponentials of depth.
 
 struct EvsmUniforms {
     lookup: ShadowMapUniforms,
@@ -15,13 +15,12 @@ fn compared_depth(l: ShadowCoord, spread: f32) -> f32 {
     return l.depth;
 }
 
-fn lit_by_two(moments: vec4f, depth: f32) -> f32 {
-    let receiver = power_of_two(kernel.rising * depth);
-    return lit_by_rising(moments.xy, receiver, kernel.least_rising);
-}
-
-fn lit_by_both(moments: vec4f, depth: f32) -> f32 {
-    let receiver = power_of_two(-(kernel.falling * depth));
-    let lit = lit_by_falling(moments.zw, receiver, kernel.least_falling);
-    return min(lit_by_two(moments, depth), lit);
+fn lit_by_moments(moments: vec4f, depth: f32) -> f32 {
+    let rising = power_of_two(kernel.rising * depth);
+    let lit = lit_by_rising(moments.xy, rising, kernel.least_rising);
+    if !HAS_FOUR_MOMENTS {
+        return lit;
+    }
+    let falling = power_of_two(-(kernel.falling * depth));
+    return min(lit, lit_by_falling(moments.zw, falling, kernel.least_falling));
 }

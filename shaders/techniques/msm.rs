@@ -29,7 +29,7 @@ use crate::{
         stored::{Encoding, MomentPrecision},
     },
     listing::ListedTechnique,
-    shadow_map::{ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
+    shadow_map::{ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, variants::constant},
 };
 use glam::{Vec3, Vec4};
 use umbrage_core::{
@@ -197,14 +197,8 @@ pub struct MsmKernel {
     pub uniforms: MsmUniforms,
 }
 
-const THREE_DEPTHS: Module = Module {
-    name: "choice: three depths",
-    text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_hamburger(moments, depth); }\n",
-};
-const THREE_OR_FOUR: Module = Module {
-    name: "choice: three depths or four",
-    text: "fn lit_by_moments(moments: vec4f, depth: f32) -> f32 { return lit_by_hausdorff(moments, depth); }\n",
-};
+const THREE_DEPTHS: Module = constant!("IS_HAUSDORFF = false");
+const THREE_OR_FOUR: Module = constant!("IS_HAUSDORFF = true");
 
 impl MsmKernel {
     fn moment_map(&self) -> MomentMap<'_> {
@@ -228,11 +222,11 @@ impl Kernel for MsmKernel {
             name: "msm",
             text: include_str!("msm.wgsl"),
         };
-        let choice = match self.reconstruction {
+        let reconstruction = match self.reconstruction {
             Reconstruction::Hamburger => THREE_DEPTHS,
             Reconstruction::Hausdorff => THREE_OR_FOUR,
         };
-        let own = [HAMBURGER, HAUSDORFF, own, choice];
+        let own = [HAMBURGER, HAUSDORFF, reconstruction, own];
         look_up::modules(self.moment_map(), &own)
     }
 

@@ -1,4 +1,4 @@
-// Twin of msm.rs: the bounds by four powers of depth. `lit_by_moments` is the kernel's choice between these.
+// Twin of msm.rs: the bounds by four powers of depth.
 
 struct MsmUniforms {
     lookup: ShadowMapUniforms,
@@ -26,10 +26,9 @@ fn biased_moments(moments: vec4f) -> vec4f {
     return moments + (vec4f(0.0, 0.375, 0.0, 0.375) - moments) * kernel.moment_bias;
 }
 
-fn lit_by_hamburger(moments: vec4f, depth: f32) -> f32 {
+fn lit_by_moments(moments: vec4f, depth: f32) -> f32 {
+    if IS_HAUSDORFF {
+        return hausdorff(biased_moments(moments), depth);
+    }
     return hamburger(biased_moments(moments), depth);
-}
-
-fn lit_by_hausdorff(moments: vec4f, depth: f32) -> f32 {
-    return hausdorff(biased_moments(moments), depth);
 }

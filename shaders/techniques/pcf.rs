@@ -15,6 +15,7 @@ use crate::{
     listing::ListedTechnique,
     shadow_map::{
         ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
+        variants::constant,
     },
 };
 use umbrage_core::{
@@ -105,14 +106,8 @@ pub struct PcfKernel(
 );
 
 /// The textbooks' 3x3: compilers unroll loops whose length they know.
-const SQUARE_OF_THREE: Module = Module {
-    name: "choice: 3x3",
-    text: "fn pcf_radius() -> i32 { return 1; }\n",
-};
-const ANY_SQUARE: Module = Module {
-    name: "choice: any square",
-    text: "fn pcf_radius() -> i32 { return kernel.radius; }\n",
-};
+const SQUARE_OF_THREE: Module = constant!("IS_SQUARE_OF_THREE = true");
+const ANY_SQUARE: Module = constant!("IS_SQUARE_OF_THREE = false");
 
 impl PcfKernel {
     fn radius_choice(&self) -> Module {

@@ -1,8 +1,15 @@
-// Twin of pcf.rs: the mean of comparisons over a square of texels. `pcf_radius` is a choice made there.
+// Twin of pcf.rs: the mean of comparisons over a square of texels.
 
 struct PcfUniforms {
     lookup: ShadowMapUniforms,
     radius: i32,
+}
+
+fn pcf_radius() -> i32 {
+    if IS_SQUARE_OF_THREE {
+        return 1;
+    }
+    return kernel.radius;
 }
 
 fn visibility(l: ShadowCoord, r: Receiver) -> f32 {

@@ -1,9 +1,11 @@
 //! Net 2: uniforms, where Rust writes and where shaders read.
 
+use std::{collections::BTreeSet, fs, path::Path};
 use umbrage_core::{
-    CameraRays, Kernel, Light, Recipe, ShadowTechnique as _, Uniforms, View, glam::Vec3, join,
-    resolve::RESOLVE,
+    CameraRays, Kernel, Light, Module, Recipe, ShadowTechnique as _, UniformBlock, UniformLayout,
+    Uniforms, View, glam::Vec3, join, resolve::RESOLVE,
 };
+use umbrage_techniques::shadow_map::layers::{MapLayer, ShadowMapUniforms};
 use umbrage_tests::{layouts::check, stage};
 
 fn kernels(recipe: &Recipe) -> impl Iterator<Item = &dyn Kernel> {
@@ -47,6 +49,96 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
             }
         }
     }
+}
+
+/// Returns the modules of every kernel of every built-in technique, under a sun and a lamp.
+fn all_modules() -> Vec<(Option<UniformLayout>, Vec<Module>)> {
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
+    let lights = [
+        Light::Directional {
+            direction: Vec3::new(1.0, -3.0, 1.0),
+            angular_diameter: 0.0093,
+        },
+        Light::Point {
+            position: Vec3::new(0.5, 4.0, 1.0),
+            radius: 0.1,
+        },
+    ];
+    let mut out = Vec::new();
+    for entry in umbrage_plan::catalogue::all() {
+        for technique in (entry.exhaustive)(64) {
+            for light in &lights {
+                let Ok(recipe) = technique.recipe(&View::new(&camera, light, &geometry)) else {
+                    continue;
+                };
+                for kernel in kernels(&recipe) {
+                    let layout = kernel.uniforms().map(UniformBlock::uniform_layout);
+                    out.push((layout, kernel.modules()));
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Appends the texts of all WGSL files below a folder.
+fn wgsl_files(folder: &Path, texts: &mut BTreeSet<String>) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            wgsl_files(&path, texts);
+        } else if path.extension().is_some_and(|e| e == "wgsl") {
+            texts.insert(fs::read_to_string(path).expect("text"));
+        }
+    }
+}
+
+/// What is in no file are single constants: every function can be opened.
+#[test]
+fn every_function_is_in_a_file() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut texts = BTreeSet::new();
+    for folder in ["shaders", "crates/umbrage-core/src"] {
+        wgsl_files(&root.join(folder), &mut texts);
+    }
+    for (_, modules) in all_modules() {
+        for module in modules {
+            let is_constant = module.name.contains(':')
+                && module.text.starts_with("const ")
+                && module.text.matches(';').count() == 1;
+            assert!(
+                is_constant || texts.contains(module.text),
+                "{}: its text is in no file",
+                module.name
+            );
+        }
+    }
+}
+
+/// Fields that shaders learn of by constants: what `modules` makes of them.
+const KNOWN_BY_CONSTANTS: [&str; 2] = ["clamped", "packed"];
+
+#[test]
+fn every_field_is_read() {
+    let mut unread: BTreeSet<(&str, &str)> = BTreeSet::new();
+    let mut read: BTreeSet<(&str, &str)> = BTreeSet::new();
+    for (layout, modules) in all_modules() {
+        let text = join(&modules);
+        let of_map = [ShadowMapUniforms::layout(), MapLayer::layout()];
+        for layout in of_map.into_iter().chain(layout) {
+            for (field, _) in layout.fields {
+                let is_read = text.match_indices(&format!(".{field}")).any(|(at, found)| {
+                    let next = text[at + found.len()..].chars().next();
+                    next.is_none_or(|c| !c.is_alphanumeric() && c != '_')
+                });
+                let known = if is_read { &mut read } else { &mut unread };
+                known.insert((layout.name, field));
+            }
+        }
+    }
+    let never: BTreeSet<&str> = unread.difference(&read).map(|&(_, field)| field).collect();
+    assert_eq!(never, BTreeSet::from(KNOWN_BY_CONSTANTS), "{unread:?}");
 }
 
 /// Mesa's lavapipe compiles a shader that branches on uniforms anew for every value of their buffer's first word, so that

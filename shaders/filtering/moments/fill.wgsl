@@ -1,9 +1,23 @@
-// Twin of `MomentsKernel` in of_depth.rs. Which moments, is the kernel's choice.
+// Twin of `MomentsKernel` in of_depth.rs.
+
+// What `MOMENTS` may be: see of_depth.rs.
+const VARIANCE = 0u;
+const EXPONENTIALS = 1u;
+const POWERS = 2u;
 
 struct MomentsUniforms {
-    channels: u32,
     rising: f32,
     falling: f32,
+}
+
+fn moments_of(depth: f32) -> vec4f {
+    if MOMENTS == VARIANCE {
+        return vec4f(variance_moments(depth), 0.0, 0.0);
+    }
+    if MOMENTS == EXPONENTIALS {
+        return exponential_moments(depth, kernel.rising, kernel.falling);
+    }
+    return power_moments(depth);
 }
 
 fn filter_texel(texel: vec2i, layer: i32) -> vec4f {

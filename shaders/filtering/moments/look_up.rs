@@ -35,11 +35,8 @@ const LOOK_UP: Module = Module {
 };
 /// Of maps without mipmaps.
 const ONE_LEVEL: Module = Module {
-    name: "choice: one level",
-    text: "fn filtered_moments(l: ShadowCoord, r: Receiver) -> FilteredMoments {
-    return FilteredMoments(blended_moments(l.texel, l.layer), 0.0);
-}
-",
+    name: "look_up_one_level",
+    text: include_str!("look_up_one_level.wgsl"),
 };
 /// Of those with some. It reads the kernel's second image, too.
 const MIPMAPPED: Module = Module {
@@ -56,8 +53,8 @@ pub(crate) fn modules(map: MomentMap<'_>, own: &[Module]) -> Vec<Module> {
     modules.extend([EXP2, MOMENTS_OF_DEPTH, BOUNDS]);
     modules.extend(map.encoding.modules());
     let has_mipmaps = map.mipmaps.levels > 0;
-    let choice = if has_mipmaps { MIPMAPPED } else { ONE_LEVEL };
-    modules.extend([MIPMAPS, LOOK_UP, choice]);
+    let levels = if has_mipmaps { MIPMAPPED } else { ONE_LEVEL };
+    modules.extend([MIPMAPS, LOOK_UP, levels]);
     modules.extend(own);
     modules
 }

@@ -5,7 +5,10 @@ use crate::{
         exp2::{EXP2, power_of_two},
         stored::{Encoding, MomentPrecision, Store},
     },
-    shadow_map::{choices::stored_depth, packing::unpack_depth},
+    shadow_map::{
+        packing::unpack_depth,
+        variants::{constant, stored_depth},
+    },
 };
 use glam::{UVec2, Vec2, Vec4};
 use umbrage_core::{
@@ -107,9 +110,6 @@ impl MomentKind {
 uniforms! {
     /// Uniforms of [`MomentsKernel`].
     pub struct MomentsUniforms {
-        /// Moments a texel. It comes first since it has few values: see
-        /// [`ShadowMapUniforms::layer_count`](crate::shadow_map::layers::ShadowMapUniforms::layer_count).
-        pub channels: u32,
         /// Powers of two per unit of centred depth, of the exponential that rises with depth.
         pub rising: f32,
         /// Of the one that falls.
@@ -123,6 +123,8 @@ pub struct MomentsKernel {
     kind: MomentKind,
     encoding: Encoding,
     uniforms: MomentsUniforms,
+    /// Moments a texel.
+    channels: usize,
     /// Whether each depth of the input takes four channels.
     packed: bool,
 }
@@ -138,42 +140,20 @@ impl MomentsKernel {
         Self {
             kind,
             encoding: kind.encoding(precision),
-            uniforms: MomentsUniforms {
-                channels: kind.format(precision).channels() as u32,
-                rising,
-                falling,
-            },
+            uniforms: MomentsUniforms { rising, falling },
+            channels: kind.format(precision).channels(),
             packed,
         }
     }
 }
 
-macro_rules! choice {
-    ($name:literal, $moments:literal) => {
-        Module {
-            name: $name,
-            text: concat!(
-                "fn moments_of(depth: f32) -> vec4f { return ",
-                $moments,
-                "; }\n"
-            ),
-        }
-    };
-}
-
-const VARIANCE: Module = choice!(
-    "choice: depth and its square",
-    "vec4f(variance_moments(depth), 0.0, 0.0)"
-);
-const EXPONENTIALS: Module = choice!(
-    "choice: exponentials of depth",
-    "exponential_moments(depth, kernel.rising, kernel.falling)"
-);
-const POWERS: Module = choice!("choice: four powers of depth", "power_moments(depth)");
+const VARIANCE: Module = constant!("MOMENTS = VARIANCE");
+const EXPONENTIALS: Module = constant!("MOMENTS = EXPONENTIALS");
+const POWERS: Module = constant!("MOMENTS = POWERS");
 
 impl Kernel for MomentsKernel {
     fn modules(&self) -> Vec<Module> {
-        let choice = match self.kind {
+        let moments = match self.kind {
             MomentKind::Variance => VARIANCE,
             MomentKind::OneExponential { .. } | MomentKind::TwoExponentials { .. } => EXPONENTIALS,
             MomentKind::Powers => POWERS,
@@ -185,7 +165,7 @@ impl Kernel for MomentsKernel {
         let mut modules = stored_depth(self.packed).to_vec();
         modules.extend([EXP2, MOMENTS_OF_DEPTH]);
         modules.extend(self.encoding.modules());
-        modules.extend([fill, choice]);
+        modules.extend([moments, fill]);
         modules
     }
 
@@ -202,7 +182,7 @@ impl FilterKernel for MomentsKernel {
         let unpacked: Vec<f32>;
         let depths = if self.packed {
             let (texels, _) = row.as_chunks();
-            let count = out.len() / self.uniforms.channels as usize;
+            let count = out.len() / self.channels;
             let depth = |&channels: &[f32; 4]| unpack_depth(Vec4::from_array(channels));
             unpacked = texels.iter().take(count).map(depth).collect();
             &unpacked

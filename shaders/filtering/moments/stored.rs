@@ -1,5 +1,6 @@
 //! How a map holds moments: as 32-bit floats, or as channels of 16 bits, which take half of the memory.
 
+use crate::shadow_map::variants::constant;
 use glam::{Vec2, Vec4};
 use umbrage_core::{Module, SimdTask};
 
@@ -137,48 +138,27 @@ pub(crate) fn load_exponential(channel: f32) -> f32 {
     f32::from_bits(rounded.min(GREATEST_FINITE) << 15)
 }
 
-macro_rules! choice {
-    ($name:literal, $stored:literal, $loaded:literal) => {
-        Module {
-            name: $name,
-            text: concat!(
-                "fn stored_moments(moments: vec4f) -> vec4f { return ",
-                $stored,
-                "; }\nfn loaded_moments(channels: vec4f) -> vec4f { return ",
-                $loaded,
-                "; }\n"
-            ),
-        }
-    };
-}
-
-const FLOATS: Module = choice!("choice: moments of 32 bits", "moments", "channels");
-const VARIANCE_16: Module = choice!(
-    "choice: depth and its square in 16 bits",
-    "vec4f(store_variance(moments.xy), 0.0, 0.0)",
-    "vec4f(load_variance(channels.xy), 0.0, 0.0)"
-);
-const POWERS_16: Module = choice!(
-    "choice: powers in 16 bits",
-    "store_powers(moments)",
-    "load_powers(channels)"
-);
-const EXPONENTIALS_16: Module = choice!(
-    "choice: exponentials in 16 bits",
-    "store_exponentials(moments)",
-    "load_exponentials(channels)"
-);
+/// The WGSL of `stored_moments` and `loaded_moments`.
+const ENCODING: Module = Module {
+    name: "encoding",
+    text: include_str!("encoding.wgsl"),
+};
+const FLOATS: Module = constant!("ENCODING = FLOATS");
+const VARIANCE_16: Module = constant!("ENCODING = VARIANCE_16");
+const POWERS_16: Module = constant!("ENCODING = POWERS_16");
+const EXPONENTIALS_16: Module = constant!("ENCODING = EXPONENTIALS_16");
 
 impl Encoding {
     /// Returns the modules of `fn stored_moments(moments: vec4f) -> vec4f`, the channels, and of `fn loaded_moments(channels: vec4f)
     /// -> vec4f`, the moments.
     pub(crate) fn modules(self) -> Vec<Module> {
-        match self {
-            Self::Floats => vec![FLOATS],
-            Self::Variance16 => vec![STORED, VARIANCE_16],
-            Self::Powers16 => vec![STORED, POWERS_16],
-            Self::Exponentials16 => vec![STORED, EXPONENTIALS_16],
-        }
+        let encoding = match self {
+            Self::Floats => FLOATS,
+            Self::Variance16 => VARIANCE_16,
+            Self::Powers16 => POWERS_16,
+            Self::Exponentials16 => EXPONENTIALS_16,
+        };
+        vec![encoding, STORED, ENCODING]
     }
 
     /// Returns how channels are to be read and written where they are averaged. Means of what affine maps make are what they make of

@@ -62,7 +62,7 @@ pub(crate) struct TestOptions {
 /// What runs under models of drivers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum DriverTests {
-    /// A fixed tenth of the cases, and all that failed once; on SwiftShader a quarter of them
+    /// A fixed tenth of the cases, and all that failed once
     Tenth,
     /// All tests that compare an adapter with the CPU
     All,

@@ -48,7 +48,7 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         let mut command = cargo();
         driver.select(command.args(SECOND));
         if options.drivers == DriverTests::Tenth {
-            command.env(NTH_CASE, NTH_ON_SECOND);
+            command.env(NTH_CASE, TENTH);
         }
         let totals = run_tests(&mut command)?;
         failed += told(&totals, start, "SwiftShader");
@@ -109,10 +109,9 @@ const DRIVER_MODELS: [&str; 3] = ["fused", "reassociated", "inaccurate"];
 
 /// Environment variable that makes tests run each Nth of their cases: see `tests/driver_model.rs`.
 const NTH_CASE: &str = "UMBRAGE_EVERY_NTH_CASE";
-/// Of the cases of each test, this one in so many runs on the second driver: it takes three times as long as the first.
-const NTH_ON_SECOND: &str = "4";
-/// The same under each model of a driver.
-const NTH_ON_MODELS: &str = "10";
+/// Of the cases of each test, one in so many runs on the second driver and under each model of a driver: drivers that run on the CPU
+/// compile each case's shaders for longer than they run them.
+const TENTH: &str = "10";
 
 /// The tests that run once more with shaders rewritten so: some of each kind, and all that compare an adapter with the CPU.
 #[rustfmt::skip]
@@ -136,7 +135,7 @@ fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
     match tests {
         DriverTests::Tenth => {
             command.args(TENTH_ON_EVERY_DRIVER);
-            command.env(NTH_CASE, NTH_ON_MODELS);
+            command.env(NTH_CASE, TENTH);
         }
         DriverTests::All => {
             command.args(ALL_ON_EVERY_DRIVER);

@@ -12,17 +12,20 @@ pub struct Module {
     pub text: &'static str,
 }
 
-/// Returns the modules' texts, one after the other, each below a line with its name.
+/// Returns the modules' texts, one after the other, each below a line with its file's name.
 pub fn join(modules: &[Module]) -> String {
     let mut text = String::new();
-    for module in modules {
-        // Names with a colon say what a text does that is in no file of its own.
-        let extension = if module.name.contains(':') {
-            ""
-        } else {
-            ".wgsl"
-        };
-        text += &format!("// ---- {}{extension}\n{}\n", module.name, module.text);
+    for Module {
+        name,
+        text: module_text,
+    } in modules
+    {
+        // Names with a colon are those of single constants, which are in no file.
+        if !name.contains(':') {
+            text += &format!("// ---- {name}.wgsl\n");
+        }
+        text += module_text;
+        text += "\n";
     }
     text
 }

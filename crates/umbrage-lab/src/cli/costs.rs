@@ -3,7 +3,7 @@
 use crate::cli::{args::BenchArguments, inputs, progress::StepBar};
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
+use umbrage_core::{Backend, Fit, Scene, glam::UVec2};
 use umbrage_plan::catalogue::all;
 use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, fit, time_work};
 use umbrage_techniques::TechniquePreset;

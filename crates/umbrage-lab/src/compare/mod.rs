@@ -41,7 +41,7 @@ pub(crate) use timing::{Again, again};
 pub use umbrage_plan::motion::FrameMotion;
 
 use crate::LabError;
-use umbrage_core::{Fit, ShadowTechnique};
+use umbrage_core::Fit;
 use umbrage_techniques::TechniquePreset;
 
 /// In comparisons of at most this many scenes every row gets its pictures: whoever names a scene wants to see it.

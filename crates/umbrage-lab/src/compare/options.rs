@@ -4,7 +4,7 @@ use super::FrameMotion;
 use crate::LabError;
 use glam::UVec2;
 use std::time::Duration;
-use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
+use umbrage_core::{Camera, Fit, Invalid, Scene};
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::{cost::PriceList, truth::TruthOptions};
 use umbrage_techniques::TechniquePreset;

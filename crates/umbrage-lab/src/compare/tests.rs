@@ -4,7 +4,8 @@ use super::*;
 use crate::faulty_backend::{FaultyBackend, darken_one, lighten_one};
 use std::collections::BTreeSet;
 use umbrage_core::{
-    Fit, Geometry, Receivers, Shadows, Snapping, View, glam::UVec2, metrics::Pixel,
+    Fit, Geometry, Receivers, ShadowTechnique as _, Shadows, Snapping, View, glam::UVec2,
+    metrics::Pixel,
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::{footprint::measure, truth::TruthOptions};

@@ -1,6 +1,6 @@
 //! Chooses the settings of each technique that the matrix shows.
 
-use umbrage_core::{Fit, ShadowTechnique};
+use umbrage_core::Fit;
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_techniques::TechniquePreset;
 
@@ -52,6 +52,7 @@ fn distinct(settings: impl Iterator<Item = TechniquePreset>) -> Vec<TechniquePre
 mod tests {
     use super::*;
     use std::collections::HashSet;
+    use umbrage_core::ShadowTechnique as _;
 
     #[test]
     fn every_technique_has_one_to_four_settings_that_differ() {

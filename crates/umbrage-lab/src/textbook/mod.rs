@@ -9,7 +9,7 @@ pub use effects::all;
 pub use gallery::html;
 pub use play::{PlayedEffect, Side, play};
 
-use umbrage_core::{Scene, ShadowTechnique};
+use umbrage_core::Scene;
 use umbrage_techniques::TechniquePreset;
 
 /// A scene with a technique.

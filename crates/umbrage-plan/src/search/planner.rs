@@ -3,6 +3,7 @@
 use super::{
     Bounds, CurvePoint, Plan, PlanOptions, Sampled, Setting,
     bias_search::{Biased, all_biases},
+    by_preset::without_bias,
     clock,
     families::{FamilyNeeds, families_for},
     reasons::Facts,
@@ -25,7 +26,7 @@ use crate::{
     truth::TruthOptions,
 };
 use umbrage_core::{Backend, Camera, Geometry, Invalid, Light};
-use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
+use umbrage_techniques::TechniquePreset;
 use web_time::Instant;
 
 /// Some cameras' views of a scene with their samples, and what was tried on them.
@@ -407,14 +408,7 @@ impl<'a> Planner<'a> {
             .into_iter()
             .filter(|s| chosen.is_none_or(|c| c.preset != s.preset))
         {
-            let unbiased = setting.preset.map().map(|&map| ShadowMap {
-                bias: Bias::NONE,
-                ..map
-            });
-            let key = match unbiased {
-                Some(map) => setting.preset.with_map(map),
-                None => setting.preset.clone(),
-            };
+            let key = without_bias(&setting.preset);
             match best.iter_mut().find(|(other, _)| *other == key) {
                 Some((_, other)) if setting.estimate.error < other.estimate.error => {
                     *other = setting

@@ -1,6 +1,9 @@
 //! Tries settings on the sample, each once.
 
-use super::{Bounds, CameraFigures, Hold, Setting};
+use super::{
+    Bounds, CameraFigures, Hold, Setting,
+    by_preset::{ByPreset, without_bias},
+};
 use crate::{
     MeasureError,
     catalogue::Catalogue,
@@ -17,9 +20,8 @@ use crate::{
     progress::OnStep,
     truth::TruthOptions,
 };
-use std::collections::HashMap;
-use umbrage_core::{BackendError, Recipe, RecipeError, ShadowTechnique as _};
-use umbrage_techniques::{Bias, ShadowMap, TechniquePreset, Unshadowed};
+use umbrage_core::{BackendError, Fit, Layout, Recipe, RecipeError, ShadowTechnique as _};
+use umbrage_techniques::{ShadowMap, TechniquePreset, Unshadowed};
 
 /// One camera's view with its sample.
 pub(super) struct SampledView<'a> {
@@ -82,19 +84,22 @@ pub(super) struct Prices {
     kept_as_camera_moves: Option<bool>,
 }
 
+/// Whose drawing may follow the camera: a technique's, with its map's fit and layout.
+type DrawnPlace = (&'static str, Option<(Fit, Layout)>);
+
 /// All that was tried.
 pub(super) struct Trials<'a> {
     /// One a camera, at least one.
     pub(super) views: Vec<SampledView<'a>>,
     counting: Counting,
-    /// By the preset's fields in words; none where it isn't supported.
-    tried: HashMap<String, Option<Setting>>,
+    /// `None` if it isn't supported.
+    tried: ByPreset<Option<Setting>>,
     /// The first sample's estimates of settings that were verified since, one a camera.
-    first_estimates: HashMap<String, Vec<Estimate>>,
-    /// By the preset's fields but for its bias.
-    prices: HashMap<String, Option<Prices>>,
-    /// Whether what it draws is kept as the camera moves, by technique and fit.
-    kept: HashMap<String, bool>,
+    first_estimates: ByPreset<Vec<Estimate>>,
+    /// By the preset without its bias.
+    prices: ByPreset<Option<Prices>>,
+    /// Whether what it draws is kept as the camera moves.
+    kept: Vec<(DrawnPlace, bool)>,
 }
 
 impl<'a> Trials<'a> {
@@ -102,10 +107,10 @@ impl<'a> Trials<'a> {
         Self {
             views,
             counting,
-            tried: HashMap::new(),
-            first_estimates: HashMap::new(),
-            prices: HashMap::new(),
-            kept: HashMap::new(),
+            tried: ByPreset::default(),
+            first_estimates: ByPreset::default(),
+            prices: ByPreset::default(),
+            kept: Vec::new(),
         }
     }
 
@@ -219,7 +224,7 @@ impl<'a> Trials<'a> {
         &mut self,
         preset: &TechniquePreset,
     ) -> Result<Option<Prices>, MeasureError> {
-        let key = key_but_for_bias(preset);
+        let key = without_bias(preset);
         if let Some(prices) = self.prices.get(&key) {
             return Ok(prices.clone());
         }
@@ -281,13 +286,14 @@ impl<'a> Trials<'a> {
 
     /// Whether what a preset draws is kept as the camera moves: a question of its technique, fit and layout alone.
     fn is_kept(&mut self, preset: &TechniquePreset, recipe: &Recipe) -> bool {
-        let place = preset.map().map(|map| (map.fit, map.layout));
-        let key = format!("{} {place:?}", preset.technique().name());
-        let scene = &self.views[0].scene;
-        *self
-            .kept
-            .entry(key)
-            .or_insert_with(|| !scene.follows_camera(preset, recipe))
+        let fit_and_layout = preset.map().map(|map| (map.fit, map.layout));
+        let place = (preset.name(), fit_and_layout);
+        if let Some((_, is_kept)) = self.kept.iter().find(|(known, _)| *known == place) {
+            return *is_kept;
+        }
+        let is_kept = !self.views[0].scene.follows_camera(preset, recipe);
+        self.kept.push((place, is_kept));
+        is_kept
     }
 
     /// Tries a preset on the sample; none if it isn't supported.
@@ -295,12 +301,11 @@ impl<'a> Trials<'a> {
         &mut self,
         preset: &TechniquePreset,
     ) -> Result<Option<Setting>, MeasureError> {
-        let key = format!("{preset:?}");
-        if let Some(setting) = self.tried.get(&key) {
+        if let Some(setting) = self.tried.get(preset) {
             return Ok(setting.clone());
         }
         let setting = self.try_new(preset)?;
-        self.tried.insert(key, setting.clone());
+        self.tried.insert(preset.clone(), setting.clone());
         Ok(setting)
     }
 
@@ -371,16 +376,18 @@ impl<'a> Trials<'a> {
         bound: Option<f64>,
         on_step: &OnStep<'_>,
     ) -> Result<Setting, MeasureError> {
-        let key = format!("{:?}", setting.preset);
         let of_setting: Vec<Estimate> = match &setting.cameras[..] {
             [] => vec![setting.estimate],
             cameras => cameras.iter().map(|camera| camera.estimate).collect(),
         };
-        let firsts = self
-            .first_estimates
-            .entry(key.clone())
-            .or_insert(of_setting)
-            .clone();
+        let firsts = match self.first_estimates.get(&setting.preset) {
+            Some(known) => known.clone(),
+            None => {
+                let preset = setting.preset.clone();
+                self.first_estimates.insert(preset, of_setting.clone());
+                of_setting
+            }
+        };
         let mut estimates = Vec::new();
         for (view, first) in self.views.iter_mut().zip(firsts) {
             let recipe = view.scene.recipe(&setting.preset)?;
@@ -397,7 +404,8 @@ impl<'a> Trials<'a> {
         let mut verified = setting.clone();
         let frames: Vec<f64> = setting.cameras.iter().map(|c| c.milliseconds).collect();
         self.set_estimates(&mut verified, &estimates, &frames);
-        self.tried.insert(key, Some(verified.clone()));
+        self.tried
+            .insert(setting.preset.clone(), Some(verified.clone()));
         Ok(verified)
     }
 
@@ -419,8 +427,8 @@ impl<'a> Trials<'a> {
                 setting.shimmer = greater(setting.shimmer, found);
             }
         }
-        let key = format!("{:?}", setting.preset);
-        self.tried.insert(key, Some(setting.clone()));
+        self.tried
+            .insert(setting.preset.clone(), Some(setting.clone()));
         Ok(setting)
     }
 
@@ -454,7 +462,7 @@ impl<'a> Trials<'a> {
 
     /// Returns what the first sample says of a setting, verified since or not.
     pub(super) fn first_estimate(&self, setting: &Setting) -> Estimate {
-        match self.first_estimates.get(&format!("{:?}", setting.preset)) {
+        match self.first_estimates.get(&setting.preset) {
             Some(firsts) => held(self.counting.hold, firsts),
             None => setting.estimate,
         }
@@ -495,17 +503,5 @@ fn held(hold: Hold, estimates: &[Estimate]) -> Estimate {
         high: of(|e| e.high),
         too_dark: of(|e| e.too_dark),
         too_light: of(|e| e.too_light),
-    }
-}
-
-/// Returns the preset's fields in words, its bias left out.
-fn key_but_for_bias(preset: &TechniquePreset) -> String {
-    let unbiased = preset.map().map(|&map| ShadowMap {
-        bias: Bias::NONE,
-        ..map
-    });
-    match unbiased {
-        Some(map) => format!("{:?}", preset.with_map(map)),
-        None => format!("{preset:?}"),
     }
 }

@@ -3,7 +3,7 @@
 use crate::{
     geometry::{
         Geometry,
-        bvh::{tests::geometry, wide::SHALLOW},
+        bvh::{tree::tests::geometry, wide::SHALLOW},
         random::Random,
         ray_box::{enters_box, slab_inverse},
         ray_triangle::{Corners, Segment},

@@ -1,4 +1,4 @@
-// Twin of the rules in cascades.rs that read a map's layers.
+// Twin of the rules in layers.rs and cascades.rs that read the kernel's layers: which one is a receiver's, and its share.
 
 fn holds(layer: i32, p: vec3f) -> bool {
     let room = room_around(kernel.lookup.layers[layer].clip_from_world, p, kernel.lookup.size);
@@ -26,4 +26,21 @@ fn share_of_layer(layer: i32, p: vec3f) -> f32 {
         return share;
     }
     return 1.0;
+}
+
+fn layer_at(light: vec4f, p: vec3f) -> i32 {
+    if ARRANGEMENT == CUBE {
+        return cube_face(light, p);
+    }
+    if ARRANGEMENT == CASCADED_MAPS {
+        return cascade_at(p);
+    }
+    return 0;
+}
+
+fn map_layer(layer: i32) -> MapLayer {
+    if ARRANGEMENT == SINGLE_MAP {
+        return kernel.lookup.layers[0];
+    }
+    return kernel.lookup.layers[layer];
 }

@@ -1,0 +1,122 @@
+//! Which variants of the WGSL rules a map uses. Each rule stands in its file with all its variants, and asks constants which
+//! one this map's is; this module declares them. What is switched off costs nothing: compilers know the constants.
+
+use super::{
+    cascades::{CASCADES, LAYER_PICK},
+    coord::{COORD, PROJECTION},
+    layers::{LAYERS, ShadowMapUniforms},
+    packing::PACKING,
+    texel_compare::{DEPTH_ON_PLANE, STORED_DEPTH, TEXEL_COMPARE},
+};
+use umbrage_core::{Arrangement, Module};
+
+/// A module that declares one constant: `constant!("IS_PACKED = true")`.
+macro_rules! constant {
+    ($declaration:literal) => {
+        umbrage_core::Module {
+            name: concat!("constant: ", $declaration),
+            text: concat!("const ", $declaration, ";\n"),
+        }
+    };
+}
+pub(crate) use constant;
+
+const SINGLE_MAP: Module = constant!("ARRANGEMENT = SINGLE_MAP");
+const CUBE: Module = constant!("ARRANGEMENT = CUBE");
+const CASCADED_MAPS: Module = constant!("ARRANGEMENT = CASCADED_MAPS");
+const CONSTANT_BIAS: Module = constant!("BIAS = CONSTANT_BIAS");
+const SLOPE_BIAS: Module = constant!("BIAS = SLOPE_BIAS");
+const NORMAL_OFFSET: Module = constant!("BIAS = NORMAL_OFFSET");
+const RECEIVER_PLANE: Module = constant!("TAPS_FOLLOW_PLANE = true");
+const ONE_DEPTH: Module = constant!("TAPS_FOLLOW_PLANE = false");
+const CLAMPED_BORDER: Module = constant!("EDGE_REPEATS = true");
+const LIT_BORDER: Module = constant!("EDGE_REPEATS = false");
+const LIT_BEYOND_FAR: Module = constant!("IS_LIT_BEYOND_FAR = true");
+const COMPARED_BEYOND_FAR: Module = constant!("IS_LIT_BEYOND_FAR = false");
+const PACKED_DEPTH: Module = constant!("IS_PACKED = true");
+const PLAIN_DEPTH: Module = constant!("IS_PACKED = false");
+
+/// The part of `receive` that all maps share.
+const RECEIVE: Module = Module {
+    name: "receive",
+    text: include_str!("receive.wgsl"),
+};
+/// `receive`, where each receiver has one layer. Its two variants are two modules, not one that asks a constant: compilers would
+/// inline the technique's lookup twice before they see that one of the calls is never made.
+const RECEIVE_ONE: Module = Module {
+    name: "receive_one",
+    text: include_str!("receive_one.wgsl"),
+};
+/// `receive`, where the answers of two layers blend.
+const RECEIVE_BLENDED: Module = Module {
+    name: "receive_blended",
+    text: include_str!("receive_blended.wgsl"),
+};
+/// `full_light`, where what no map covers is lit.
+const FULL_LIGHT: Module = Module {
+    name: "full_light",
+    text: include_str!("full_light.wgsl"),
+};
+
+impl ShadowMapUniforms {
+    /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them. The technique's
+    /// own WGSL gives `fn visibility(l: ShadowCoord, r: Receiver) -> f32`, for receivers that the map covers; all others are lit. The
+    /// map's uniforms must be the kernel's field `lookup`.
+    pub fn modules(&self) -> Vec<Module> {
+        let mut modules = self.modules_without_full_light();
+        modules.push(FULL_LIGHT);
+        modules
+    }
+
+    /// As [`modules`](Self::modules), for techniques whose own WGSL also gives `fn full_light(r: Receiver) -> f32`, the answer for
+    /// receivers that the map doesn't cover.
+    pub fn modules_without_full_light(&self) -> Vec<Module> {
+        let mut modules = self.constants().to_vec();
+        modules.extend([
+            LAYERS,
+            PROJECTION,
+            CASCADES,
+            LAYER_PICK,
+            COORD,
+            DEPTH_ON_PLANE,
+            TEXEL_COMPARE,
+            RECEIVE,
+            either(self.blends(), RECEIVE_BLENDED, RECEIVE_ONE),
+        ]);
+        modules.extend(stored_depth(self.packed != 0));
+        modules
+    }
+
+    /// Returns the constants that the map's modules ask.
+    fn constants(&self) -> [Module; 5] {
+        // Layers share their bias and what is beyond their far planes.
+        let layer = &self.layers[0];
+        let arrangement = match self.arrangement() {
+            Arrangement::Single => SINGLE_MAP,
+            Arrangement::Cube => CUBE,
+            Arrangement::Cascades(_) => CASCADED_MAPS,
+        };
+        let bias = match (layer.moves_receivers(), layer.has_receiver_bias()) {
+            (true, _) => NORMAL_OFFSET,
+            (false, true) => SLOPE_BIAS,
+            (false, false) => CONSTANT_BIAS,
+        };
+        [
+            arrangement,
+            bias,
+            either(layer.follows_plane(), RECEIVER_PLANE, ONE_DEPTH),
+            either(self.clamped != 0, CLAMPED_BORDER, LIT_BORDER),
+            either(layer.far == 1.0, LIT_BEYOND_FAR, COMPARED_BEYOND_FAR),
+        ]
+    }
+}
+
+/// Returns the WGSL of `stored_depth`, which reads the kernel's first image.
+pub(crate) fn stored_depth(packed: bool) -> [Module; 3] {
+    let is_packed = either(packed, PACKED_DEPTH, PLAIN_DEPTH);
+    [is_packed, PACKING, STORED_DEPTH]
+}
+
+fn either(condition: bool, yes: Module, no: Module) -> Module {
+    if condition { yes } else { no }
+}
