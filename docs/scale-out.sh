@@ -38,8 +38,8 @@ case $shards in
 esac
 mkdir -p "$folder"
 # Built once, here, so that the tasks don't all wait for the first.
-cargo build --release --package xtask-measure
-xtask="${CARGO_TARGET_DIR:-target}/release/xtask-measure"
+cargo build --profile measure --package xtask-measure
+xtask="${CARGO_TARGET_DIR:-target}/measure/xtask-measure"
 # Slurm would read a per cent sign as a field.
 logs=$(printf '%s' "$folder" | sed 's/%/%%/g')
 

@@ -23,10 +23,7 @@ use umbrage::{
     },
     uniforms,
 };
-use umbrage_plan::{
-    catalogue::{CataloguedKernel, CataloguedTechnique, kernel},
-    cost::KernelCost,
-};
+use umbrage_plan::catalogue::{CataloguedKernel, CataloguedTechnique, KernelCost, kernel};
 
 /// Greatest length of a walk, pixels.
 pub const MAX_PIXELS: u32 = 512;

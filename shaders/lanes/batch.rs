@@ -72,7 +72,7 @@ pub fn look_up_span(
     }
 }
 
-/// Blends the answers in `out` into those of the next layers, where the layers of `batch` end. Twin of `receive_from_two` in
+/// Blends the answers in `out` into those of the next layers, where the layers of `batch` end. Twin of `receive` in
 /// receive_blended.wgsl.
 #[inline(never)]
 fn blend_layers(
@@ -287,19 +287,20 @@ const NO_LAYER: i32 = -1;
 
 /// Looks up a batch of receivers, each in the layer in which it lies.
 fn project(simd: Simd, m: &ShadowMapUniforms, receivers: &ReceiverBatch<'_>, batch: &mut Batch) {
-    if m.arrangement() == Arrangement::Single {
-        project_into(simd, m, &m.layers[0], receivers, batch);
-        return;
-    }
-    if matches!(m.arrangement(), Arrangement::Cascades(_)) {
-        simd.run_task(PickCascades {
+    match m.arrangement() {
+        Arrangement::Single => {
+            project_into(simd, m, &m.layers[0], receivers, batch);
+            return;
+        }
+        Arrangement::Cascades(_) => simd.run_task(PickCascades {
             m,
             receivers,
             layers: &mut batch.layer,
-        });
-    } else {
-        for i in 0..BATCH {
-            batch.layer[i] = layer_at(m, receivers.position(i));
+        }),
+        Arrangement::Cube => {
+            for i in 0..BATCH {
+                batch.layer[i] = layer_at(m, receivers.position(i));
+            }
         }
     }
     project_in_layers(simd, m, receivers, batch);

@@ -14,8 +14,8 @@ pub use preset::TechniquePreset;
 use crate::shadow_map::ShadowMap;
 use umbrage_core::ShadowTechnique;
 
-/// What files need of settings: `serde`'s traits, with the feature `presets`, and nothing without it. It is implemented by
-/// itself.
+/// What files need of settings: `serde`'s traits with the feature `presets`, and nothing without it. Every such type implements
+/// it. Another package of the program may enable the feature, so derive both traits.
 #[cfg(feature = "presets")]
 pub trait Stored: serde::Serialize + serde::de::DeserializeOwned {}
 

@@ -18,7 +18,7 @@ pub const CASCADES: Module = Module {
     text: include_str!("cascades.wgsl"),
 };
 
-/// The WGSL of `cascade_at`.
+/// The WGSL that reads the kernel's layers: `layer_at`, `map_layer`, `cascade_at`, `holds`, `share_of_layer`.
 pub(crate) const LAYER_PICK: Module = Module {
     name: "layer_pick",
     text: include_str!("layer_pick.wgsl"),

@@ -10,8 +10,8 @@ use umbrage_core::{
     math::{cross3, dot3, unit3},
 };
 
-/// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH), [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`], and the
-/// variants that `variants.rs` selects.
+/// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH), [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`], `layer_pick.wgsl`
+/// and the map's constants (`variants.rs`).
 pub const COORD: Module = Module {
     name: "coord",
     text: include_str!("coord.wgsl"),

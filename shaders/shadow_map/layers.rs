@@ -135,15 +135,16 @@ impl MapLayer {
 impl ShadowMapUniforms {
     /// Returns what a lookup needs to know of a map of `view.light` whose layers lie in `spaces`.
     ///
-    /// Panics if there are no spaces.
+    /// Panics if there are no spaces, or several that are neither a cube around a lamp nor cascades of a sun.
     pub fn new(map: &ShadowMap, view: &View<'_>, spaces: &LightSpaces) -> Self {
         let bias = map.bias;
-        let pick = match spaces.arrangement {
+        let arrangement = spaces.arrangement;
+        let pick = match arrangement {
             Arrangement::Single | Arrangement::Cube => CascadePick::default(),
             Arrangement::Cascades(pick) => pick,
         };
         let spaces = &spaces.spaces;
-        Self {
+        let uniforms = Self {
             layer_count: spaces.len() as u32,
             packed: u32::from(map.format == MapFormat::Rgba8),
             clamped: u32::from(map.border == Border::Clamp),
@@ -157,7 +158,11 @@ impl ShadowMapUniforms {
             light: homogeneous(view.light),
             size: map.size as f32,
             sample_gain: if bias.adaptive { 0.0 } else { 1.0 },
-        }
+        };
+        // Shaders and lookups learn the arrangement from the number of layers and the light.
+        let is_known = spaces.len() == 1 || uniforms.arrangement() == arrangement;
+        assert!(is_known, "{arrangement:?} under {:?}", view.light);
+        uniforms
     }
 
     /// Returns the index of the layer in which a receiver at `position` (world space) is looked up first.

@@ -5,8 +5,8 @@ use super::{coord::ShadowCoord, layers::ShadowMapUniforms, packing::unpack_depth
 use glam::{Vec2, Vec4};
 use umbrage_core::{ImageView, Module};
 
-/// The WGSL half: `stored_depth`, `tap`, and their variants. It reads the kernel's first image, and needs the modules
-/// [`COORD`](super::coord::COORD), [`DEPTH_ON_PLANE`] and the map's constants.
+/// The WGSL half: `tap` and `depth_at`. It reads the kernel's first image, and needs the modules
+/// [`COORD`](super::coord::COORD), [`DEPTH_ON_PLANE`], `stored_depth.wgsl` and the map's constants.
 pub const TEXEL_COMPARE: Module = Module {
     name: "texel_compare",
     text: include_str!("texel_compare.wgsl"),
@@ -18,7 +18,7 @@ pub const DEPTH_ON_PLANE: Module = Module {
     text: include_str!("depth_on_plane.wgsl"),
 };
 
-/// The variants of `stored_depth`. It reads the kernel's first image.
+/// The WGSL of `stored_depth`. It reads the kernel's first image.
 pub(crate) const STORED_DEPTH: Module = Module {
     name: "stored_depth",
     text: include_str!("stored_depth.wgsl"),

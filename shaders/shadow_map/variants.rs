@@ -1,5 +1,5 @@
-//! Which variants of the WGSL rules a map uses. Each rule stands in its file with all its variants, and asks constants which
-//! one this map's is; this module declares them. What is switched off costs nothing: compilers know the constants.
+//! The variants of a map's WGSL. Constants select them in the rules' own files; this module declares the constants. Compilers remove
+//! the other variants.
 
 use super::{
     cascades::{CASCADES, LAYER_PICK},
@@ -41,8 +41,8 @@ const RECEIVE: Module = Module {
     name: "receive",
     text: include_str!("receive.wgsl"),
 };
-/// `receive`, where each receiver has one layer. Its two variants are two modules, not one that asks a constant: compilers would
-/// inline the technique's lookup twice before they see that one of the calls is never made.
+/// `receive`, where each receiver has one layer. The other variant is a file of its own: with a constant, compilers would inline the
+/// technique's lookup twice before they remove one of the calls.
 const RECEIVE_ONE: Module = Module {
     name: "receive_one",
     text: include_str!("receive_one.wgsl"),
@@ -87,7 +87,7 @@ impl ShadowMapUniforms {
         modules
     }
 
-    /// Returns the constants that the map's modules ask.
+    /// Returns the constants that select the map's variants.
     fn constants(&self) -> [Module; 5] {
         // Layers share their bias and what is beyond their far planes.
         let layer = &self.layers[0];

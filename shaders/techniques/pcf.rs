@@ -110,7 +110,7 @@ const SQUARE_OF_THREE: Module = constant!("IS_SQUARE_OF_THREE = true");
 const ANY_SQUARE: Module = constant!("IS_SQUARE_OF_THREE = false");
 
 impl PcfKernel {
-    fn radius_choice(&self) -> Module {
+    fn radius_constant(&self) -> Module {
         if self.0.radius == 1 {
             SQUARE_OF_THREE
         } else {
@@ -126,7 +126,7 @@ impl Kernel for PcfKernel {
             .modules()
             .into_iter()
             .chain([
-                self.radius_choice(),
+                self.radius_constant(),
                 Module {
                     name: "pcf",
                     text: include_str!("pcf.wgsl"),

@@ -145,7 +145,6 @@ impl ShadowTechnique for Pcss {
         Ok(recipe)
     }
 
-    /// As wide as the penumbra, which differs everywhere; a texel is the least.
     fn follows_camera(&self, light: &Light) -> bool {
         self.map.follows_camera(light)
     }

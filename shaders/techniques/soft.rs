@@ -265,12 +265,10 @@ impl SoftKernel {
             cut_outs: self.cut_outs.as_deref(),
         }
     }
-}
 
-impl SoftKernel {
     /// Returns by how much the share of the light above a receiver's horizon may be wrong, 0..=1: points of the light are counted,
     /// and the horizon is one straight edge.
-    pub fn horizon_error(&self) -> f32 {
+    pub fn share_error(&self) -> f32 {
         if self.uniforms.light.is_ideal() {
             0.0
         } else {

@@ -33,7 +33,7 @@ impl Program {
     /// Returns cargo's option for the profile that the program is built in.
     pub(crate) fn profile(self) -> &'static [&'static str] {
         match self {
-            Self::Measure => &["--release"],
+            Self::Measure => &["--profile", "measure"],
             Self::Upkeep => &[],
         }
     }
@@ -41,7 +41,7 @@ impl Program {
     /// Returns the folder in cargo's target folder for that profile.
     pub(crate) fn folder(self) -> &'static str {
         match self {
-            Self::Measure => "release",
+            Self::Measure => "measure",
             Self::Upkeep => "debug",
         }
     }

@@ -13,6 +13,7 @@ pub mod invalid;
 pub mod light_space;
 pub mod math;
 pub mod metrics;
+#[doc(hidden)]
 pub mod parallel;
 pub mod picture;
 pub mod recipe;

@@ -1,7 +1,7 @@
 //! Loops over several threads, with the feature `parallel`; without it the same loops over one.
 //!
-//! With the feature this is [rayon](https://docs.rs/rayon). Without it, `prelude` has the methods
-//! of rayon's that umbrage calls, as methods of the standard library's iterators and slices.
+//! With the feature this is [rayon](https://docs.rs/rayon). Without it, `prelude` has those of
+//! rayon's methods that umbrage calls. No part of the public API.
 
 #[cfg(feature = "parallel")]
 pub use rayon::{current_num_threads, prelude};
@@ -13,7 +13,10 @@ pub fn current_num_threads() -> usize {
 }
 
 #[cfg(not(feature = "parallel"))]
-pub mod prelude {
+pub use one_thread as prelude;
+
+#[cfg(any(test, not(feature = "parallel")))]
+pub mod one_thread {
     //! Rayon's traits, on one thread.
 
     use std::{
@@ -21,7 +24,7 @@ pub mod prelude {
         slice::{Chunks, ChunksExactMut, ChunksMut, Iter},
     };
 
-    /// Values that can be gone through.
+    /// Values that can be iterated.
     pub trait IntoParallelIterator: IntoIterator + Sized {
         /// Returns the values in order.
         fn into_par_iter(self) -> OneThread<Self::IntoIter> {
@@ -31,7 +34,7 @@ pub mod prelude {
 
     impl<I: IntoIterator> IntoParallelIterator for I {}
 
-    /// Slices that can be gone through.
+    /// Slices that can be iterated.
     pub trait ParallelSlice<T> {
         /// Returns the elements in order.
         fn par_iter(&self) -> OneThread<Iter<'_, T>>;
@@ -67,8 +70,8 @@ pub mod prelude {
         }
     }
 
-    /// An iterator with rayon's methods. Those of [`Iterator`] that mean something else there are
-    /// its own.
+    /// An iterator with rayon's methods. It overrides the methods of [`Iterator`] that rayon
+    /// defines otherwise.
     #[derive(Clone, Debug)]
     pub struct OneThread<I>(I);
 
@@ -137,5 +140,73 @@ pub mod prelude {
         pub fn find_map_first<T>(mut self, f: impl FnMut(I::Item) -> Option<T>) -> Option<T> {
             self.0.find_map(f)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_thread::{IntoParallelIterator as _, ParallelSlice as _};
+    use rayon::prelude as rayon;
+
+    /// Each method gives on one thread what rayon gives.
+    #[test]
+    fn one_thread_gives_what_many_give() {
+        let numbers: Vec<i64> = (0..1000).map(|i| i * 7919 % 1009).collect();
+        let other: Vec<i64> = numbers.iter().rev().copied().collect();
+
+        let one: Vec<i64> = numbers.par_iter().map(|n| n * 3).collect();
+        let many: Vec<i64> = rayon::ParallelIterator::collect(rayon::ParallelIterator::map(
+            rayon::IntoParallelRefIterator::par_iter(&numbers),
+            |n| n * 3,
+        ));
+        assert_eq!(one, many);
+
+        // Sums of chunks, with a state that must not leak from one value to the next.
+        let init = Vec::new;
+        let sum = |state: &mut Vec<i64>, chunk: &[i64]| {
+            state.clear();
+            state.extend(chunk);
+            state.iter().sum::<i64>()
+        };
+        let one: Vec<i64> = numbers.par_chunks(64).map_init(init, sum).collect();
+        let many: Vec<i64> = rayon::ParallelIterator::collect(rayon::ParallelIterator::map_init(
+            rayon::ParallelSlice::par_chunks(&numbers[..], 64),
+            init,
+            sum,
+        ));
+        assert_eq!(one, many);
+
+        let pairs = numbers.par_iter().zip(&other).enumerate();
+        let one = pairs
+            .filter(|(i, _)| i % 3 == 0)
+            .map(|(i, (a, b))| i as i64 + a - b)
+            .with_min_len(8)
+            .reduce(|| i64::MIN, i64::max);
+        let expected = numbers.iter().zip(&other).enumerate().step_by(3);
+        let expected = expected.map(|(i, (a, b))| i as i64 + a - b).max();
+        assert_eq!(Some(one), expected);
+        let nothing = Vec::<i64>::new().into_par_iter().reduce(|| 5, i64::max);
+        assert_eq!(nothing, 5, "the identity");
+
+        let first = (0..1000)
+            .into_par_iter()
+            .find_map_first(|i| (numbers[i] > 900).then_some(i));
+        assert_eq!(first, numbers.iter().position(|&n| n > 900));
+
+        let mut sorted = numbers.clone();
+        sorted.par_sort_unstable_by(i64::cmp);
+        assert!(sorted.is_sorted() && sorted.len() == numbers.len());
+
+        let mut chunks = numbers.clone();
+        chunks.par_chunks_mut(300).for_each(|chunk| chunk[0] = -1);
+        let marked: Vec<usize> = (0..1000).filter(|&i| chunks[i] == -1).collect();
+        assert_eq!(marked, [0, 300, 600, 900]);
+        let mut exact = numbers.clone();
+        let ids = (0..333).into_par_iter();
+        exact
+            .par_chunks_exact_mut(3)
+            .zip(ids)
+            .for_each(|(chunk, id)| chunk[2] = id);
+        assert_eq!([exact[2], exact[998], exact[999]], [0, 332, numbers[999]]);
     }
 }

@@ -6,8 +6,9 @@
 //! * by type: `umbrage::cpu::Cpu` or `umbrage::wgpu::Gpu`, both [`Backend`]s, in functions generic over it;
 //! * at compile time: the features `cpu` and `wgpu`, both on by default.
 //!
-//! Two more are on by default: `presets` (settings as TOML, and `serde` for what holds data) and `rays` (`traced` and `soft`). A renderer on
-//! wgpu that needs neither names `default-features = false, features = ["wgpu"]`, and builds no threads, no hierarchies and no parsers.
+//! Four more are on by default: `presets` (settings as TOML, and `serde` for what holds data), `rays` (`traced` and `soft`), `parallel`
+//! (threads) and `simd` (vector instructions). A renderer on wgpu may name `default-features = false, features = ["wgpu"]`: it then builds
+//! no threads, no hierarchies and no parsers, and what the CPU prepares takes one thread.
 //!
 //! Three features are off by default. With `scenes`, `umbrage::scenes` loads scene files and OBJ models (with `gltf` glTF, too) and has the built-in
 //! scenes. With `plan`, `umbrage::auto` finds the least technique that a scene needs, by measurement.

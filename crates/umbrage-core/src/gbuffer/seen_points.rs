@@ -1,6 +1,5 @@
 //! Seen points in tiles of the image, with boxes around them, so that whole tiles can be passed over.
 
-use crate::parallel::prelude::*;
 use crate::{
     gbuffer::receivers::Receivers,
     geometry::{
@@ -8,6 +7,7 @@ use crate::{
         box_tree::{BoxTree, RUN},
     },
     light_space::fit::SliceOfView,
+    parallel::prelude::*,
 };
 use glam::Vec3;
 use std::{ops::Range, sync::Arc};

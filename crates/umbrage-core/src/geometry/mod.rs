@@ -3,6 +3,7 @@
 pub(crate) mod aabb;
 pub(crate) mod box_tree;
 pub mod bvh;
+#[doc(hidden)]
 pub mod clip_polygon;
 pub mod cut_out;
 mod derived;
@@ -24,7 +25,6 @@ pub(crate) mod weld;
 
 #[cfg(feature = "rays")]
 use crate::geometry::bvh::Bvh;
-use crate::parallel::prelude::*;
 use crate::{
     geometry::{
         aabb::Aabb,
@@ -34,6 +34,7 @@ use crate::{
         placed::PlacedMeshes,
     },
     invalid::Invalid,
+    parallel::prelude::*,
     scene::{Instance, Scene, material::AlphaCutout},
 };
 use glam::{Vec2, Vec3, Vec4};

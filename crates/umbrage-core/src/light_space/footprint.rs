@@ -6,11 +6,11 @@
 //! than a pixel, whichever way it is stretched. J grows with the map's side N, so the side at which it reaches 1 is
 //! N / least singular value.
 
-use crate::parallel::prelude::*;
 use crate::{
     gbuffer::receivers::Receivers,
     light_space::layers::{LayerPicker, LightSpaces},
     math::{cross3, dot3, transform},
+    parallel::prelude::*,
     scene::camera::{CameraRays, MAX_SIDE},
     view::View,
 };

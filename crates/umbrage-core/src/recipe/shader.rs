@@ -14,20 +14,16 @@ pub struct Module {
 
 /// Returns the modules' texts, one after the other, each below a line with its file's name.
 pub fn join(modules: &[Module]) -> String {
-    let mut text = String::new();
-    for Module {
-        name,
-        text: module_text,
-    } in modules
-    {
+    let mut out = String::new();
+    for Module { name, text } in modules {
         // Names with a colon are those of single constants, which are in no file.
         if !name.contains(':') {
-            text += &format!("// ---- {name}.wgsl\n");
+            out += &format!("// ---- {name}.wgsl\n");
         }
-        text += module_text;
-        text += "\n";
+        out += text;
+        out += "\n";
     }
-    text
+    out
 }
 
 /// A struct that Rust fills and WGSL reads, laid out by `encase`. Declare it with [`uniforms!`](crate::uniforms).

@@ -1,10 +1,9 @@
 //! What is measured and planned of `evsm`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost, PlannedBiases,
     RandomParameter, kernel, moments, sweeps,
 };
-use crate::cost::KernelCost;
 use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{Bias, Evsm, EvsmKernel, EvsmMoments, MomentPrecision, ShadowMap};
 

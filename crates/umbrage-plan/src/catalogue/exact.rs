@@ -1,7 +1,6 @@
 //! What is measured and planned of `exact`.
 
-use super::{CataloguedKernel, CataloguedTechnique, ClosedFormDemand, kernel};
-use crate::cost::KernelCost;
+use super::{CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost, kernel};
 use umbrage_core::{ReceiveKernel, Receivers, Recipe};
 use umbrage_techniques::{Exact, ExactKernel, ShadowMap};
 

@@ -1,6 +1,5 @@
 //! What is measured of kernels: what they cost, and how far they look.
 
-use crate::cost::KernelCost;
 use std::any::Any;
 use umbrage_core::{ReceiveKernel, Receivers, glam::Vec3};
 
@@ -46,6 +45,53 @@ pub trait CataloguedKernel: Sync {
     fn layer(&self, position: Vec3) -> Option<u32> {
         let _ = position;
         None
+    }
+}
+
+/// What a kernel reads for one receiver, at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct KernelCost {
+    /// Texels loaded; of the rows of a square of texels, each three neighbours as one.
+    pub taps: u32,
+    /// Comparison samples taken, each of four texels.
+    pub samples: u32,
+    /// Rays traced.
+    pub rays: u32,
+}
+
+impl Default for KernelCost {
+    /// One tap.
+    fn default() -> Self {
+        Self::taps(1)
+    }
+}
+
+impl KernelCost {
+    /// Taps alone.
+    pub const fn taps(taps: u32) -> Self {
+        Self {
+            taps,
+            samples: 0,
+            rays: 0,
+        }
+    }
+
+    /// Comparison samples alone.
+    pub const fn samples(samples: u32) -> Self {
+        Self {
+            taps: 0,
+            samples,
+            rays: 0,
+        }
+    }
+
+    /// Rays alone.
+    pub const fn rays(rays: u32) -> Self {
+        Self {
+            taps: 0,
+            samples: 0,
+            rays,
+        }
     }
 }
 

@@ -28,7 +28,7 @@ mod volumes;
 mod vsm;
 
 pub use entry::{Catalogue, CatalogueEntry, all, find};
-pub use kernel::CataloguedKernel;
+pub use kernel::{CataloguedKernel, KernelCost};
 
 use std::ops::Range;
 use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, Recipe};

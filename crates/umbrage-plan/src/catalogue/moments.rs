@@ -1,7 +1,6 @@
 //! What `vsm`, `evsm` and `msm` have in common.
 
-use super::{CataloguedTechnique, ClosedFormDemand};
-use crate::cost::KernelCost;
+use super::{CataloguedTechnique, ClosedFormDemand, KernelCost};
 use std::any::Any;
 use umbrage_core::FilterKernel;
 use umbrage_techniques::{BoxBlurKernel, HalveKernel, HalveUniforms, MomentPrecision, ShadowMap};

@@ -1,7 +1,8 @@
 //! What is measured and planned of `pcf`.
 
-use super::{Candidate, CataloguedKernel, CataloguedTechnique, RandomParameter, kernel, sweeps};
-use crate::cost::KernelCost;
+use super::{
+    Candidate, CataloguedKernel, CataloguedTechnique, KernelCost, RandomParameter, kernel, sweeps,
+};
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{Bias, Pcf, PcfKernel, ShadowMap};
 

@@ -1,7 +1,6 @@
 //! What is measured and planned of `pcf_dithered`.
 
-use super::{CataloguedKernel, CataloguedTechnique, kernel, sweeps};
-use crate::cost::KernelCost;
+use super::{CataloguedKernel, CataloguedTechnique, KernelCost, kernel, sweeps};
 use umbrage_core::{Fit, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{PcfDithered, PcfDitheredKernel};
 

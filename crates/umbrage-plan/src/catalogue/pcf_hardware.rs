@@ -1,10 +1,9 @@
 //! What is measured and planned of `pcf_hardware`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
-    sweeps,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost,
+    RandomParameter, kernel, sweeps,
 };
-use crate::cost::KernelCost;
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{Bias, HardwareKernel, PcfHardware, ShadowMap};
 

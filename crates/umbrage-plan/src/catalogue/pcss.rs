@@ -1,14 +1,14 @@
 //! What is measured and planned of `pcss`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
-    sweeps,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost,
+    RandomParameter, kernel, sweeps,
 };
-use crate::cost::KernelCost;
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, Pcss, PcssKernel, ShadowMap};
 
 impl CataloguedTechnique for Pcss {
+    /// As wide as the penumbra, which differs everywhere; a texel is the least.
     fn kernel_reach(&self) -> Option<f32> {
         Some(1.0)
     }

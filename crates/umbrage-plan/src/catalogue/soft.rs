@@ -1,9 +1,9 @@
 //! What is measured and planned of `soft`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost,
+    RandomParameter, kernel,
 };
-use crate::cost::KernelCost;
 use umbrage_core::{Fit, Light, ReceiveKernel, Recipe};
 use umbrage_techniques::{SOFT_ERRORS, ShadowMap, Soft, SoftKernel};
 
@@ -69,7 +69,7 @@ impl CataloguedTechnique for Soft {
 
 impl CataloguedKernel for SoftKernel {
     fn horizon_error(&self) -> Option<f32> {
-        Some(Self::horizon_error(self))
+        Some(self.share_error())
     }
 
     /// A walk as long as some rays, and rows of points for some casters.

@@ -1,9 +1,9 @@
 //! What is measured and planned of `traced`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, RandomParameter, kernel,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost,
+    RandomParameter, kernel,
 };
-use crate::cost::KernelCost;
 use umbrage_core::{Fit, Light, ReceiveKernel, Recipe};
 use umbrage_techniques::{ShadowMap, Traced, TracedKernel};
 

@@ -1,7 +1,6 @@
 //! What is measured and planned of `none`.
 
-use super::{CataloguedKernel, CataloguedTechnique, kernel};
-use crate::cost::KernelCost;
+use super::{CataloguedKernel, CataloguedTechnique, KernelCost, kernel};
 use umbrage_core::{ReceiveKernel, Recipe};
 use umbrage_techniques::{Unshadowed, UnshadowedKernel};
 

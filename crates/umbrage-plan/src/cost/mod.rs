@@ -15,7 +15,7 @@ mod work;
 pub use calibrate::{Calibration, CostSample, fit, time_work};
 pub use price_list::PriceList;
 pub use ranks::rank_correlation;
-pub use work::{KernelCost, Work};
+pub use work::Work;
 
 use serde::{Deserialize, Serialize};
 

@@ -4,8 +4,9 @@
 //! beside it, each with the least times of its runs: all rows of the frames of real size, and a seventh of those of small scenes with
 //! 100 triangles or more. `record.sh` makes such lines of one or several files `work.csv`.
 
-use super::{Calibration, CostModel, CostSample, KIND_NAMES, PriceList, fit, rank_correlation};
-use crate::cost::Work;
+use super::{
+    Calibration, CostModel, CostSample, KIND_NAMES, PriceList, Work, fit, rank_correlation,
+};
 use std::collections::BTreeMap;
 
 const RECORDED: &str = include_str!("recorded.csv");

@@ -12,53 +12,6 @@ use umbrage_core::{
 /// A clip-space triangle cut by the six planes of the view volume: at most nine corners.
 type ClipPolygon = Polygon<DVec4, 9>;
 
-/// What a kernel reads for one receiver, at most.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct KernelCost {
-    /// Texels loaded; of the rows of a square of texels, each three neighbours as one.
-    pub taps: u32,
-    /// Comparison samples taken, each of four texels.
-    pub samples: u32,
-    /// Rays traced.
-    pub rays: u32,
-}
-
-impl Default for KernelCost {
-    /// One tap.
-    fn default() -> Self {
-        Self::taps(1)
-    }
-}
-
-impl KernelCost {
-    /// Taps alone.
-    pub const fn taps(taps: u32) -> Self {
-        Self {
-            taps,
-            samples: 0,
-            rays: 0,
-        }
-    }
-
-    /// Comparison samples alone.
-    pub const fn samples(samples: u32) -> Self {
-        Self {
-            taps: 0,
-            samples,
-            rays: 0,
-        }
-    }
-
-    /// Rays alone.
-    pub const fn rays(rays: u32) -> Self {
-        Self {
-            taps: 0,
-            samples: 0,
-            rays,
-        }
-    }
-}
-
 /// The work of running a recipe once.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
@@ -105,8 +58,9 @@ pub struct Work {
 }
 
 impl Work {
-    /// Returns the work of a recipe for the view that it was made for; `catalogue` knows what its kernels cost. Without `view.receivers` every pixel counts as one;
-    /// without `view.geometry` only faces that the technique made are counted as drawn.
+    /// Returns the work of a recipe for the view that it was made for. `catalogue` knows what its kernels cost.
+    ///
+    /// Without
     pub fn of(view: &View<'_>, recipe: &Recipe, catalogue: &Catalogue) -> Self {
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
         let receivers = view

@@ -1,11 +1,11 @@
-//! What is known of settings.
+//! A map keyed by preset.
 
 use std::collections::HashMap;
 use umbrage_core::ShadowTechnique as _;
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 
-/// A map from presets to values. Presets have numbers that can't be hashed: each technique's are compared one by one, which takes
-/// no time beside trying one.
+/// A map from presets to values. Floats can't be hashed, so presets of one technique are compared in turn. That is cheap beside
+/// trying one. A preset with NaN is never found.
 #[derive(Debug)]
 pub(super) struct ByPreset<V>(HashMap<&'static str, Vec<(TechniquePreset, V)>>);
 

@@ -3,7 +3,7 @@
 //! * [`planner`]: samples the scene, searches, and writes down the plan.
 //! * [`strategy`]: the order in which candidates are tried.
 //! * [`bias_search`]: the best bias of one candidate.
-//! * [`trials`]: settings tried on the samples of all cameras, each once; [`by_preset`] knows them. [`hold`]: for how many cameras a figure must hold.
+//! * [`trials`]: settings tried on the samples of all cameras, each once, kept in [`by_preset`]. [`hold`]: for how many cameras a figure must hold.
 //! * [`clock`]: finalists played in turn and timed.
 //!
 //! Candidates come from [`families`], with amounts of [`bias`] and the map's side that the screen asks for ([`resolution`]).

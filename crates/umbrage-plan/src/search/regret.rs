@@ -377,15 +377,14 @@ impl<'a> Sweep<'a> {
                 continue;
             }
             let milliseconds = setting.milliseconds;
-            let technique = preset;
             let tried = self.planner.search.trials.count();
-            (self.planner.search.on_step)(Step::Trying(technique.name(), tried));
+            (self.planner.search.on_step)(Step::Trying(preset.name(), tried));
             let Some(error) = self.error_of_candidate(&setting)? else {
                 continue;
             };
             for regret in regrets.iter_mut() {
                 if regret.cheapest.is_none() && error <= regret.bound {
-                    let label = format!("{} ({})", technique.name(), technique.settings());
+                    let label = format!("{} ({})", preset.name(), preset.settings());
                     regret.cheapest = Some(label);
                     regret.min_milliseconds = milliseconds;
                 }

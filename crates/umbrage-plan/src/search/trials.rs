@@ -335,11 +335,10 @@ impl<'a> Trials<'a> {
         estimates: &[Estimate],
         prices: &Prices,
     ) -> Setting {
-        let technique = preset;
         let mut setting = Setting {
             preset: preset.clone(),
-            technique: technique.name().to_owned(),
-            settings: technique.settings(),
+            technique: preset.name().to_owned(),
+            settings: preset.settings(),
             estimate: Estimate::default(),
             milliseconds: prices.milliseconds,
             draw_ms: prices.draw_ms,

@@ -82,9 +82,10 @@ fn check_folder(folder: &Path) -> Result<()> {
 
 /// Builds what is packed, and returns the programs.
 fn build() -> Result<Vec<Packed>> {
-    run(cargo().args(["build", "--release", "--package", "xtask-measure"]))?;
-    let release = target_folder()?.join("release");
-    let mut programs = vec![("xtask-measure".to_owned(), release.join("xtask-measure"))];
+    let measure = ["--profile", "measure", "--package", "xtask-measure"];
+    run(cargo().arg("build").args(measure))?;
+    let program = target_folder()?.join("measure").join("xtask-measure");
+    let mut programs = vec![("xtask-measure".to_owned(), program)];
     let mut command = cargo();
     command.args([
         "test",

@@ -3,7 +3,6 @@
 //! A coarse grid over the map holds, for each cell, the farthest receiver that looks up the map there. A caster matters
 //! if somewhere it lies before that: tested with its box, so that one too many may be kept, but never one too few.
 
-use crate::parallel::prelude::*;
 use crate::{
     gbuffer::seen_points::SeenPoints,
     geometry::{Geometry, aabb::Aabb},
@@ -11,6 +10,7 @@ use crate::{
         map_space::{MapBounds, MapPolygon, MapSpace, clip},
         points::seen_on,
     },
+    parallel::prelude::*,
     scene::light::Light,
 };
 use glam::{DVec2, DVec3};

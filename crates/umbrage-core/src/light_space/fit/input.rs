@@ -1,10 +1,10 @@
 //! A view, with what several steps of a fit ask of it.
 
-use crate::parallel::prelude::*;
 use crate::{
     gbuffer::seen_points::SeenPoints,
     geometry::aabb::Aabb,
     light_space::fit::{ANGLE_PADDING, points::caster_points},
+    parallel::prelude::*,
     view::View,
 };
 use glam::{DVec3, Vec3};
