@@ -10,7 +10,8 @@ use umbrage::{
     techniques::{AskedCell, Exact},
 };
 
-const SIZE: UVec2 = UVec2::new(960, 540);
+/// As large as the page shows them, three in a row.
+const SIZE: UVec2 = UVec2::new(480, 270);
 
 /// Colours of lists of up to 1, 2, 4, 8, 16, 32 casters, and of more.
 const SCALE: [[u8; 3]; 7] = [

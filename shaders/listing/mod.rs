@@ -12,27 +12,27 @@ pub use light_preset::{FrameRules, LightPreset, Update};
 pub use preset::TechniquePreset;
 
 use crate::shadow_map::ShadowMap;
+#[cfg(feature = "presets")]
+use serde::{Serialize, de::DeserializeOwned};
 use umbrage_core::ShadowTechnique;
-
-/// What files need of settings: `serde`'s traits with the feature `presets`, and nothing without it. Every such type implements
-/// it. Another package of the program may enable the feature, so derive both traits.
-#[cfg(feature = "presets")]
-pub trait Stored: serde::Serialize + serde::de::DeserializeOwned {}
-
-#[cfg(feature = "presets")]
-impl<T: serde::Serialize + serde::de::DeserializeOwned> Stored for T {}
-
-/// What files need of settings: nothing, without the feature `presets`.
 #[cfg(not(feature = "presets"))]
-pub trait Stored {}
+use without_files::{DeserializeOwned, Serialize};
 
+/// Stands in for `serde` without the feature `presets`: any type will do.
 #[cfg(not(feature = "presets"))]
-impl<T> Stored for T {}
+mod without_files {
+    pub trait Serialize {}
+    impl<T> Serialize for T {}
+
+    pub trait DeserializeOwned {}
+    impl<T> DeserializeOwned for T {}
+}
 
 /// A technique that lists and files can hold: its settings are plain data.
 ///
 /// Only [`SUMMARY`](Self::SUMMARY) has no default; techniques with a shadow map also say where it is
-/// ([`map`](Self::map), [`with_map`](Self::with_map)). In files, fields that are left out should have their defaults and
+/// ([`map`](Self::map), [`with_map`](Self::with_map)). Without the feature `presets` it need not be data; but another package of the
+/// program may enable that, so derive `serde`'s traits. In files, fields that are left out should have their defaults and
 /// unknown ones be refused: `#[serde(default, deny_unknown_fields)]`.
 ///
 /// ```
@@ -72,7 +72,7 @@ impl<T> Stored for T {}
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
 pub trait ListedTechnique:
-    ShadowTechnique + Clone + Default + PartialEq + Stored + 'static
+    ShadowTechnique + Clone + Default + PartialEq + Serialize + DeserializeOwned + 'static
 {
     /// What it does, in one line, with the paper it comes from.
     const SUMMARY: &'static str;

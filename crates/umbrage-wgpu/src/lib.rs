@@ -30,6 +30,7 @@ mod replay;
 mod resources;
 mod shade;
 mod targets;
+mod tokens;
 mod wgsl;
 
 pub use backend::Gpu;

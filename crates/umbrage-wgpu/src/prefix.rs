@@ -1,5 +1,6 @@
 //! Names of a WGSL text under a prefix, so that several texts fit into one shader.
 
+use crate::tokens::{Token, tokens};
 use std::collections::BTreeSet;
 use umbrage_core::Invalid;
 
@@ -45,37 +46,6 @@ fn check(prefix: &str) -> Result<(), Invalid> {
         format!("is `{prefix}`"),
         "use a letter, then letters, digits and `_`, such as `sun_`; or nothing",
     ))
-}
-
-/// A piece of WGSL: an identifier or keyword, or what stands between two.
-struct Token<'a> {
-    text: &'a str,
-    is_identifier: bool,
-}
-
-/// Splits a text into identifiers and what stands between them. Numbers and comments are not identifiers.
-fn tokens(text: &str) -> Vec<Token<'_>> {
-    let mut out = Vec::new();
-    let mut rest = text;
-    while let Some(first) = rest.chars().next() {
-        let is_identifier = first.is_ascii_alphabetic() || first == '_';
-        let length = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
-        } else if is_identifier || first.is_ascii_digit() {
-            // `1.0f` is a number with a suffix: its letters belong to it.
-            rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_')
-                .unwrap_or(rest.len())
-        } else {
-            first.len_utf8()
-        };
-        let (token, after) = rest.split_at(length);
-        out.push(Token {
-            text: token,
-            is_identifier,
-        });
-        rest = after;
-    }
-    out
 }
 
 /// Returns the names of all functions, structs, variables, constants and aliases of a module.

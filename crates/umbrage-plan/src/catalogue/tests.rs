@@ -2,7 +2,8 @@
 
 use super::*;
 use std::collections::HashSet;
-use umbrage_core::{ShadowTechnique as _, glam::Vec3};
+use umbrage_core::{Geometry, ShadowTechnique as _, View, glam::Vec3};
+use umbrage_cpu::Cpu;
 use umbrage_techniques::Pcss;
 
 #[test]
@@ -64,5 +65,24 @@ fn every_setting_of_an_entry_is_of_its_technique() {
             "{} is never tried",
             entry.technique.name
         );
+    }
+}
+
+/// A technique that forgot its kernel would cost one tap, unnoticed.
+#[test]
+fn kernels_of_built_in_techniques_are_known() {
+    // They look up what was drawn at the receiver's own pixel: one tap.
+    const ONE_TAP: [&str; 2] = ["planar", "volumes"];
+    let scene = umbrage_scenes::by_argument("cubes").expect("built in");
+    let geometry = Geometry::bake(&scene).expect("valid");
+    let receivers = Cpu::new().receivers(&scene.cameras[0], &geometry);
+    let receivers = receivers.expect("valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
+    for entry in all() {
+        let name = entry.technique.name;
+        let recipe = (entry.technique.preset)().recipe(&view);
+        let kernel = recipe.expect("serves the sun").receive.kernel;
+        let is_known = all().iter().any(|entry| (entry.kernel)(&*kernel).is_some());
+        assert_eq!(is_known, !ONE_TAP.contains(&name), "{name}");
     }
 }

@@ -9,6 +9,7 @@
 use crate::{
     light_set::buffers::{LightNumbers, NumberSpace},
     prefix::with_prefix,
+    tokens::{Token, tokens},
     wgsl::{InputImage, InputKind, KernelInterface, RECEIVER},
 };
 use std::fmt::Write as _;
@@ -266,41 +267,64 @@ fn by_map(
 /// Returns the text of a kernel of this kind, counted from 1, with its uniforms and tables read from where the light's are.
 fn read_from_light(text: &str, kind: usize) -> String {
     let mut out = String::with_capacity(text.len() + text.len() / 8);
-    let mut rest = text;
-    while let Some(first) = rest.chars().next() {
-        if let Some(after) = rest.strip_prefix("//") {
-            let end = after.find('\n').map_or(rest.len(), |n| n + 2);
-            out.push_str(&rest[..end]);
-            rest = &rest[end..];
-            continue;
-        }
-        if !(first.is_ascii_alphanumeric() || first == '_') {
-            out.push(first);
-            rest = &rest[first.len_utf8()..];
-            continue;
-        }
-        let end = rest
-            .find(|c: char| !c.is_ascii_alphanumeric() && c != '_')
-            .unwrap_or(rest.len());
-        let word = &rest[..end];
-        rest = &rest[end..];
-        let is_field = out.ends_with('.');
-        if word == "kernel" && !is_field {
+    push_from_light(&tokens(text), kind, &mut out);
+    out
+}
+
+/// Appends tokens of a kernel's text, as [`read_from_light`] returns them.
+fn push_from_light(tokens: &[Token<'_>], kind: usize, out: &mut String) {
+    let mut i = 0;
+    while let Some(token) = tokens.get(i) {
+        let is_field = i > 0 && tokens[i - 1].text == ".";
+        let after = &tokens[i + 1..];
+        i += 1;
+        if token.text == "kernel" && !is_field {
             let _ = write!(
                 out,
                 "shadow_set.kernels_{kind}[({OF_LIGHT}.places.x >> 8u) & 0xfffu].uniforms"
             );
-        } else if word == "arrayLength" {
-            rest = push_table_length(&mut out, rest);
-        } else if let Some(table) = table_index(word)
-            && rest.starts_with('[')
+        } else if let Some(table) = table_of_length(token, after) {
+            let _ = write!(out, "{OF_LIGHT}.{}", row_count(table));
+            i += TOKENS_OF_ARGUMENT;
+        } else if let Some(table) = table_index(token.text)
+            && after.first().is_some_and(|next| next.text == "[")
         {
-            rest = push_table_row(&mut out, table, rest, kind);
+            let closing = closing_bracket(after);
+            let first = first_row(table);
+            let _ = write!(out, "shadow_tables[{OF_LIGHT}.{first} + u32(");
+            push_from_light(&after[1..closing], kind, out);
+            out.push_str(")]");
+            i += closing + 1;
         } else {
-            out.push_str(word);
+            out.push_str(token.text);
         }
     }
-    out
+}
+
+/// The tokens of `(&table_0)`.
+const TOKENS_OF_ARGUMENT: usize = 4;
+
+/// Returns the table whose `arrayLength` a token and those after it query.
+fn table_of_length(token: &Token<'_>, after: &[Token<'_>]) -> Option<usize> {
+    let argument = after.get(..TOKENS_OF_ARGUMENT)?;
+    let [open, by_reference, name, close] = [0, 1, 2, 3].map(|i| argument[i].text);
+    let is_length = token.text == "arrayLength" && [open, by_reference, close] == ["(", "&", ")"];
+    is_length.then(|| table_index(name))?
+}
+
+/// Returns the index of the bracket that closes the first token, a bracket.
+fn closing_bracket(tokens: &[Token<'_>]) -> usize {
+    let mut depth = 0_u32;
+    let closing = tokens.iter().position(|token| {
+        match token.text {
+            "[" => depth += 1,
+            "]" => depth -= 1,
+            _ => {}
+        }
+        depth == 0
+    });
+    // A text without the closing bracket is no WGSL; the compiler will say so.
+    closing.unwrap_or(tokens.len())
 }
 
 /// Returns `n` of a word `table_n`.
@@ -324,40 +348,6 @@ fn first_row(table: usize) -> String {
     } else {
         format!("rows[{table}]")
     }
-}
-
-/// Appends what stands for `arrayLength`, and returns what follows; `rest` begins behind that word.
-fn push_table_length<'a>(out: &mut String, rest: &'a str) -> &'a str {
-    let argument = rest
-        .strip_prefix("(&")
-        .and_then(|inside| inside.split_once(')'));
-    if let Some((name, after)) = argument
-        && let Some(table) = table_index(name)
-    {
-        let _ = write!(out, "{OF_LIGHT}.{}", row_count(table));
-        return after;
-    }
-    out.push_str("arrayLength");
-    rest
-}
-
-/// Appends what stands for a row of a table, and returns what follows; `rest` begins with the bracket behind the table's name.
-fn push_table_row<'a>(out: &mut String, table: usize, rest: &'a str, kind: usize) -> &'a str {
-    let mut depth = 0_u32;
-    let closing = rest.char_indices().find(|&(_, c)| {
-        match c {
-            '[' => depth += 1,
-            ']' => depth -= 1,
-            _ => {}
-        }
-        depth == 0
-    });
-    // A text without the closing bracket is no WGSL; the compiler will say so.
-    let (end, _) = closing.unwrap_or((rest.len() - 1, ']'));
-    let row = read_from_light(&rest[1..end], kind);
-    let first = first_row(table);
-    let _ = write!(out, "shadow_tables[{OF_LIGHT}.{first} + u32({row})]");
-    &rest[end + 1..]
 }
 
 #[cfg(test)]
