@@ -10,6 +10,7 @@ macro_rules! registry {
     ($($(#[$condition:meta])* $module:ident::$technique:ident,)*) => {
         $($(#[$condition])* pub use crate::techniques::$module::$technique;)*
 
+        #[expect(clippy::vec_init_then_push, reason = "elements of `vec!` take no conditions")]
         fn built_in() -> Vec<TechniqueEntry> {
             let mut out = Vec::new();
             $($(#[$condition])* out.push(TechniqueEntry::of::<$technique>());)*

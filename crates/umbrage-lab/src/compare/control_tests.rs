@@ -229,7 +229,7 @@ fn a_single_ray_is_noticed() {
         };
         control(
             &lamp,
-            traced.clone(),
+            traced,
             &mut Spoilt {
                 cpu: Cpu::new(),
                 casters: false,
