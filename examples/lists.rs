@@ -1,6 +1,6 @@
 //! Pictures of what `exact` asks: each receiver's cell, the length of its list, and where one caster covers the whole cell.
 //!
-//! `cargo run --release --example lists [FOLDER]`; the folder is `docs/exact` if none is given.
+//! `cargo run --profile measure --example lists [FOLDER]`; the folder is `docs/exact` if none is given.
 
 use std::{fs, path::PathBuf};
 use umbrage::{
