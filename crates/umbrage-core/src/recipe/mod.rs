@@ -15,11 +15,12 @@ use crate::{
     recipe::{
         image::{Format, ImageDesc},
         kernel::{FilterKernel, ReceiveKernel, ShadeKernel},
+        shader::UniformBlock,
         table_rows::TableRows,
     },
 };
 use glam::Vec4;
-use std::{ops::Range, sync::Arc};
+use std::{any::Any, ops::Range, sync::Arc};
 
 /// Index into [`Recipe::images`].
 pub type ImageId = usize;
@@ -217,6 +218,28 @@ pub struct Filter {
     pub tables: Vec<TableId>,
     /// Image written; not among the inputs.
     pub output: ImageId,
+}
+
+impl Filter {
+    /// Returns whether another filter makes the same texels of the same images and tables. Kernels are alike if they have the same
+    /// type, WGSL and uniforms.
+    pub fn is_like(&self, other: &Self) -> bool {
+        // By name, so that a new field can't be forgotten here.
+        let Self {
+            kernel,
+            inputs,
+            tables,
+            output,
+        } = self;
+        let bytes = |kernel: &dyn FilterKernel| kernel.uniforms().map(UniformBlock::uniform_bytes);
+        let [own_type, other_type]: [&dyn Any; 2] = [&**kernel, &*other.kernel];
+        *inputs == other.inputs
+            && *tables == other.tables
+            && *output == other.output
+            && own_type.type_id() == other_type.type_id()
+            && kernel.modules() == other.kernel.modules()
+            && bytes(&**kernel) == bytes(&*other.kernel)
+    }
 }
 
 /// Runs a kernel for each receiver.

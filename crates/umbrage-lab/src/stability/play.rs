@@ -21,7 +21,7 @@ pub(super) struct Still<'a> {
     /// The same scene at scale 1, for [`Measure::ScaleDrift`].
     pub(super) reference: Option<&'a CaseTruth>,
     pub(super) criteria: &'a [Criterion],
-    /// What kernels are known to look up.
+    /// Costs and layers of kernels.
     pub(super) catalogue: &'a Catalogue,
 }
 
@@ -153,8 +153,8 @@ impl Still<'_> {
         })
     }
 
-    /// Returns, of each pixel, the cascade that answers for it; none if the recipe has no cascades. Only a sun's map has several layers
-    /// that aren't a cube's.
+    /// Returns each pixel's cascade; `None` if the recipe has no cascades. Only a sun's map has several layers that aren't a
+    /// cube's.
     fn cascades(&self, light: &Light, recipe: &Recipe, receivers: &Receivers) -> Option<Vec<u32>> {
         if light.position().is_some() {
             return None;

@@ -20,7 +20,7 @@ pub trait CataloguedKernel: Sync {
     }
 
     /// Returns how many triangles its tables were made of, each as often as it stands in them: tables that follow the light or
-    /// the casters are made anew with them, which costs about as much as drawing as many triangles.
+    /// the casters are rebuilt with them. That costs about as much as drawing as many triangles.
     fn triangles_listed(&self) -> u64 {
         0
     }

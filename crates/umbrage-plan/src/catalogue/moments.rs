@@ -48,6 +48,26 @@ pub(super) fn lookup_cost(levels: u32) -> KernelCost {
     KernelCost::taps(if levels > 0 { 8 } else { 4 })
 }
 
+/// Says what is measured of a kernel that looks up moments.
+macro_rules! catalogued_kernel {
+    ($kernel:ty) => {
+        impl crate::catalogue::CataloguedKernel for $kernel {
+            fn cost_per_receiver(&self) -> crate::catalogue::KernelCost {
+                crate::catalogue::moments::lookup_cost(self.uniforms.mipmaps.levels)
+            }
+
+            fn reach(&self, position: glam::Vec3, normal: glam::Vec3) -> Option<f32> {
+                self.lookup_reach(position, normal)
+            }
+
+            fn layer(&self, position: glam::Vec3) -> Option<u32> {
+                Some(self.uniforms.lookup.layer_of(position))
+            }
+        }
+    };
+}
+pub(super) use catalogued_kernel;
+
 /// Returns how many texels a filter of moments loads for each that it makes, if it is one.
 pub(super) fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
     let filter: &dyn Any = filter;

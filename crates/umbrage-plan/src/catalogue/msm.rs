@@ -1,10 +1,10 @@
 //! What is measured and planned of `msm`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost, PlannedBiases,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
     RandomParameter, kernel, moments, sweeps,
 };
-use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel};
 use umbrage_techniques::{Msm, MsmKernel, Reconstruction, ShadowMap};
 
 impl CataloguedTechnique for Msm {
@@ -102,16 +102,4 @@ impl CataloguedTechnique for Msm {
     }
 }
 
-impl CataloguedKernel for MsmKernel {
-    fn cost_per_receiver(&self) -> KernelCost {
-        moments::lookup_cost(self.uniforms.mipmaps.levels)
-    }
-
-    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.lookup_reach(position, normal)
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        Some(self.uniforms.lookup.layer_of(position))
-    }
-}
+moments::catalogued_kernel!(MsmKernel);

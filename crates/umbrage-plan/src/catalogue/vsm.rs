@@ -1,10 +1,10 @@
 //! What is measured and planned of `vsm`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost, PlannedBiases,
+    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
     RandomParameter, kernel, moments, sweeps,
 };
-use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel, glam::Vec3};
+use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel};
 use umbrage_techniques::{Bias, ShadowMap, Vsm, VsmKernel};
 
 impl CataloguedTechnique for Vsm {
@@ -105,16 +105,4 @@ impl CataloguedTechnique for Vsm {
     }
 }
 
-impl CataloguedKernel for VsmKernel {
-    fn cost_per_receiver(&self) -> KernelCost {
-        moments::lookup_cost(self.uniforms.mipmaps.levels)
-    }
-
-    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.lookup_reach(position, normal)
-    }
-
-    fn layer(&self, position: Vec3) -> Option<u32> {
-        Some(self.uniforms.lookup.layer_of(position))
-    }
-}
+moments::catalogued_kernel!(VsmKernel);

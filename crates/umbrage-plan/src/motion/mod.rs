@@ -4,11 +4,7 @@ pub mod pixel_shift;
 
 use glam::{Affine3A, Quat, Vec3};
 use serde::{Deserialize, Serialize};
-use std::any::Any;
-use umbrage_core::{
-    Camera, Cast, Filter, FilterKernel, Geometry, Recipe, ShadowTechnique, Source, UniformBlock,
-    View,
-};
+use umbrage_core::{Camera, Cast, Geometry, Recipe, ShadowTechnique, Source, View};
 
 /// What moves from frame to frame, and so what has to be made anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -124,10 +120,7 @@ pub fn draw_alike(a: &Recipe, b: &Recipe) -> bool {
     let same_casts = a.casts.len() == b.casts.len()
         && a.casts.iter().zip(&b.casts).all(|(a, b)| cast_alike(a, b));
     let same_filters = a.filters.len() == b.filters.len()
-        && a.filters
-            .iter()
-            .zip(&b.filters)
-            .all(|(a, b)| filter_alike(a, b));
+        && a.filters.iter().zip(&b.filters).all(|(a, b)| a.is_like(b));
     a.images == b.images && same_casts && same_filters
 }
 
@@ -158,27 +151,6 @@ fn source_alike(a: &Source, b: &Source) -> bool {
         (Source::Faces(a), Source::Faces(b)) => a == b,
         _ => false,
     }
-}
-
-fn filter_alike(a: &Filter, b: &Filter) -> bool {
-    // By name, so that a new field can't be forgotten here.
-    let Filter {
-        kernel,
-        inputs,
-        tables,
-        output,
-    } = a;
-    *inputs == b.inputs
-        && *tables == b.tables
-        && *output == b.output
-        && kernels_alike(&**kernel, &*b.kernel)
-}
-
-/// Whether two filters' kernels make the same texels of the same images: they have the same type, shaders and uniforms.
-fn kernels_alike(a: &dyn FilterKernel, b: &dyn FilterKernel) -> bool {
-    let bytes = |kernel: &dyn FilterKernel| kernel.uniforms().map(UniformBlock::uniform_bytes);
-    let [any_a, any_b]: [&dyn Any; 2] = [a, b];
-    any_a.type_id() == any_b.type_id() && a.modules() == b.modules() && bytes(a) == bytes(b)
 }
 
 #[cfg(test)]

@@ -4,8 +4,7 @@ use crate::light_set::text::{KernelKind, MAX_IMAGES, MAX_IMAGES_BESIDE_ALL_TABLE
 use crate::wgsl::KernelInterface;
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, DeviceLists, DeviceRecipe, Filter, Invalid, Kernel, Recipe, RecipeError,
-    Source, Table,
+    Cast, CastMode, DeviceLists, DeviceRecipe, Filter, Invalid, Recipe, RecipeError, Source, Table,
 };
 
 /// A light's recipe, and what of its kernel the set binds.
@@ -91,7 +90,11 @@ impl LightPlan {
             return Difference::Images;
         }
         let same_maps = all_equal(&self.recipe.casts, &before.recipe.casts, same_cast)
-            && all_equal(&self.recipe.filters, &before.recipe.filters, same_filter)
+            && all_equal(
+                &self.recipe.filters,
+                &before.recipe.filters,
+                Filter::is_like,
+            )
             && all_equal(&self.recipe.tables, &before.recipe.tables, same_table);
         if !same_maps {
             return Difference::Maps;
@@ -143,18 +146,6 @@ fn same_cast(a: &Cast, b: &Cast) -> bool {
         && a.mode == b.mode
         && a.cull == b.cull
         && a.bias == b.bias
-}
-
-fn same_filter(a: &Filter, b: &Filter) -> bool {
-    a.inputs == b.inputs
-        && a.tables == b.tables
-        && a.output == b.output
-        && a.kernel.modules() == b.kernel.modules()
-        && uniform_bytes(&*a.kernel) == uniform_bytes(&*b.kernel)
-}
-
-fn uniform_bytes(kernel: &dyn Kernel) -> Option<Vec<u8>> {
-    kernel.uniforms().map(|block| block.uniform_bytes())
 }
 
 fn same_table(a: &Table, b: &Table) -> bool {

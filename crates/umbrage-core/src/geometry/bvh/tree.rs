@@ -290,7 +290,7 @@ fn row(v: Vec3, w: u32) -> [u32; 4] {
     [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w]
 }
 
-/// Returns whether a box lies outside one of the half spaces (inner normal, distance).
+/// Returns whether a box is outside one of the half spaces (inner normal, distance).
 fn is_box_outside(half_spaces: &[(Vec3, f32)], min: Vec3, max: Vec3) -> bool {
     half_spaces.iter().any(|&half_space| {
         // The corner that is farthest along the normal decides.
@@ -299,7 +299,7 @@ fn is_box_outside(half_spaces: &[(Vec3, f32)], min: Vec3, max: Vec3) -> bool {
     })
 }
 
-/// Returns whether a triangle lies outside one of the half spaces (inner normal, distance).
+/// Returns whether a triangle is outside one of the half spaces (inner normal, distance).
 fn is_triangle_outside(half_spaces: &[(Vec3, f32)], corners: [Vec3; 3]) -> bool {
     half_spaces
         .iter()
