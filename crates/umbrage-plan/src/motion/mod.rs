@@ -159,7 +159,7 @@ mod tests {
     use glam::UVec2;
     use umbrage_core::{Cascades, Fit, Layout};
     use umbrage_cpu::Cpu;
-    use umbrage_techniques::{Hard, ShadowMap, ShadowVolumes, Traced};
+    use umbrage_techniques::{Hard, ShadowMap, ShadowVolumes, Traced, Vsm};
 
     fn hard(fit: Fit) -> Hard {
         let map = ShadowMap {
@@ -243,5 +243,31 @@ mod tests {
         );
         assert!(!follows(&hard(Fit::Whole)));
         assert!(!follows(&Traced::default()));
+    }
+
+    /// Filters of the same inputs that differ in a number draw something else.
+    #[test]
+    fn filters_that_differ_are_told_apart() {
+        let scene = umbrage_scenes::by_argument("cubes").expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+        // The whole scene fits alike, however wide the blur is.
+        let map = ShadowMap {
+            fit: Fit::Whole,
+            size: 64,
+            ..ShadowMap::default()
+        };
+        let blurred = |blur| {
+            let technique = Vsm {
+                map,
+                blur,
+                ..Vsm::default()
+            };
+            technique.recipe(&view).expect("serves the sun")
+        };
+        let [narrow, same, mut wide] = [2, 2, 3].map(blurred);
+        assert!(draw_alike(&narrow, &same));
+        wide.casts.clone_from(&narrow.casts);
+        assert!(!draw_alike(&narrow, &wide));
     }
 }
