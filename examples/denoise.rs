@@ -8,7 +8,7 @@ use umbrage::{
     BackendChoice, Camera, Geometry, Instance, Light, Mesh, Scene, ShadowTechnique, View,
     glam::{Affine3A, UVec2, Vec3},
     scenes::denoise::{DisplacementMap, Solid, roughened},
-    techniques::{Bias, BlinnPhong, Pcf, ShadowMap},
+    techniques::{Bias, BlinnPhong, MapFilter as _, Pcf, ShadowMap},
 };
 
 /// Metres, each way along the normal.
@@ -98,7 +98,7 @@ fn paint(
     };
     let recipe = BlinnPhong::default()
         .shading(&scene, &view)?
-        .add_to(Pcf { map, radius: 1 }.recipe(&view)?);
+        .add_to(Pcf { radius: 1 }.on(map).recipe(&view)?);
     let shadows = backend.render(&view, &recipe)?;
     let rgb = shadows.picture_bytes().context("the recipe shades")?;
     image::save_buffer(

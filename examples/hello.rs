@@ -1,6 +1,9 @@
 //! From an OBJ file to a shadow mask: `cargo run --example hello -- model.obj`. Writes `shadow.png`.
 
-use umbrage::{BackendChoice, Geometry, ShadowTechnique, View, techniques::Pcf};
+use umbrage::{
+    BackendChoice, Geometry, ShadowTechnique, View,
+    techniques::{MapFilter as _, Pcf, ShadowMap},
+};
 
 fn main() -> anyhow::Result<()> {
     let path = std::env::args()
@@ -9,7 +12,7 @@ fn main() -> anyhow::Result<()> {
     let scene = umbrage::scenes::by_argument(&path)?;
     let geometry = Geometry::bake(&scene)?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = Pcf::default().recipe(&view)?;
+    let recipe = Pcf { radius: 1 }.on(ShadowMap::default()).recipe(&view)?;
     let mut backend = umbrage::backend(BackendChoice::Auto)?;
     let shadows = backend.render(&view, &recipe)?;
     image::save_buffer(

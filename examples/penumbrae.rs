@@ -7,7 +7,7 @@ use umbrage::{
     Backend, Geometry, ShadowTechnique, View,
     cpu::Cpu,
     glam::UVec2,
-    techniques::{Pcss, Soft, Traced},
+    techniques::{MapTechnique, Pcss, Soft, Traced},
 };
 
 const SIZE: UVec2 = UVec2::new(1280, 720);
@@ -21,7 +21,7 @@ fn main() -> anyhow::Result<()> {
         .map_or_else(|| PathBuf::from("docs/soft"), PathBuf::from);
     fs::create_dir_all(&folder)?;
     let techniques: [(&str, &dyn ShadowTechnique); 3] = [
-        ("pcss", &Pcss::default()),
+        ("pcss", &MapTechnique::<Pcss>::default()),
         ("rays", &Traced { samples: 12 }),
         ("soft", &Soft::default()),
     ];

@@ -32,6 +32,7 @@ pub use shadow_map::{
 pub use techniques::evsm::{EvsmKernel, EvsmMoments, EvsmUniforms, MAX_EVSM_EXPONENT};
 pub use techniques::exact::{AskedCell, ExactKernel, ExactUniforms};
 pub use techniques::hard::HardKernel;
+pub use techniques::map_technique::{MapFilter, MapTechnique};
 pub use techniques::msm::{MsmKernel, MsmUniforms, Reconstruction};
 pub use techniques::pcf::{MAX_RADIUS, PcfKernel, PcfUniforms};
 pub use techniques::pcf_disc::{MAX_DISC_RADIUS, PcfDiscKernel, PcfDiscUniforms};

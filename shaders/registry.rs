@@ -5,15 +5,24 @@ use std::sync::LazyLock;
 #[cfg(feature = "presets")]
 use umbrage_core::Invalid;
 
-/// Declares the built-in techniques. Each implements [`ListedTechnique`](crate::ListedTechnique) in its own file.
+/// Makes the type of a technique of the registry: `Exact`, or `Hard in MapTechnique`, which is `MapTechnique<Hard>`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! technique_type {
+    ($technique:ident) => { $crate::$technique };
+    ($filter:ident in $wrapper:ident) => { $crate::$wrapper<$crate::$filter> };
+}
+
+/// Declares the built-in techniques. Each implements [`ListedTechnique`](crate::ListedTechnique) in its own file, or
+/// [`MapFilter`](crate::MapFilter), if it stands `in MapTechnique`.
 macro_rules! registry {
-    ($($(#[$condition:meta])* $module:ident::$technique:ident,)*) => {
+    ($($(#[$condition:meta])* $module:ident::$technique:ident $(in $wrapper:ident)?,)*) => {
         $($(#[$condition])* pub use crate::techniques::$module::$technique;)*
 
         #[expect(clippy::vec_init_then_push, reason = "elements of `vec!` take no conditions")]
         fn built_in() -> Vec<TechniqueEntry> {
             let mut out = Vec::new();
-            $($(#[$condition])* out.push(TechniqueEntry::of::<$technique>());)*
+            $($(#[$condition])* out.push(TechniqueEntry::of::<technique_type!($technique $(in $wrapper)?)>());)*
             out
         }
 
@@ -23,7 +32,7 @@ macro_rules! registry {
         #[macro_export]
         macro_rules! for_each_technique {
             ($callback:ident) => {
-                $callback! { $($crate::$technique,)* }
+                $callback! { $($crate::technique_type!($technique $(in $wrapper)?),)* }
             };
         }
     };
@@ -32,18 +41,18 @@ macro_rules! registry {
 // Cheapest first: charts, tables and help keep this order.
 registry! {
     unshadowed::Unshadowed,
-    hard::Hard,
-    second_depth::SecondDepth,
-    midpoint::Midpoint,
-    pcf_dithered::PcfDithered,
-    pcf_hardware::PcfHardware,
-    pcf_merged::PcfMerged,
-    pcf::Pcf,
-    pcf_disc::PcfDisc,
-    vsm::Vsm,
-    evsm::Evsm,
-    msm::Msm,
-    pcss::Pcss,
+    hard::Hard in MapTechnique,
+    second_depth::SecondDepth in MapTechnique,
+    midpoint::Midpoint in MapTechnique,
+    pcf_dithered::PcfDithered in MapTechnique,
+    pcf_hardware::PcfHardware in MapTechnique,
+    pcf_merged::PcfMerged in MapTechnique,
+    pcf::Pcf in MapTechnique,
+    pcf_disc::PcfDisc in MapTechnique,
+    vsm::Vsm in MapTechnique,
+    evsm::Evsm in MapTechnique,
+    msm::Msm in MapTechnique,
+    pcss::Pcss in MapTechnique,
     planar::Planar,
     volumes::ShadowVolumes,
     exact::Exact,

@@ -1,6 +1,7 @@
 //! No technique is forgotten, and files bring back what was written.
 
 use super::*;
+use crate::MapTechnique;
 use crate::shadow_map::{Bias, Border, MapFormat, ShadowMap};
 use umbrage_core::{Fit, glam::Vec3};
 
@@ -91,8 +92,8 @@ fn maps_can_be_exchanged_wherever_there_is_one() {
         assert_eq!(changed.technique().name(), preset.technique().name());
     }
     assert_eq!(
-        TechniquePreset::from(Pcss::default()).map(),
-        Some(&Pcss::default().map)
+        TechniquePreset::from(MapTechnique::<Pcss>::default()).map(),
+        Some(&MapTechnique::<Pcss>::default().map)
     );
 }
 
@@ -113,7 +114,9 @@ fn wrong_files_are_told_what_to_write() {
 /// Files that were written before must be read, and are written alike.
 #[test]
 fn the_text_of_presets_stays() {
-    let text = TechniquePreset::from(Pcf::default()).to_toml().unwrap();
+    let text = TechniquePreset::from(MapTechnique::<Pcf>::default())
+        .to_toml()
+        .unwrap();
     assert!(
         text.starts_with("technique = \"pcf\"\nradius = 1\n\n[map]\nsize = 1024\n"),
         "{text}"

@@ -5,7 +5,8 @@ use std::{fs, io::Cursor, path::PathBuf};
 use umbrage_core::{Backend as _, Fit, Geometry, Layout, ShadowTechnique, View, glam::UVec2};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
-    BeyondFar, Bias, Border, Hard, MapFormat, Pcf, PcfDithered, ShadowMap, Surface, Traced,
+    BeyondFar, Bias, Border, Hard, MapFilter as _, MapFormat, Pcf, PcfDithered, ShadowMap, Surface,
+    Traced,
 };
 
 /// Sides, pixels.
@@ -65,27 +66,20 @@ pub fn all() -> Vec<Golden> {
 
 fn hard() -> Box<dyn ShadowTechnique> {
     let bias = Bias::SLOPE;
-    Box::new(Hard {
-        map: ShadowMap { bias, ..MAP },
-    })
+    Box::new(Hard {}.on(ShadowMap { bias, ..MAP }))
 }
 
 fn unbiased() -> Box<dyn ShadowTechnique> {
     let bias = Bias::NONE;
-    Box::new(Hard {
-        map: ShadowMap { bias, ..MAP },
-    })
+    Box::new(Hard {}.on(ShadowMap { bias, ..MAP }))
 }
 
 fn pcf() -> Box<dyn ShadowTechnique> {
-    Box::new(Pcf {
-        map: MAP,
-        radius: 1,
-    })
+    Box::new(Pcf { radius: 1 }.on(MAP))
 }
 
 fn dithered() -> Box<dyn ShadowTechnique> {
-    Box::new(PcfDithered { map: MAP })
+    Box::new(PcfDithered {}.on(MAP))
 }
 
 fn traced() -> Box<dyn ShadowTechnique> {

@@ -8,7 +8,7 @@ use crate::{
 use glam::{Affine3A, UVec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{Camera, Light};
-use umbrage_techniques::{Hard, ShadowMap};
+use umbrage_techniques::{Hard, MapFilter as _, MapTechnique, ShadowMap};
 use umbrage_wgpu::{
     CasterId, LightId, LightSet, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
 };
@@ -20,12 +20,12 @@ pub const SIDE: u32 = 64;
 pub const LAYER: u64 = 4 * SIDE as u64 * SIDE as u64;
 
 /// One comparison on a small map.
-pub fn hard() -> Arc<Hard> {
+pub fn hard() -> Arc<MapTechnique<Hard>> {
     let map = ShadowMap {
         size: SIDE,
         ..ShadowMap::default()
     };
-    Arc::new(Hard { map })
+    Arc::new(Hard {}.on(map))
 }
 
 /// Returns a spot that shines down on the floor around `x`.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use umbrage::{
     Aabb, Camera,
     glam::{Affine3A, Vec3},
-    techniques::Pcf,
+    techniques::{MapFilter as _, Pcf, ShadowMap},
     wgpu::{
         CasterId, CasterMesh, DepthBuffer, LightId, LightSet, LightSetOptions, MaskFormat,
         MaskInputs, NormalCoding, PositionFormat, SetFrame, SetLight, SetNormals, SetReceivers,
@@ -67,7 +67,7 @@ impl Deferred {
         for light in renderer::lights() {
             lights.push(set.add_light(SetLight {
                 light,
-                technique: Arc::new(Pcf::default()),
+                technique: Arc::new(Pcf { radius: 1 }.on(ShadowMap::default())),
                 priority: 1.0,
             })?);
         }

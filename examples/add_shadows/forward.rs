@@ -8,7 +8,7 @@ use std::sync::Arc;
 use umbrage::{
     Aabb, Camera,
     glam::{Affine3A, Vec3},
-    techniques::Pcf,
+    techniques::{MapFilter as _, Pcf, ShadowMap},
     wgpu::{
         CasterId, CasterMesh, LightSet, LightSetOptions, PositionFormat, SetFrame, SetLight,
         VertexLayout,
@@ -63,7 +63,7 @@ impl Forward {
         for light in renderer::lights() {
             set.add_light(SetLight {
                 light,
-                technique: Arc::new(Pcf::default()),
+                technique: Arc::new(Pcf { radius: 1 }.on(ShadowMap::default())),
                 priority: 1.0,
             })?;
         }

@@ -16,6 +16,7 @@ use umbrage::{
     Cast, CastMode, Fit, Format, ImageDesc, ImageView, Inputs, Invalid, Kernel, Light, Module,
     ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Source, Span, UniformBlock, View,
     glam::{UVec2, Vec3, Vec4},
+    module,
     techniques::{
         ListedTechnique, ShadowMap,
         lanes::batch::{Taps, look_up_span},
@@ -231,15 +232,7 @@ pub(crate) struct ContactKernel(ContactUniforms);
 
 impl Kernel for ContactKernel {
     fn modules(&self) -> Vec<Module> {
-        self.0
-            .lookup
-            .modules()
-            .into_iter()
-            .chain([Module {
-                name: "contact",
-                text: include_str!("contact.wgsl"),
-            }])
-            .collect()
+        self.0.lookup.modules(&[module!("contact")])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

@@ -7,7 +7,9 @@ use umbrage::{
     cpu::Cpu,
     glam::{UVec2, Vec3},
     metrics::Errors,
-    techniques::{Bias, Exact, Hard, Pcf, Pcss, SecondDepth, ShadowMap, Soft, Traced},
+    techniques::{
+        Bias, Exact, Hard, MapFilter as _, Pcf, Pcss, SecondDepth, ShadowMap, Soft, Traced,
+    },
 };
 use umbrage_lab::output::png;
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
@@ -44,18 +46,15 @@ const fn side(words: &'static str, technique: fn() -> Arc<dyn ShadowTechnique>) 
 }
 
 fn hard(map: ShadowMap) -> Arc<dyn ShadowTechnique> {
-    Arc::new(Hard { map })
+    Arc::new(Hard {}.on(map))
 }
 
 fn pcf(map: ShadowMap, radius: u32) -> Arc<dyn ShadowTechnique> {
-    Arc::new(Pcf { map, radius })
+    Arc::new(Pcf { radius }.on(map))
 }
 
 fn second_depth(size: u32) -> Arc<dyn ShadowTechnique> {
-    Arc::new(SecondDepth {
-        map: map(size, Bias::FRONT_CULL),
-        radius: 0,
-    })
+    Arc::new(SecondDepth { radius: 0 }.on(map(size, Bias::FRONT_CULL)))
 }
 
 fn exact() -> Arc<dyn ShadowTechnique> {
@@ -234,10 +233,7 @@ const ALL: &[FailureExample] = &[
         row: "rising heights",
         fault: side("`pcf` 7x7", || pcf(map(1024, Bias::ADAPTIVE), 3)),
         cure: side("`pcss`, 16 + 32 taps", || {
-            Arc::new(Pcss {
-                map: map(1024, Bias::ADAPTIVE),
-                ..Pcss::default()
-            })
+            Arc::new(Pcss::default().on(map(1024, Bias::ADAPTIVE)))
         }),
     },
     FailureExample {
@@ -246,10 +242,7 @@ const ALL: &[FailureExample] = &[
         scene: "two-blockers",
         row: "two blockers",
         fault: side("`pcss`, 16 + 32 taps", || {
-            Arc::new(Pcss {
-                map: map(1024, Bias::ADAPTIVE),
-                ..Pcss::default()
-            })
+            Arc::new(Pcss::default().on(map(1024, Bias::ADAPTIVE)))
         }),
         cure: side("`soft`", soft),
     },

@@ -11,7 +11,7 @@ use umbrage::{
     cpu::Cpu,
     glam::Affine3A,
     scenes,
-    techniques::{Exact, Hard, ShadowMap, Traced},
+    techniques::{Exact, Hard, MapFilter as _, ShadowMap, Traced},
     wgpu::{
         AdapterChoice, CasterMesh, FrameGeometry, GBuffer, Indices, LightId, LightSet,
         LightSetOptions, MaskFormat, MaskInputs, SetFrame, SetLight, SetReceivers, VertexLayout,
@@ -53,7 +53,7 @@ fn scene(d: &Device, name: &str) -> Result<()> {
         size: 2048,
         ..ShadowMap::default()
     };
-    let mut hard = Player::new(d, &geometry, light, Arc::new(Hard { map }), false)?;
+    let mut hard = Player::new(d, &geometry, light, Arc::new(Hard {}.on(map)), false)?;
     let mut exact = Player::new(d, &geometry, light, Arc::new(Exact::default()), false)?;
     let mut rays = Player::new(d, &geometry, light, Arc::new(Traced { samples: 1 }), true)?;
     let mut least = [Times::default(); 3];

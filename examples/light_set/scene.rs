@@ -6,7 +6,7 @@ use std::sync::Arc;
 use umbrage::{
     Aabb, Camera, Light, ShadowTechnique,
     glam::{Affine3A, Mat4, Quat, UVec2, Vec3, Vec4},
-    techniques::{Bias, Hard, Pcf, ShadowMap},
+    techniques::{Bias, Hard, MapFilter as _, Pcf, ShadowMap},
     wgpu::{
         AdapterChoice, CasterId, CasterMesh, Gpu, LightId, LightSet, LightSetOptions,
         PositionFormat, SetFrame, SetLight, StillLayers, VertexLayout,
@@ -102,15 +102,12 @@ impl Device {
 
 /// One comparison with a constant bias.
 pub(crate) fn hard() -> Arc<dyn ShadowTechnique> {
-    Arc::new(Hard { map: map() })
+    Arc::new(Hard {}.on(map()))
 }
 
 /// 3x3 comparisons with a constant bias.
 pub(crate) fn pcf() -> Arc<dyn ShadowTechnique> {
-    Arc::new(Pcf {
-        map: map(),
-        radius: 1,
-    })
+    Arc::new(Pcf { radius: 1 }.on(map()))
 }
 
 fn map() -> ShadowMap {

@@ -14,7 +14,7 @@ use umbrage::{
     cpu::Cpu,
     glam::{UVec2, Vec3},
     metrics::{Errors, Pixel},
-    techniques::{Pcf, ShadowMap},
+    techniques::{MapFilter as _, Pcf, ShadowMap},
 };
 use umbrage_examples::panes::{FULLY_TRANSPARENT, Glass, Panes, shards, transmitted, window};
 
@@ -100,7 +100,7 @@ fn ways<'a>(map: ShadowMap) -> Vec<(&'static str, OfColour<'a>)> {
     vec![
         (
             "opaque, 3x3",
-            Box::new(move |_| Box::new(Pcf { map, radius: 1 })),
+            Box::new(move |_| Box::new(Pcf { radius: 1 }.on(map))),
         ),
         (
             "left out, 3x3",

@@ -17,6 +17,7 @@ use umbrage::{
     glam::{UVec2, Vec2, Vec3, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler, ray_origin, seed, segment},
     math::dot3,
+    module,
     techniques::{
         ShadowMap,
         lanes::batch::{Taps, look_up_span},
@@ -191,13 +192,7 @@ pub(crate) struct PanesKernel(PanesUniforms);
 
 impl Kernel for PanesKernel {
     fn modules(&self) -> Vec<Module> {
-        let mut modules = self.0.lookup.modules();
-        modules.push(LIGHT_SAMPLE);
-        modules.push(Module {
-            name: "panes",
-            text: include_str!("panes.wgsl"),
-        });
-        modules
+        self.0.lookup.modules(&[LIGHT_SAMPLE, module!("panes")])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

@@ -8,6 +8,7 @@ use umbrage::{
     FilterKernel, Format, ImageDesc, ImageView, Inputs, Kernel, Layout, Module, ReceiveKernel,
     Recipe, RecipeError, ShadowTechnique, Span, UniformBlock, View,
     glam::{IVec2, UVec2},
+    module,
     techniques::{
         CompareMethod, ListedTechnique, MapFormat, ShadowMap, Surface,
         lanes::batch::{Taps, look_up_span},
@@ -113,10 +114,7 @@ pub(crate) struct Moments;
 
 impl Kernel for Moments {
     fn modules(&self) -> Vec<Module> {
-        vec![Module {
-            name: "moments",
-            text: include_str!("moments.wgsl"),
-        }]
+        vec![module!("moments")]
     }
 }
 
@@ -147,10 +145,7 @@ pub(crate) struct Blur(BlurUniforms);
 
 impl Kernel for Blur {
     fn modules(&self) -> Vec<Module> {
-        vec![Module {
-            name: "blur",
-            text: include_str!("blur.wgsl"),
-        }]
+        vec![module!("blur")]
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -195,15 +190,7 @@ pub(crate) struct Chebyshev(ChebyshevUniforms);
 
 impl Kernel for Chebyshev {
     fn modules(&self) -> Vec<Module> {
-        self.0
-            .lookup
-            .modules()
-            .into_iter()
-            .chain([Module {
-                name: "chebyshev",
-                text: include_str!("receive.wgsl"),
-            }])
-            .collect()
+        self.0.lookup.modules(&[module!("receive")])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

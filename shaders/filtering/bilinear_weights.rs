@@ -15,13 +15,10 @@
 //! the tent).
 
 use glam::{Vec2, Vec4};
-use umbrage_core::Module;
+use umbrage_core::{Module, module};
 
 /// The WGSL half.
-pub const BILINEAR_WEIGHTS: Module = Module {
-    name: "bilinear_weights",
-    text: include_str!("bilinear_weights.wgsl"),
-};
+pub const BILINEAR_WEIGHTS: Module = module!("bilinear_weights");
 
 /// Returns the clip depth that a sample `step` texels from the receiver compares, given the receiver's `depth` and its change per
 /// texel. One depth serves four texels, whose centres lie up to one texel from the sample along each axis: the receiver's

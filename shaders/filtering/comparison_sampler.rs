@@ -10,7 +10,7 @@ use crate::{
     shadow_map::{coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap},
 };
 use glam::Vec2;
-use umbrage_core::{Kernel, Module};
+use umbrage_core::{Kernel, Module, module};
 
 /// How far a sampler with weights of 8 bits may be from the exact blend: each of two weights is off by less than 1/256,
 /// and answers differ by at most 1 along each axis. (7.3e-3 was the most over 786,432 random lookups.) Means of samples
@@ -27,16 +27,11 @@ pub fn sampler_tolerance(kernel: &dyn Kernel) -> f32 {
 pub(crate) const LANES: usize = 4;
 
 /// The WGSL half.
-const COMPARISON_SAMPLER: Module = Module {
-    name: "comparison_sampler",
-    text: include_str!("comparison_sampler.wgsl"),
-};
+const COMPARISON_SAMPLER: Module = module!("comparison_sampler");
 
-/// Returns the map's modules and, after them, the WGSL of `sampled`.
-pub(crate) fn modules(m: &ShadowMapUniforms) -> Vec<Module> {
-    let mut modules = m.modules();
-    modules.extend([BILINEAR_WEIGHTS, COMPARISON_SAMPLER]);
-    modules
+/// Returns the map's modules and, after them, the WGSL of `sampled` and the technique's `own`.
+pub(crate) fn modules(m: &ShadowMapUniforms, own: Module) -> Vec<Module> {
+    m.modules(&[BILINEAR_WEIGHTS, COMPARISON_SAMPLER, own])
 }
 
 /// The samples along one axis of a square. Lanes after the last sample weigh 0.

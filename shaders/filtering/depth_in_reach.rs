@@ -19,7 +19,7 @@ use glam::{UVec2, Vec2};
 use std::{ops::Range, sync::Arc};
 use umbrage_core::{
     FilterKernel, Format, ImageDesc, ImageId, Inputs, Kernel, Module, SimdTask, UniformBlock,
-    uniforms,
+    module, uniforms,
 };
 
 /// Most cells along a side. More cells tell casters apart better, but the work grows with the fourth power of their number.
@@ -155,10 +155,7 @@ pub struct DepthInReachKernel {
 
 impl Kernel for DepthInReachKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "depth_in_reach",
-            text: include_str!("depth_in_reach.wgsl"),
-        };
+        let own = module!("depth_in_reach");
         vec![LIGHT_EXTENT, own]
     }
 

@@ -7,13 +7,10 @@
 
 use crate::filtering::light_extent::{HalfAxes, half_axes};
 use glam::{DMat4, Mat4, Vec2, Vec3, Vec4};
-use umbrage_core::{Light, LightSpaces, Module, math::dot3, uniforms};
+use umbrage_core::{Light, LightSpaces, Module, math::dot3, module, uniforms};
 
 /// The WGSL half.
-pub(crate) const HORIZON: Module = Module {
-    name: "horizon",
-    text: include_str!("horizon.wgsl"),
-};
+pub(crate) const HORIZON: Module = module!("horizon");
 
 uniforms! {
     /// The light's half axes in the world.

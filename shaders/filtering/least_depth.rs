@@ -2,7 +2,9 @@
 
 use crate::shadow_map::{packing::unpack_depth, variants::stored_depth};
 use glam::{UVec2, Vec4};
-use umbrage_core::{FilterKernel, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms};
+use umbrage_core::{
+    FilterKernel, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
+};
 
 uniforms! {
     /// Uniforms of [`LeastDepthKernel`].
@@ -24,10 +26,7 @@ pub struct LeastDepthKernel {
 
 impl Kernel for LeastDepthKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "least_depth",
-            text: include_str!("least_depth.wgsl"),
-        };
+        let own = module!("least_depth");
         stored_depth(self.packed).into_iter().chain([own]).collect()
     }
 

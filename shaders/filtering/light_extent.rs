@@ -17,14 +17,11 @@ use crate::{
 };
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
 use umbrage_core::{
-    FitMemory, Light, LightSpace, LightSpaces, Module, RecipeError, View, uniforms,
+    FitMemory, Light, LightSpace, LightSpaces, Module, RecipeError, View, module, uniforms,
 };
 
 /// The WGSL half.
-pub(crate) const LIGHT_EXTENT: Module = Module {
-    name: "light_extent",
-    text: include_str!("light_extent.wgsl"),
-};
+pub(crate) const LIGHT_EXTENT: Module = module!("light_extent");
 
 /// Greatest part of a map's half side that is spent on what kernels reach beyond the receivers. Wider lights lose the
 /// shadows of casters outside the map on its outermost receivers.

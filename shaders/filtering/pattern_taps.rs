@@ -19,14 +19,11 @@ use crate::{
     shadow_map::{coord::ShadowCoord, texel_compare::DepthMap},
 };
 use glam::{UVec2, Vec2, Vec4};
-use umbrage_core::Module;
+use umbrage_core::{Module, module};
 
 /// The WGSL half. It reads the kernel's first image and table, and needs the map's modules and
 /// [`PATTERN`](crate::filtering::sample_pattern::PATTERN).
-pub(crate) const PATTERN_TAPS: Module = Module {
-    name: "pattern_taps",
-    text: include_str!("pattern_taps.wgsl"),
-};
+pub(crate) const PATTERN_TAPS: Module = module!("pattern_taps");
 
 /// The depth that taps outside the map read: farther than any stored depth, so such taps are lit and block nothing.
 const OUTSIDE_DEPTH: f32 = 2.0;

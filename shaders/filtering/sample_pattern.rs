@@ -20,13 +20,11 @@ use std::{
 use umbrage_core::{
     Invalid, Module, Table,
     light_sample::{disc_point, hash},
+    module,
 };
 
 /// The WGSL half. It reads the kernel's first table.
-pub const PATTERN: Module = Module {
-    name: "sample_pattern",
-    text: include_str!("sample_pattern.wgsl"),
-};
+pub const PATTERN: Module = module!("sample_pattern");
 
 /// Most taps accepted in a set. Of many more, those around the middle would be nearer to it than [`from_middle`] distinguishes.
 pub const MAX_TAPS: u32 = 255;

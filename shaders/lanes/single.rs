@@ -2,9 +2,8 @@
 
 use crate::{
     lanes::{
-        batch::{BATCH, Batch, BatchTaps, Lanes},
+        batch::{BATCH, Batch, Lanes},
         square::{Places, places_at},
-        whole::floor,
     },
     shadow_map::texel_compare::{DepthMap, depth_at_texel},
 };
@@ -50,53 +49,10 @@ pub(crate) fn single_taps(
     SingleTaps { lit, is_known }
 }
 
-/// The comparison with the receiver's own texel.
-pub(crate) struct OwnTexel<'a> {
-    pub(crate) map: DepthMap<'a>,
-}
-
-impl BatchTaps for OwnTexel<'_> {
-    #[inline(always)]
-    fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
-        if self.map.packed {
-            self.one_by_one(batch, out);
-            return;
-        }
-        let [mut x, mut y] = [[0.0; BATCH]; 2];
-        for i in 0..BATCH {
-            x[i] = floor(batch.x[i]);
-            y[i] = floor(batch.y[i]);
-        }
-        let taps = single_taps(&self.map, batch, &x, &y);
-        let mut is_complete = true;
-        for (i, out) in out.iter_mut().enumerate() {
-            *out = taps.lit[i];
-            is_complete &= taps.is_known[i] | !batch.covered[i];
-        }
-        // Beside the map all is lit, unless its edge repeats.
-        if self.map.clamped && !is_complete {
-            self.one_by_one(batch, out);
-        }
-    }
-}
-
-impl OwnTexel<'_> {
-    #[inline(never)]
-    fn one_by_one(&self, batch: &Batch, out: &mut [f32]) {
-        batch.one_by_one(out, |l, _| {
-            let [x, y] = [l.texel.x.floor() as i32, l.texel.y.floor() as i32];
-            self.map.tap(l, x, y)
-        });
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        lanes::fixtures::{batch, map, texels},
-        shadow_map::packing::pack_depth,
-    };
+    use crate::lanes::fixtures::{batch, map, texels};
 
     /// Returns how many taps two texels right of the receiver's own were known, and how many of these answer otherwise than the plain
     /// comparison in `judged`.
@@ -135,33 +91,5 @@ mod tests {
         let spoilt: Vec<f32> = texels.iter().map(|depth| depth + 0.1).collect();
         let (_, other) = known_and_other(&spoilt);
         assert!(other > known / 20, "{other} of {known}");
-    }
-
-    /// Beside the map receivers are lit, or its edge repeats; packed maps and batches that are not full are answered, too.
-    #[test]
-    fn own_texels_are_as_the_plain_comparison() {
-        let texels = texels();
-        let packed: Vec<f32> = texels
-            .iter()
-            .flat_map(|&depth| pack_depth(depth).to_array())
-            .collect();
-        for (clamped, is_packed) in [(false, false), (true, false), (false, true), (true, true)] {
-            let map = DepthMap {
-                packed: is_packed,
-                ..map(if is_packed { &packed } else { &texels }, clamped)
-            };
-            for turn in 0..40 {
-                let batch = batch(turn, turn % 2 == 0);
-                let mut out = [9.0; BATCH];
-                let count = if turn % 3 == 0 { 13 } else { BATCH };
-                OwnTexel { map }.visibilities(&batch, 0, &mut out[..count]);
-                for (i, out) in out[..count].iter().enumerate() {
-                    let l = batch.lookup(i);
-                    let [x, y] = [l.texel.x.floor() as i32, l.texel.y.floor() as i32];
-                    let expected = if l.covered { map.tap(&l, x, y) } else { 1.0 };
-                    assert_eq!(*out, expected, "{clamped} {is_packed} {x} {y}");
-                }
-            }
-        }
     }
 }

@@ -39,10 +39,10 @@ pub struct FrameRules {
 /// out if it says nothing; [`TechniquePreset::from_toml`] reads both and ignores that table.
 ///
 /// ```
-/// use umbrage_techniques::{FrameRules, Hard, LightPreset, Update};
+/// use umbrage_techniques::{MapTechnique, FrameRules, Hard, LightPreset, Update};
 /// let file = "technique = 'hard'\n[frame]\nupdate = 'when_scene_changes'";
 /// let preset = LightPreset::from_toml(file)?;
-/// assert_eq!(preset.technique, Hard::default().into());
+/// assert_eq!(preset.technique, MapTechnique::<Hard>::default().into());
 /// assert_eq!(preset.frame.update, Update::WhenSceneChanges);
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
@@ -116,7 +116,7 @@ fn unreadable(why: &str) -> Invalid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Hard, Pcf, ShadowMap};
+    use crate::{Hard, MapFilter as _, MapTechnique, Pcf, ShadowMap};
 
     #[test]
     fn rules_come_back_from_their_file() {
@@ -146,11 +146,11 @@ mod tests {
     fn rules_that_say_nothing_are_left_out() {
         let map = ShadowMap::default();
         let preset = LightPreset {
-            technique: Hard { map }.into(),
+            technique: Hard {}.on(map).into(),
             frame: FrameRules::default(),
         };
         assert_eq!(preset.to_toml(), preset.technique.to_toml());
-        let pcf = TechniquePreset::from(Pcf::default())
+        let pcf = TechniquePreset::from(MapTechnique::<Pcf>::default())
             .to_toml()
             .expect("a table");
         let read = LightPreset::from_toml(&pcf).expect("read");

@@ -13,10 +13,10 @@ pub use preset::TechniquePreset;
 
 use crate::shadow_map::ShadowMap;
 #[cfg(feature = "presets")]
-use serde::{Serialize, de::DeserializeOwned};
+pub(crate) use serde::{Serialize, de::DeserializeOwned};
 use umbrage_core::ShadowTechnique;
 #[cfg(not(feature = "presets"))]
-use without_files::{DeserializeOwned, Serialize};
+pub(crate) use without_files::{DeserializeOwned, Serialize};
 
 /// Stands in for `serde` without the feature `presets`: any type will do.
 #[cfg(not(feature = "presets"))]
@@ -38,7 +38,7 @@ mod without_files {
 /// ```
 /// use serde::{Deserialize, Serialize};
 /// use umbrage_core::{RecipeError, Recipe, ShadowTechnique, View};
-/// use umbrage_techniques::{Hard, ListedTechnique, ShadowMap, TechniqueEntry, TechniquePreset};
+/// use umbrage_techniques::{Hard, ListedTechnique, MapFilter as _, ShadowMap, TechniqueEntry, TechniquePreset};
 ///
 /// /// One comparison, under another name.
 /// #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -52,7 +52,7 @@ mod without_files {
 ///         "mine"
 ///     }
 ///     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-///         Hard { map: self.map }.recipe(view)
+///         Hard {}.on(self.map).recipe(view)
 ///     }
 /// }
 ///

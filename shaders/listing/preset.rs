@@ -13,9 +13,9 @@ use umbrage_core::{DeviceRecipe, Light, Recipe, RecipeError, ShadowTechnique, Vi
 /// fields are those of its struct; those left out have its defaults.
 ///
 /// ```
-/// use umbrage_techniques::{Pcf, TechniquePreset};
+/// use umbrage_techniques::{MapFilter as _, Pcf, ShadowMap, TechniquePreset};
 /// let preset = TechniquePreset::from_toml("technique = 'pcf'\nradius = 2")?;
-/// assert_eq!(preset, TechniquePreset::from(Pcf { radius: 2, ..Pcf::default() }));
+/// assert_eq!(preset, TechniquePreset::from(Pcf { radius: 2 }.on(ShadowMap::default())));
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
 #[derive(Clone, Debug)]

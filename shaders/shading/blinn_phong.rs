@@ -29,7 +29,7 @@ use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 use umbrage_core::{
     Camera, Invalid, Kernel, Light, Module, Recipe, Scene, Shade, ShadeKernel, Span, UniformBlock,
-    View, invalid::not_negative, math::dot3, uniforms,
+    View, invalid::not_negative, math::dot3, module, uniforms,
 };
 
 /// How a picture is lit. Colours are linear.
@@ -233,10 +233,7 @@ pub struct BlinnPhongKernel {
 
 impl Kernel for BlinnPhongKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "blinn_phong",
-            text: include_str!("blinn_phong.wgsl"),
-        };
+        let own = module!("blinn_phong");
         vec![TEXTURE, INTERPOLATION, SURFACE, LIGHTING, own]
     }
 

@@ -1,13 +1,10 @@
 //! Which way the light is, for directions and positions alike.
 
 use glam::{Vec3, Vec4};
-use umbrage_core::{Light, Module, math::dot3};
+use umbrage_core::{Light, Module, math::dot3, module};
 
 /// The WGSL half.
-pub const FACING: Module = Module {
-    name: "facing",
-    text: include_str!("facing.wgsl"),
-};
+pub const FACING: Module = module!("facing");
 
 /// Returns a light's middle in homogeneous coordinates: (x, y, z, 1), or for directional lights (unit direction to it, 0).
 /// From a point `p`, the light is along `xyz - w p`.

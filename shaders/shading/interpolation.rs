@@ -9,13 +9,11 @@ use glam::{Vec3, Vec4};
 use umbrage_core::{
     Module,
     math::{cross3, dot3},
+    module,
 };
 
 /// The WGSL half.
-pub(crate) const INTERPOLATION: Module = Module {
-    name: "interpolation",
-    text: include_str!("interpolation.wgsl"),
-};
+pub(crate) const INTERPOLATION: Module = module!("interpolation");
 
 /// Returns the weights of a triangle's corners at a point of its plane: signed areas over the triangle's.
 #[inline(always)]

@@ -3,13 +3,10 @@
 
 use crate::shading::interpolation::unit_or;
 use glam::{Vec2, Vec3};
-use umbrage_core::{MAX_SHININESS_LOG2, Module, math::dot3};
+use umbrage_core::{MAX_SHININESS_LOG2, Module, math::dot3, module};
 
 /// The WGSL half; it needs `interpolation`.
-pub(crate) const LIGHTING: Module = Module {
-    name: "lighting",
-    text: include_str!("lighting.wgsl"),
-};
+pub(crate) const LIGHTING: Module = module!("lighting");
 
 /// Returns `x` to the power of 2^`log2` (at most [`MAX_SHININESS_LOG2`]), by repeated squaring.
 #[inline(always)]

@@ -11,13 +11,10 @@ use crate::shading::{
     texture::bilinear,
 };
 use glam::{UVec4, Vec2, Vec3, Vec4};
-use umbrage_core::Module;
+use umbrage_core::{Module, module};
 
 /// The WGSL half; it needs `texture`, `interpolation` and the tables of [`SurfaceTables`].
-pub(crate) const SURFACE: Module = Module {
-    name: "surface",
-    text: include_str!("surface.wgsl"),
-};
+pub(crate) const SURFACE: Module = module!("surface");
 
 /// A seen point, for shading.
 #[derive(Clone, Copy, Debug, PartialEq)]

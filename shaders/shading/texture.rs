@@ -4,13 +4,10 @@
 //! A texture is `(first texel, width, height, 0)` into a table of texels; a width of 0 stands for no texture.
 
 use glam::{UVec2, UVec4, Vec2, Vec4};
-use umbrage_core::{Module, Texture};
+use umbrage_core::{Module, Texture, module};
 
 /// The WGSL half. Reading a table is the business of who declares it.
-pub(crate) const TEXTURE: Module = Module {
-    name: "texture",
-    text: include_str!("texture.wgsl"),
-};
+pub(crate) const TEXTURE: Module = module!("texture");
 
 /// Returns the two texels along one axis, of `size`, between whose centres the texture coordinate `u` lies.
 #[inline(always)]

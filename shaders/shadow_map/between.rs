@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use std::sync::Arc;
-use umbrage_core::{FilterKernel, ImageView, Inputs, Kernel, Module};
+use umbrage_core::{FilterKernel, ImageView, Inputs, Kernel, Module, module};
 
 /// Returns the filter from two images of depth to their mean.
 pub(crate) fn between() -> Arc<dyn FilterKernel> {
@@ -15,10 +15,7 @@ pub struct BetweenKernel;
 
 impl Kernel for BetweenKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![Module {
-            name: "between",
-            text: include_str!("between.wgsl"),
-        }]
+        vec![module!("between")]
     }
 }
 

@@ -9,20 +9,14 @@ use super::{
     layers::{MapLayer, ShadowMapUniforms},
 };
 use glam::{Mat4, Vec2, Vec3};
-use umbrage_core::Module;
+use umbrage_core::{Module, module};
 
 /// Functions without images or uniforms. It needs the modules [`MATH`](umbrage_core::MATH),
 /// [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`](super::coord::PROJECTION).
-pub const CASCADES: Module = Module {
-    name: "cascades",
-    text: include_str!("cascades.wgsl"),
-};
+pub const CASCADES: Module = module!("cascades");
 
 /// The WGSL that reads the kernel's layers: `layer_at`, `map_layer`, `cascade_at`, `holds`, `share_of_layer`.
-pub(crate) const LAYER_PICK: Module = Module {
-    name: "layer_pick",
-    text: include_str!("layer_pick.wgsl"),
-};
+pub(crate) const LAYER_PICK: Module = module!("layer_pick");
 
 /// Returns how far inside a cascade's map `p` (world space) lies: from the nearest side of the map, texels (x), and before the far
 /// plane, clip depth (y). Negative outside.

@@ -8,20 +8,15 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 use umbrage_core::{
     Module,
     math::{cross3, dot3, unit3},
+    module,
 };
 
 /// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH), [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`], `layer_pick.wgsl`
 /// and the map's constants (`variants.rs`).
-pub const COORD: Module = Module {
-    name: "coord",
-    text: include_str!("coord.wgsl"),
-};
+pub const COORD: Module = module!("coord");
 
 /// Functions without images or uniforms, called by [`COORD`]; their WGSL is `projection.wgsl`.
-pub const PROJECTION: Module = Module {
-    name: "projection",
-    text: include_str!("projection.wgsl"),
-};
+pub const PROJECTION: Module = module!("projection");
 
 /// A receiver's place on the map, and the depth that is compared there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

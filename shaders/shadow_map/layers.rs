@@ -5,14 +5,11 @@ use super::{BeyondFar, Border, MapFormat, ShadowMap, cascades::cascade_at, posit
 use crate::shading::facing::homogeneous;
 use glam::{Mat4, Vec3, Vec4};
 use umbrage_core::{
-    Arrangement, CascadePick, LightSpace, LightSpaces, MAX_CASCADES, Module, View, uniforms,
+    Arrangement, CascadePick, LightSpace, LightSpaces, MAX_CASCADES, Module, View, module, uniforms,
 };
 
 /// The WGSL half: the structs, and `cube_face`.
-pub const LAYERS: Module = Module {
-    name: "layers",
-    text: include_str!("layers.wgsl"),
-};
+pub const LAYERS: Module = module!("layers");
 
 /// Most layers of a map: a cube has six.
 pub const MAX_LAYERS: usize = MAX_CASCADES;

@@ -8,13 +8,10 @@
 
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
-use umbrage_core::{FilterKernel, Inputs, Kernel, Module};
+use umbrage_core::{FilterKernel, Inputs, Kernel, Module, module};
 
 /// The WGSL half.
-pub const PACKING: Module = Module {
-    name: "packing",
-    text: include_str!("packing.wgsl"),
-};
+pub const PACKING: Module = module!("packing");
 
 /// Returns the four channels, 0..=1, of a depth 0..=1.
 #[inline(always)]
@@ -58,13 +55,7 @@ pub struct PackKernel;
 
 impl Kernel for PackKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![
-            PACKING,
-            Module {
-                name: "pack",
-                text: include_str!("pack.wgsl"),
-            },
-        ]
+        vec![PACKING, module!("pack")]
     }
 }
 

@@ -3,26 +3,17 @@
 
 use super::{coord::ShadowCoord, layers::ShadowMapUniforms, packing::unpack_depth};
 use glam::{Vec2, Vec4};
-use umbrage_core::{ImageView, Module};
+use umbrage_core::{ImageView, Module, module};
 
 /// The WGSL half: `tap` and `depth_at`. It reads the kernel's first image, and needs the modules
 /// [`COORD`](super::coord::COORD), [`DEPTH_ON_PLANE`], `stored_depth.wgsl` and the map's constants.
-pub const TEXEL_COMPARE: Module = Module {
-    name: "texel_compare",
-    text: include_str!("texel_compare.wgsl"),
-};
+pub const TEXEL_COMPARE: Module = module!("texel_compare");
 
 /// The part of [`TEXEL_COMPARE`] that reads nothing.
-pub const DEPTH_ON_PLANE: Module = Module {
-    name: "depth_on_plane",
-    text: include_str!("depth_on_plane.wgsl"),
-};
+pub const DEPTH_ON_PLANE: Module = module!("depth_on_plane");
 
 /// The WGSL of `stored_depth`. It reads the kernel's first image.
-pub(crate) const STORED_DEPTH: Module = Module {
-    name: "stored_depth",
-    text: include_str!("stored_depth.wgsl"),
-};
+pub(crate) const STORED_DEPTH: Module = module!("stored_depth");
 
 /// Returns the depth to compare with the texel at (x, y).
 #[inline(always)]

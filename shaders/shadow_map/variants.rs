@@ -8,7 +8,7 @@ use super::{
     packing::PACKING,
     texel_compare::{DEPTH_ON_PLANE, STORED_DEPTH, TEXEL_COMPARE},
 };
-use umbrage_core::{Arrangement, Module};
+use umbrage_core::{Arrangement, Module, module};
 
 /// A module that declares one constant: `constant!("IS_PACKED = true")`.
 macro_rules! constant {
@@ -37,40 +37,28 @@ const PACKED_DEPTH: Module = constant!("IS_PACKED = true");
 const PLAIN_DEPTH: Module = constant!("IS_PACKED = false");
 
 /// The part of `receive` that all maps share.
-const RECEIVE: Module = Module {
-    name: "receive",
-    text: include_str!("receive.wgsl"),
-};
+const RECEIVE: Module = module!("receive");
 /// `receive`, where each receiver has one layer. The other variant is a file of its own: with a constant, compilers would inline the
 /// technique's lookup twice before they remove one of the calls.
-const RECEIVE_ONE: Module = Module {
-    name: "receive_one",
-    text: include_str!("receive_one.wgsl"),
-};
+const RECEIVE_ONE: Module = module!("receive_one");
 /// `receive`, where the answers of two layers blend.
-const RECEIVE_BLENDED: Module = Module {
-    name: "receive_blended",
-    text: include_str!("receive_blended.wgsl"),
-};
+const RECEIVE_BLENDED: Module = module!("receive_blended");
 /// `full_light`, where what no map covers is lit.
-const FULL_LIGHT: Module = Module {
-    name: "full_light",
-    text: include_str!("full_light.wgsl"),
-};
+const FULL_LIGHT: Module = module!("full_light");
 
 impl ShadowMapUniforms {
-    /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them. The technique's
-    /// own WGSL gives `fn visibility(l: ShadowCoord, r: Receiver) -> f32`, for receivers that the map covers; all others are lit. The
-    /// map's uniforms must be the kernel's field `lookup`.
-    pub fn modules(&self) -> Vec<Module> {
-        let mut modules = self.modules_without_full_light();
-        modules.push(FULL_LIGHT);
+    /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them, and after it the
+    /// technique's `own`. That defines `fn visibility(l: ShadowCoord, r: Receiver) -> f32`, for receivers that the map covers; all
+    /// others are lit. The map's uniforms must be the kernel's field `lookup`.
+    pub fn modules(&self, own: &[Module]) -> Vec<Module> {
+        let mut modules = self.modules_without_full_light(&[FULL_LIGHT]);
+        modules.extend(own);
         modules
     }
 
-    /// As [`modules`](Self::modules), for techniques whose own WGSL also gives `fn full_light(r: Receiver) -> f32`, the answer for
+    /// As [`modules`](Self::modules), for techniques whose own WGSL also defines `fn full_light(r: Receiver) -> f32`, the answer for
     /// receivers that the map doesn't cover.
-    pub fn modules_without_full_light(&self) -> Vec<Module> {
+    pub fn modules_without_full_light(&self, own: &[Module]) -> Vec<Module> {
         let mut modules = self.constants().to_vec();
         modules.extend([
             LAYERS,
@@ -84,6 +72,7 @@ impl ShadowMapUniforms {
             either(self.blends(), RECEIVE_BLENDED, RECEIVE_ONE),
         ]);
         modules.extend(stored_depth(self.packed != 0));
+        modules.extend(own);
         modules
     }
 

@@ -19,18 +19,18 @@ use crate::{
         exp2::power_of_two,
         look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
-        mipmaps::{self, MipmapUniforms},
+        mipmaps::MipmapUniforms,
         of_depth::MomentKind,
-        stored::{Encoding, MomentPrecision},
+        stored::MomentPrecision,
     },
-    listing::ListedTechnique,
     shadow_map::{ShadowMap, layers::ShadowMapUniforms, variants::constant},
+    techniques::map_technique::MapFilter,
 };
 use glam::{Vec2, Vec3};
 use std::f32::consts::LOG2_E;
 use umbrage_core::{
-    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
-    UniformBlock, View, uniforms,
+    Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
+    uniforms,
 };
 
 /// Greatest exponent accepted: exp(84), its greatest value's square, is a 32-bit float, and so are 65 times as much.
@@ -59,8 +59,6 @@ pub enum EvsmMoments {
     serde(default, deny_unknown_fields)
 )]
 pub struct Evsm {
-    /// The map of depth that moments are made of.
-    pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
     /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
@@ -84,7 +82,6 @@ pub struct Evsm {
 impl Default for Evsm {
     fn default() -> Self {
         Self {
-            map: ShadowMap::default(),
             blur: 3,
             mipmaps: 0,
             precision: MomentPrecision::Bits32,
@@ -97,12 +94,12 @@ impl Default for Evsm {
     }
 }
 
-impl ShadowTechnique for Evsm {
-    fn name(&self) -> &'static str {
-        "evsm"
-    }
+impl MapFilter for Evsm {
+    const NAME: &'static str = "evsm";
+    const SUMMARY: &'static str =
+        "Chebyshev's bound by blurred exponentials of depth (Lauritzen, McCool 2008)";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if let Some(deviation) = self.least_deviation {
             map::check_deviation(deviation)?;
         }
@@ -119,42 +116,64 @@ impl ShadowTechnique for Evsm {
             0.0,
             MAX_EVSM_EXPONENT,
         )?;
-        let rising = self.positive_exponent * LOG2_E;
-        let falling = self.negative_exponent * LOG2_E;
-        let kind = match self.moments {
-            EvsmMoments::Two => MomentKind::OneExponential { rising },
-            EvsmMoments::Four => MomentKind::TwoExponentials { rising, falling },
-        };
-        let images = MomentImages {
-            kind,
-            precision: self.precision,
-            blur: self.blur,
-            mipmaps: self.mipmaps,
-        };
+        let images = self.images();
         let kernel = |lookup, mipmaps| EvsmKernel {
-            encoding: images.encoding(),
-            blur: self.blur,
+            images,
             moments: self.moments,
             uniforms: EvsmUniforms {
                 lookup,
                 mipmaps,
                 bleeding: bleeding.amount,
                 bleeding_scale: bleeding.scale,
-                rising,
-                falling,
+                rising: self.positive_exponent * LOG2_E,
+                falling: self.negative_exponent * LOG2_E,
                 least_rising: self.least_variance(self.positive_exponent),
                 least_falling: self.least_variance(self.negative_exponent),
             },
         };
-        images.recipe(&self.map, view, kernel)
+        images.recipe(map, view, kernel)
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.mipmaps > 0 || self.map.follows_camera(light)
+    fn follows_camera(&self) -> bool {
+        self.mipmaps > 0
+    }
+
+    fn label(&self) -> String {
+        let moments = match self.moments {
+            EvsmMoments::Two => 2,
+            EvsmMoments::Four => 4,
+        };
+        let mut words = vec![format!("{moments} moments")];
+        words.extend(self.images().words());
+        let default = Self::default();
+        let exponents = (self.positive_exponent, self.negative_exponent);
+        if exponents != (default.positive_exponent, default.negative_exponent) {
+            words.push(format!("exponents {} and {}", exponents.0, exponents.1));
+        }
+        words.extend(self.least_deviation.map(|d| format!("deviation {d}")));
+        if self.bleeding_reduction != default.bleeding_reduction {
+            words.push(format!("bleeding {}", self.bleeding_reduction));
+        }
+        words.join(", ")
     }
 }
 
 impl Evsm {
+    fn images(&self) -> MomentImages {
+        let rising = self.positive_exponent * LOG2_E;
+        let falling = self.negative_exponent * LOG2_E;
+        let kind = match self.moments {
+            EvsmMoments::Two => MomentKind::OneExponential { rising },
+            EvsmMoments::Four => MomentKind::TwoExponentials { rising, falling },
+        };
+        MomentImages {
+            kind,
+            precision: self.precision,
+            blur: self.blur,
+            mipmaps: self.mipmaps,
+        }
+    }
+
     /// Returns the least variance of an exponential, in units of its squared value: it changes by a factor of 1 + `exponent` d
     /// over a small centred depth d, and centred depth has twice the range of clip depth.
     fn least_variance(&self, exponent: f32) -> f32 {
@@ -175,42 +194,6 @@ const RELATIVE_DEVIATION_16: f32 = 0.1;
 
 /// What rounding leaves of the variance of equal values, in units of their square; and what keeps a division finite.
 const SMALLEST_VARIANCE: f32 = 1e-6;
-
-impl ListedTechnique for Evsm {
-    const SUMMARY: &'static str =
-        "Chebyshev's bound by blurred exponentials of depth (Lauritzen, McCool 2008)";
-
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.blur) + 1;
-        let moments = match self.moments {
-            EvsmMoments::Two => 2,
-            EvsmMoments::Four => 4,
-        };
-        let mut words = format!("{moments} moments, blur {side}x{side}, ");
-        words += &mipmaps::words(self.mipmaps);
-        words += self.precision.words();
-        let default = Self::default();
-        let exponents = (self.positive_exponent, self.negative_exponent);
-        if exponents != (default.positive_exponent, default.negative_exponent) {
-            words += &format!("exponents {} and {}, ", exponents.0, exponents.1);
-        }
-        if let Some(deviation) = self.least_deviation {
-            words += &format!("deviation {deviation}, ");
-        }
-        if self.bleeding_reduction != default.bleeding_reduction {
-            words += &format!("bleeding {}, ", self.bleeding_reduction);
-        }
-        words + &self.map.label()
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
-    }
-}
 
 uniforms! {
     /// Uniforms of [`EvsmKernel`].
@@ -237,9 +220,7 @@ uniforms! {
 /// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct EvsmKernel {
-    encoding: Encoding,
-    /// Texels to each side that were averaged.
-    blur: u32,
+    images: MomentImages,
     moments: EvsmMoments,
     /// Uniforms.
     pub uniforms: EvsmUniforms,
@@ -251,8 +232,8 @@ const FOUR: Module = constant!("HAS_FOUR_MOMENTS = true");
 impl EvsmKernel {
     fn moment_map(&self) -> MomentMap<'_> {
         MomentMap {
+            images: self.images,
             lookup: &self.uniforms.lookup,
-            encoding: self.encoding,
             mipmaps: &self.uniforms.mipmaps,
         }
     }
@@ -260,16 +241,13 @@ impl EvsmKernel {
     /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
     /// own texel; `None` where it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(self.blur, position, normal)
+        self.moment_map().reach(position, normal)
     }
 }
 
 impl Kernel for EvsmKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "evsm",
-            text: include_str!("evsm.wgsl"),
-        };
+        let own = module!("evsm");
         let count = match self.moments {
             EvsmMoments::Two => TWO,
             EvsmMoments::Four => FOUR,

@@ -41,26 +41,17 @@ use umbrage_core::{
     cut_out::{CUT_OUT, HOLE},
     glam::{UVec4, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler},
-    uniforms,
+    module, uniforms,
 };
 
 /// What item_key.rs and shaders know of items.
-const ITEM_KEY: Module = Module {
-    name: "item_key",
-    text: include_str!("exact/item_key.wgsl"),
-};
+const ITEM_KEY: Module = module!("item_key", "exact/item_key.wgsl");
 
 /// What meets casters without holes.
-const CASTER_OPAQUE: Module = Module {
-    name: "caster_opaque",
-    text: include_str!("exact/caster_opaque.wgsl"),
-};
+const CASTER_OPAQUE: Module = module!("caster_opaque", "exact/caster_opaque.wgsl");
 
 /// What meets casters with holes.
-const CASTER_CUT_OUT: Module = Module {
-    name: "caster_cut_out",
-    text: include_str!("exact/caster_cut_out.wgsl"),
-};
+const CASTER_CUT_OUT: Module = module!("caster_cut_out", "exact/caster_cut_out.wgsl");
 
 /// Receivers whose lists are looked at to find their mean length, about.
 const SAMPLED_RECEIVERS: usize = 2048;
@@ -362,10 +353,7 @@ impl Kernel for ExactKernel {
         } else {
             modules.push(CASTER_OPAQUE);
         }
-        modules.push(Module {
-            name: "exact",
-            text: include_str!("exact.wgsl"),
-        });
+        modules.push(module!("exact"));
         modules
     }
 

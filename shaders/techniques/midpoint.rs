@@ -11,11 +11,11 @@
 //! see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    listing::ListedTechnique,
     shadow_map::{ShadowMap, Surface},
+    techniques::map_technique::MapFilter,
     techniques::pcf::Pcf,
 };
-use umbrage_core::{Light, Recipe, RecipeError, ShadowTechnique, View};
+use umbrage_core::{Recipe, RecipeError, View};
 
 /// Comparisons with the middle between the nearest two surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,51 +25,35 @@ use umbrage_core::{Light, Recipe, RecipeError, ShadowTechnique, View};
     serde(default, deny_unknown_fields)
 )]
 pub struct Midpoint {
-    /// The map looked up; [`ShadowMap::surface`] is taken to be [`Surface::Midpoint`].
-    pub map: ShadowMap,
     /// As [`Pcf::radius`].
     pub radius: u32,
+}
+
+impl MapFilter for Midpoint {
+    const NAME: &'static str = "midpoint";
+    const SUMMARY: &'static str =
+        "comparisons with the middle of the nearest two surfaces (Woo 1992)";
+
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        self.pcf().recipe(map, view)
+    }
+
+    fn label(&self) -> String {
+        self.pcf().label()
+    }
+
+    fn adapted(map: ShadowMap) -> ShadowMap {
+        ShadowMap {
+            surface: Surface::Midpoint,
+            ..map
+        }
+    }
 }
 
 impl Midpoint {
     fn pcf(&self) -> Pcf {
         Pcf {
-            map: ShadowMap {
-                surface: Surface::Midpoint,
-                ..self.map
-            },
             radius: self.radius,
         }
-    }
-}
-
-impl ShadowTechnique for Midpoint {
-    fn name(&self) -> &'static str {
-        "midpoint"
-    }
-
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        self.pcf().recipe(view)
-    }
-
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
-    }
-}
-
-impl ListedTechnique for Midpoint {
-    const SUMMARY: &'static str =
-        "comparisons with the middle of the nearest two surfaces (Woo 1992)";
-
-    fn settings(&self) -> String {
-        self.pcf().settings()
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
     }
 }

@@ -4,6 +4,7 @@ pub mod evsm;
 pub mod exact;
 pub mod hard;
 pub(crate) mod infinite_far;
+pub mod map_technique;
 pub mod midpoint;
 pub mod msm;
 pub mod pcf;

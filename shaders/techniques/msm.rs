@@ -24,17 +24,17 @@ use crate::{
         hausdorff::{HAUSDORFF, hausdorff},
         look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
-        mipmaps::{self, MipmapUniforms},
+        mipmaps::MipmapUniforms,
         of_depth::MomentKind,
-        stored::{Encoding, MomentPrecision},
+        stored::MomentPrecision,
     },
-    listing::ListedTechnique,
     shadow_map::{ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, variants::constant},
+    techniques::map_technique::MapFilter,
 };
 use glam::{Vec3, Vec4};
 use umbrage_core::{
-    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
-    UniformBlock, View, uniforms,
+    Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
+    uniforms,
 };
 
 /// Which distributions of depth the moments may belong to.
@@ -60,8 +60,6 @@ pub enum Reconstruction {
     serde(default, deny_unknown_fields)
 )]
 pub struct Msm {
-    /// The map of depth that moments are made of.
-    pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
     /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
@@ -81,7 +79,6 @@ pub struct Msm {
 impl Default for Msm {
     fn default() -> Self {
         Self {
-            map: ShadowMap::default(),
             blur: 3,
             mipmaps: 0,
             precision: MomentPrecision::Bits32,
@@ -92,27 +89,21 @@ impl Default for Msm {
     }
 }
 
-impl ShadowTechnique for Msm {
-    fn name(&self) -> &'static str {
-        "msm"
-    }
+impl MapFilter for Msm {
+    const NAME: &'static str = "msm";
+    const SUMMARY: &'static str =
+        "the least shadow that four blurred powers of depth allow (Peters, Klein 2015)";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         let moment_bias = self.moment_bias.unwrap_or(match self.precision {
             MomentPrecision::Bits32 => MOMENT_BIAS_32,
             MomentPrecision::Bits16 => MOMENT_BIAS_16,
         });
         map::check("moment bias", moment_bias, 0.0, 1.0)?;
         let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
-        let images = MomentImages {
-            kind: MomentKind::Powers,
-            precision: self.precision,
-            blur: self.blur,
-            mipmaps: self.mipmaps,
-        };
+        let images = self.images();
         let kernel = |lookup, mipmaps| MsmKernel {
-            encoding: images.encoding(),
-            blur: self.blur,
+            images,
             reconstruction: self.reconstruction,
             uniforms: MsmUniforms {
                 lookup,
@@ -123,11 +114,36 @@ impl ShadowTechnique for Msm {
                 plane_deviation: plane_deviation(self.blur),
             },
         };
-        images.recipe(&self.map, view, kernel)
+        images.recipe(map, view, kernel)
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.mipmaps > 0 || self.map.follows_camera(light)
+    fn follows_camera(&self) -> bool {
+        self.mipmaps > 0
+    }
+
+    fn label(&self) -> String {
+        let reconstruction = match self.reconstruction {
+            Reconstruction::Hamburger => "hamburger",
+            Reconstruction::Hausdorff => "hausdorff",
+        };
+        let mut words = vec![reconstruction.to_owned()];
+        words.extend(self.images().words());
+        words.extend(self.moment_bias.map(|bias| format!("moment bias {bias}")));
+        if self.bleeding_reduction != Self::default().bleeding_reduction {
+            words.push(format!("bleeding {}", self.bleeding_reduction));
+        }
+        words.join(", ")
+    }
+}
+
+impl Msm {
+    fn images(&self) -> MomentImages {
+        MomentImages {
+            kind: MomentKind::Powers,
+            precision: self.precision,
+            blur: self.blur,
+            mipmaps: self.mipmaps,
+        }
     }
 }
 
@@ -135,38 +151,6 @@ impl ShadowTechnique for Msm {
 const MOMENT_BIAS_32: f32 = 3e-6;
 /// Bias of 16-bit ones.
 const MOMENT_BIAS_16: f32 = 6e-5;
-
-impl ListedTechnique for Msm {
-    const SUMMARY: &'static str =
-        "the least shadow that four blurred powers of depth allow (Peters, Klein 2015)";
-
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.blur) + 1;
-        let reconstruction = match self.reconstruction {
-            Reconstruction::Hamburger => "hamburger",
-            Reconstruction::Hausdorff => "hausdorff",
-        };
-        let mut words = format!("{reconstruction}, blur {side}x{side}, ");
-        words += &mipmaps::words(self.mipmaps);
-        words += self.precision.words();
-        let default = Self::default();
-        if let Some(bias) = self.moment_bias {
-            words += &format!("moment bias {bias}, ");
-        }
-        if self.bleeding_reduction != default.bleeding_reduction {
-            words += &format!("bleeding {}, ", self.bleeding_reduction);
-        }
-        words + &self.map.label()
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
-    }
-}
 
 uniforms! {
     /// Uniforms of [`MsmKernel`].
@@ -189,9 +173,7 @@ uniforms! {
 /// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct MsmKernel {
-    encoding: Encoding,
-    /// Texels to each side that were averaged.
-    blur: u32,
+    images: MomentImages,
     reconstruction: Reconstruction,
     /// Uniforms.
     pub uniforms: MsmUniforms,
@@ -203,8 +185,8 @@ const THREE_OR_FOUR: Module = constant!("IS_HAUSDORFF = true");
 impl MsmKernel {
     fn moment_map(&self) -> MomentMap<'_> {
         MomentMap {
+            images: self.images,
             lookup: &self.uniforms.lookup,
-            encoding: self.encoding,
             mipmaps: &self.uniforms.mipmaps,
         }
     }
@@ -212,16 +194,13 @@ impl MsmKernel {
     /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
     /// own texel; `None` where it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(self.blur, position, normal)
+        self.moment_map().reach(position, normal)
     }
 }
 
 impl Kernel for MsmKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "msm",
-            text: include_str!("msm.wgsl"),
-        };
+        let own = module!("msm");
         let reconstruction = match self.reconstruction {
             Reconstruction::Hamburger => THREE_DEPTHS,
             Reconstruction::Hausdorff => THREE_OR_FOUR,

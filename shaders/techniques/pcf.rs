@@ -9,18 +9,17 @@
 use crate::{
     lanes::{
         batch::{Batch, BatchTaps, look_up_span},
-        single::OwnTexel,
         square,
     },
-    listing::ListedTechnique,
     shadow_map::{
         ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
         variants::constant,
     },
+    techniques::{hard::OwnTexel, map_technique::MapFilter},
 };
 use umbrage_core::{
-    Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Inputs, Invalid, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View,
+    module, uniforms,
 };
 
 /// Greatest radius accepted: 1,089 taps.
@@ -34,57 +33,35 @@ pub const MAX_RADIUS: u32 = 16;
     serde(default, deny_unknown_fields)
 )]
 pub struct Pcf {
-    /// The map looked up.
-    pub map: ShadowMap,
     /// Texels to each side, 0 to [`MAX_RADIUS`]; 1 is the textbooks' 3x3.
     pub radius: u32,
 }
 
 impl Default for Pcf {
     fn default() -> Self {
-        Self {
-            map: ShadowMap::default(),
-            radius: 1,
-        }
+        Self { radius: 1 }
     }
 }
 
-impl ShadowTechnique for Pcf {
-    fn name(&self) -> &'static str {
-        "pcf"
-    }
+impl MapFilter for Pcf {
+    const NAME: &'static str = "pcf";
+    const SUMMARY: &'static str =
+        "the mean of a square of comparisons (Reeves, Salesin, Cook 1987)";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if self.radius > MAX_RADIUS {
             let why = format!("is {} texels", self.radius);
             return Err(Invalid::new("pcf radius", why, format!("use 0 to {MAX_RADIUS}")).into());
         }
         let radius = self.radius as i32;
-        self.map.recipe(view, radius as f32, |lookup| {
+        map.recipe(view, radius as f32, |lookup| {
             PcfKernel(PcfUniforms { lookup, radius })
         })
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
-    }
-}
-
-impl ListedTechnique for Pcf {
-    const SUMMARY: &'static str =
-        "the mean of a square of comparisons (Reeves, Salesin, Cook 1987)";
-
-    fn settings(&self) -> String {
+    fn label(&self) -> String {
         let side = 2 * u64::from(self.radius) + 1;
-        format!("{side}x{side}, {}", self.map.label())
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
+        format!("{side}x{side}")
     }
 }
 
@@ -121,18 +98,8 @@ impl PcfKernel {
 
 impl Kernel for PcfKernel {
     fn modules(&self) -> Vec<Module> {
-        self.0
-            .lookup
-            .modules()
-            .into_iter()
-            .chain([
-                self.radius_constant(),
-                Module {
-                    name: "pcf",
-                    text: include_str!("pcf.wgsl"),
-                },
-            ])
-            .collect()
+        let own = [self.radius_constant(), module!("pcf")];
+        self.0.lookup.modules(&own)
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -197,6 +164,8 @@ struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
 }
 
 impl<const SIDE: usize, const LANES: usize> BatchTaps for SquareOfTaps<'_, SIDE, LANES> {
+    /// As `visibility`, a row of texels at a time: 2.8 to 11 times as fast as one receiver after the other (3x3 to 9x9, 1280x720, `street`,
+    /// a map of 2048, AVX2).
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
         if SIDE == 0 || self.map.packed {
@@ -241,7 +210,7 @@ impl<const SIDE: usize, const LANES: usize> SquareOfTaps<'_, SIDE, LANES> {
         }
     }
 
-    /// Returns the answer for a covered receiver.
+    /// Returns the visibility of a receiver that the map covers. Twin of `visibility` in pcf.wgsl.
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord) -> f32 {
         let x = l.texel.x.floor() as i32 - self.radius;

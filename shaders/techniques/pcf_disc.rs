@@ -13,14 +13,14 @@ use crate::{
         sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
-    listing::ListedTechnique,
     shadow_map::{ShadowMap, layers::ShadowMapUniforms},
+    techniques::map_technique::MapFilter,
 };
 use glam::{UVec2, Vec2, Vec4};
 use std::sync::Arc;
 use umbrage_core::{
-    Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Simd, SimdTask, Span, UniformBlock, View, uniforms,
+    Inputs, Invalid, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Simd, SimdTask, Span,
+    UniformBlock, View, module, uniforms,
 };
 
 /// Greatest radius accepted, texels.
@@ -34,8 +34,6 @@ pub const MAX_DISC_RADIUS: f32 = 64.0;
     serde(default, deny_unknown_fields)
 )]
 pub struct PcfDisc {
-    /// The map looked up.
-    pub map: ShadowMap,
     /// Texels, 0 to [`MAX_DISC_RADIUS`].
     pub radius: f32,
     /// Taps, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS).
@@ -48,9 +46,7 @@ pub struct PcfDisc {
 
 impl Default for PcfDisc {
     fn default() -> Self {
-        let map = ShadowMap::default();
         Self {
-            map,
             radius: 3.0,
             taps: 16,
             pattern: Pattern::Vogel,
@@ -59,12 +55,11 @@ impl Default for PcfDisc {
     }
 }
 
-impl ShadowTechnique for PcfDisc {
-    fn name(&self) -> &'static str {
-        "pcf_disc"
-    }
+impl MapFilter for PcfDisc {
+    const NAME: &'static str = "pcf_disc";
+    const SUMMARY: &'static str = "comparisons spread over a disc that each pixel turns";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if !(0.0..=MAX_DISC_RADIUS).contains(&self.radius) {
             let why = format!("is {} texels", self.radius);
             return Err(Invalid::new(
@@ -90,37 +85,20 @@ impl ShadowTechnique for PcfDisc {
             };
             PcfDiscKernel { uniforms, pattern }
         };
-        let mut recipe = self.map.recipe(view, self.radius, kernel)?;
+        let mut recipe = map.recipe(view, self.radius, kernel)?;
         recipe.tables.push(table);
         recipe.receive.tables.push(0);
         Ok(recipe)
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
-    }
-}
-
-impl ListedTechnique for PcfDisc {
-    const SUMMARY: &'static str = "comparisons spread over a disc that each pixel turns";
-
-    fn settings(&self) -> String {
+    fn label(&self) -> String {
         let still = if self.rotate { "" } else { " still" };
-        let taps = format!(
+        format!(
             "radius {}, {} taps,{still} {}",
             self.radius,
             self.taps,
             self.pattern.name()
-        );
-        format!("{taps}, {}", self.map.label())
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
+        )
     }
 }
 
@@ -148,16 +126,8 @@ pub struct PcfDiscKernel {
 
 impl Kernel for PcfDiscKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "pcf_disc",
-            text: include_str!("pcf_disc.wgsl"),
-        };
-        self.uniforms
-            .lookup
-            .modules()
-            .into_iter()
-            .chain([PATTERN, PATTERN_TAPS, own])
-            .collect()
+        let own = [PATTERN, PATTERN_TAPS, module!("pcf_disc")];
+        self.uniforms.lookup.modules(&own)
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

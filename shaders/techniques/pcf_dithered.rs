@@ -12,13 +12,12 @@ use crate::{
         single::single_taps,
         whole::floor,
     },
-    listing::ListedTechnique,
-    shadow_map::{ShadowMap, layers::MapOnlyUniforms, texel_compare::DepthMap},
+    shadow_map::{ShadowMap, coord::ShadowCoord, layers::MapOnlyUniforms, texel_compare::DepthMap},
+    techniques::map_technique::MapFilter,
 };
 use glam::{UVec2, Vec2};
 use umbrage_core::{
-    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
-    UniformBlock, View,
+    Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
 };
 
 /// Four dithered comparisons.
@@ -28,41 +27,21 @@ use umbrage_core::{
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
-pub struct PcfDithered {
-    /// The map looked up.
-    pub map: ShadowMap,
-}
+pub struct PcfDithered {}
 
-impl ShadowTechnique for PcfDithered {
-    fn name(&self) -> &'static str {
-        "pcf_dithered"
-    }
+impl MapFilter for PcfDithered {
+    const NAME: &'static str = "pcf_dithered";
+    const SUMMARY: &'static str =
+        "four comparisons, placed by the pixel's parity (Bunnell, Pellacini 2004)";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        self.map.recipe(view, 2.0, |lookup| {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        map.recipe(view, 2.0, |lookup| {
             PcfDitheredKernel(MapOnlyUniforms { lookup })
         })
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
-    }
-}
-
-impl ListedTechnique for PcfDithered {
-    const SUMMARY: &'static str =
-        "four comparisons, placed by the pixel's parity (Bunnell, Pellacini 2004)";
-
-    fn settings(&self) -> String {
-        format!("4 taps, {}", self.map.label())
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map }
+    fn label(&self) -> String {
+        "4 taps".to_owned()
     }
 }
 
@@ -75,15 +54,7 @@ pub struct PcfDitheredKernel(
 
 impl Kernel for PcfDitheredKernel {
     fn modules(&self) -> Vec<Module> {
-        self.0
-            .lookup
-            .modules()
-            .into_iter()
-            .chain([Module {
-                name: "pcf_dithered",
-                text: include_str!("pcf_dithered.wgsl"),
-            }])
-            .collect()
+        self.0.lookup.modules(&[module!("pcf_dithered")])
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {
@@ -106,19 +77,64 @@ struct DitheredTaps<'a> {
     first: UVec2,
 }
 
+impl DitheredTaps<'_> {
+    /// Returns the visibility of a receiver that the map covers, at the pixel `offset` in the span. Twin of `visibility` in
+    /// pcf_dithered.wgsl.
+    #[inline(always)]
+    fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32 {
+        let shift = self.shift(offset);
+        let mut lit = 0.0;
+        for down in TAPS {
+            for right in TAPS {
+                let x = (l.texel.x + (shift.x + right)).floor() as i32;
+                let y = (l.texel.y + (shift.y + down)).floor() as i32;
+                lit += self.map.tap(l, x, y);
+            }
+        }
+        lit * 0.25
+    }
+
+    /// Returns by how many texels a pixel moves its taps: in a block of 2x2 each by its own one of (0 or 1, 0 or 1). `offset` is its
+    /// place in the span.
+    #[inline(always)]
+    fn shift(&self, offset: usize) -> Vec2 {
+        let pixel_x = self.first.x.wrapping_add(offset as u32);
+        let pixel_y = self.first.y;
+        let right = (pixel_x & 1) as i32;
+        let down = ((pixel_x ^ pixel_y) & 1) as i32;
+        Vec2::new(right as f32, down as f32)
+    }
+
+    #[inline(never)]
+    fn one_by_one(&self, batch: &Batch, first: usize, out: &mut [f32]) {
+        batch.one_by_one(out, |l, i| self.visibility(l, first + i));
+    }
+}
+
+/// Where taps lie along each axis before they are shifted, texels.
+const TAPS: [f32; 2] = [-1.5, 0.5];
+
 impl BatchTaps for DitheredTaps<'_> {
+    /// The same in vector lanes: 2.5 and 2.9 times as fast as one receiver after the other (1280x720, `street`, a map of 2048, AVX2).
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
         if self.map.packed {
             self.one_by_one(batch, first, out);
             return;
         }
-        let [columns, rows] = self.columns_and_rows(batch, first);
+        let [mut shift_x, mut shift_y] = [[0.0; BATCH]; 2];
+        for i in 0..BATCH {
+            let shift = self.shift(first + i);
+            shift_x[i] = shift.x;
+            shift_y[i] = shift.y;
+        }
         let mut lit = [0.0; BATCH];
         let mut is_known = [true; BATCH];
-        for y in &rows {
-            for x in &columns {
-                let taps = single_taps(&self.map, batch, x, y);
+        for down in TAPS {
+            let y = texels_at(&batch.y, &shift_y, down);
+            for right in TAPS {
+                let x = texels_at(&batch.x, &shift_x, right);
+                let taps = single_taps(&self.map, batch, &x, &y);
                 for i in 0..BATCH {
                     lit[i] += taps.lit[i];
                     is_known[i] &= taps.is_known[i];
@@ -137,57 +153,12 @@ impl BatchTaps for DitheredTaps<'_> {
     }
 }
 
-impl DitheredTaps<'_> {
-    /// Returns the two columns and the two rows of the taps of a batch of receivers, of which the first lies `first` pixels right of the span's
-    /// first.
-    #[inline(always)]
-    fn columns_and_rows(&self, batch: &Batch, first: usize) -> [[Lanes<f32>; 2]; 2] {
-        let mut shift_x = [0.0; BATCH];
-        let mut shift_y = [0.0; BATCH];
-        for i in 0..BATCH {
-            let shift = self.shift(first + i);
-            shift_x[i] = shift.x;
-            shift_y[i] = shift.y;
-        }
-        [
-            texels_around(&batch.x, &shift_x),
-            texels_around(&batch.y, &shift_y),
-        ]
-    }
-
-    /// Returns by how many texels a pixel moves its taps: in a block of 2x2 each by its own one of (0 or 1, 0 or 1). `offset` is its
-    /// place in the span.
-    #[inline(always)]
-    fn shift(&self, offset: usize) -> Vec2 {
-        let pixel_x = self.first.x.wrapping_add(offset as u32);
-        let pixel_y = self.first.y;
-        let right = (pixel_x & 1) as i32;
-        let down = ((pixel_x ^ pixel_y) & 1) as i32;
-        Vec2::new(right as f32, down as f32)
-    }
-
-    #[inline(never)]
-    fn one_by_one(&self, batch: &Batch, first: usize, out: &mut [f32]) {
-        let [columns, rows] = self.columns_and_rows(batch, first);
-        batch.one_by_one(out, |l, i| {
-            let mut lit = 0.0;
-            for y in &rows {
-                for x in &columns {
-                    lit += self.map.tap(l, x[i] as i32, y[i] as i32);
-                }
-            }
-            lit * 0.25
-        });
-    }
-}
-
-/// Returns the two texels along one axis at which receivers take their taps.
+/// Returns the texels along one axis at which receivers take a tap.
 #[inline(always)]
-fn texels_around(place: &Lanes<f32>, shift: &Lanes<f32>) -> [Lanes<f32>; 2] {
-    let mut out = [[0.0; BATCH]; 2];
+fn texels_at(place: &Lanes<f32>, shift: &Lanes<f32>, tap: f32) -> Lanes<f32> {
+    let mut out = [0.0; BATCH];
     for i in 0..BATCH {
-        out[0][i] = floor(place[i] + (shift[i] - 1.5));
-        out[1][i] = floor(place[i] + (shift[i] + 0.5));
+        out[i] = floor(place[i] + (shift[i] + tap));
     }
     out
 }

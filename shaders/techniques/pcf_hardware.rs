@@ -15,15 +15,15 @@
 use crate::{
     filtering::comparison_sampler::{self, Axis, LANES, Samples},
     lanes::batch::{Taps, look_up_span},
-    listing::ListedTechnique,
     shadow_map::{
         MapFormat, ShadowMap, Surface, coord::ShadowCoord, layers::ShadowMapUniforms,
         texel_compare::DepthMap,
     },
+    techniques::map_technique::MapFilter,
 };
 use umbrage_core::{
-    Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Inputs, Invalid, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View,
+    module, uniforms,
 };
 
 /// A square of samples.
@@ -34,18 +34,13 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct PcfHardware {
-    /// The map looked up.
-    pub map: ShadowMap,
     /// Samples a side, 1 to 4.
     pub samples: u32,
 }
 
 impl Default for PcfHardware {
     fn default() -> Self {
-        Self {
-            map: ShadowMap::default(),
-            samples: 1,
-        }
+        Self { samples: 1 }
     }
 }
 
@@ -57,39 +52,22 @@ impl PcfHardware {
     }
 }
 
-impl ShadowTechnique for PcfHardware {
-    fn name(&self) -> &'static str {
-        "pcf_hardware"
-    }
+impl MapFilter for PcfHardware {
+    const NAME: &'static str = "pcf_hardware";
+    const SUMMARY: &'static str = "comparison samplers, each of which blends 2x2 texels";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         check_samples("pcf_hardware", self.samples, 1)?;
-        check_map(&self.map)?;
+        check_map(map)?;
         let samples = self.samples as i32;
         let reach = self.samples.div_ceil(2) as f32;
-        self.map.recipe(view, reach, |lookup| {
+        map.recipe(view, reach, |lookup| {
             HardwareKernel(HardwareUniforms { lookup, samples })
         })
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
-    }
-}
-
-impl ListedTechnique for PcfHardware {
-    const SUMMARY: &'static str = "comparison samplers, each of which blends 2x2 texels";
-
-    fn settings(&self) -> String {
-        format!("{0}x{0}, {1}", self.samples, self.map.label())
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
+    fn label(&self) -> String {
+        format!("{0}x{0}", self.samples)
     }
 }
 
@@ -141,14 +119,7 @@ pub struct HardwareKernel(
 
 impl Kernel for HardwareKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "pcf_hardware",
-            text: include_str!("pcf_hardware.wgsl"),
-        };
-        comparison_sampler::modules(&self.0.lookup)
-            .into_iter()
-            .chain([own])
-            .collect()
+        comparison_sampler::modules(&self.0.lookup, module!("pcf_hardware"))
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

@@ -15,16 +15,16 @@ use crate::{
         comparison_sampler::{self, Axis, Samples},
     },
     lanes::batch::{Taps, look_up_span},
-    listing::ListedTechnique,
     shadow_map::{
         ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
+    techniques::map_technique::MapFilter,
     techniques::pcf_hardware::{check_map, check_samples},
 };
 use glam::{Vec2, Vec4};
 use umbrage_core::{
-    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
-    UniformBlock, View, uniforms,
+    Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
+    uniforms,
 };
 
 /// A smooth filter.
@@ -35,18 +35,13 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct PcfMerged {
-    /// The map looked up.
-    pub map: ShadowMap,
     /// Texels to each side, 1 to 3; 1 is 3x3 in four samples.
     pub radius: u32,
 }
 
 impl Default for PcfMerged {
     fn default() -> Self {
-        Self {
-            map: ShadowMap::default(),
-            radius: 1,
-        }
+        Self { radius: 1 }
     }
 }
 
@@ -57,17 +52,17 @@ impl PcfMerged {
     }
 }
 
-impl ShadowTechnique for PcfMerged {
-    fn name(&self) -> &'static str {
-        "pcf_merged"
-    }
+impl MapFilter for PcfMerged {
+    const NAME: &'static str = "pcf_merged";
+    const SUMMARY: &'static str =
+        "(2r + 1)² texels in (r + 1)² weighted comparison samples (Castaño 2013)";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         check_samples("pcf_merged", self.radius.saturating_add(1), 2)?;
-        check_map(&self.map)?;
+        check_map(map)?;
         let rows = merged_rows(self.radius as usize);
         let samples = self.radius as i32 + 1;
-        self.map.recipe(view, samples as f32, |lookup| {
+        map.recipe(view, samples as f32, |lookup| {
             MergedKernel(MergedUniforms {
                 lookup,
                 rows,
@@ -76,26 +71,9 @@ impl ShadowTechnique for PcfMerged {
         })
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
-    }
-}
-
-impl ListedTechnique for PcfMerged {
-    const SUMMARY: &'static str =
-        "(2r + 1)² texels in (r + 1)² weighted comparison samples (Castaño 2013)";
-
-    fn settings(&self) -> String {
+    fn label(&self) -> String {
         let side = 2 * u64::from(self.radius) + 1;
-        format!("{side}x{side}, {}", self.map.label())
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
+        format!("{side}x{side}")
     }
 }
 
@@ -120,14 +98,7 @@ pub struct MergedKernel(
 
 impl Kernel for MergedKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "pcf_merged",
-            text: include_str!("pcf_merged.wgsl"),
-        };
-        comparison_sampler::modules(&self.0.lookup)
-            .into_iter()
-            .chain([own])
-            .collect()
+        comparison_sampler::modules(&self.0.lookup, module!("pcf_merged"))
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

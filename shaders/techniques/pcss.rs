@@ -53,12 +53,12 @@ use crate::{
         sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
-    listing::ListedTechnique,
     shadow_map::{
         CompareMethod, MapFormat, ShadowMap,
         coord::{ShadowCoord, shadow_coord},
         layers::ShadowMapUniforms,
     },
+    techniques::map_technique::MapFilter,
     techniques::{
         hard::Hard,
         pcss::lanes::{BoundsLanes, PenumbraBounds, count_taps, mean_nearer},
@@ -67,8 +67,8 @@ use crate::{
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{
-    ImageView, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Simd, SimdTask, Span, UniformBlock, View, uniforms,
+    ImageView, Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Simd, SimdTask, Span,
+    UniformBlock, View, module, uniforms,
 };
 
 /// Penumbrae as wide as the light makes them.
@@ -79,8 +79,6 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct Pcss {
-    /// The map looked up.
-    pub map: ShadowMap,
     /// Taps of the search, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS). Ideal lights take none.
     pub blocker_taps: u32,
     /// Taps of the filter, likewise. Ideal lights take one.
@@ -93,9 +91,7 @@ pub struct Pcss {
 
 impl Default for Pcss {
     fn default() -> Self {
-        let map = ShadowMap::default();
         Self {
-            map,
             blocker_taps: 16,
             filter_taps: 32,
             pattern: Pattern::Vogel,
@@ -104,22 +100,21 @@ impl Default for Pcss {
     }
 }
 
-impl ShadowTechnique for Pcss {
-    fn name(&self) -> &'static str {
-        "pcss"
-    }
+impl MapFilter for Pcss {
+    const NAME: &'static str = "pcss";
+    const SUMMARY: &'static str = "soft shadows: looks for blockers, then filters with a width that follows from their distance (Fernando 2005)";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         let pattern = self.pattern_table(view)?;
         if view.light.is_ideal() {
-            return Hard { map: self.map }.recipe(view);
+            return Hard {}.recipe(map, view);
         }
-        let size = self.map.size;
-        let spaces = light_extent::spaces(&self.map, view)?;
+        let size = map.size;
+        let spaces = light_extent::spaces(map, view)?;
         let extent = LightExtent::new(view.light, &spaces, size);
         // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any slope under a plate that
         // is parallel to it. Only its plane tells those from the receiver's own surface.
-        let mut lookup = ShadowMapUniforms::new(&self.map, view, &spaces);
+        let mut lookup = ShadowMapUniforms::new(map, view, &spaces);
         for layer in &mut lookup.layers {
             layer.deepest_tap = 1.0;
         }
@@ -133,43 +128,26 @@ impl ShadowTechnique for Pcss {
             square: u32::from(pattern.shape == PatternShape::Square),
             cell: Cells::over(size).side(),
         };
-        let mut maps = self.map.maps(&spaces, CompareMethod::Taps { reach: 1.0 });
-        let map = maps.map;
-        let packed = self.map.format == MapFormat::Rgba8;
+        let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 1.0 });
+        let depths = maps.map;
+        let packed = map.format == MapFormat::Rgba8;
         let in_reach = depth_in_reach::add(&mut maps, size, packed, pattern.shape, extent);
         let table = pattern.table.clone();
         let mut recipe = maps.recipe(PcssKernel { uniforms, pattern });
-        recipe.receive.inputs = vec![map, in_reach];
+        recipe.receive.inputs = vec![depths, in_reach];
         recipe.tables.push(table);
         recipe.receive.tables.push(0);
         Ok(recipe)
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
-    }
-}
-
-impl ListedTechnique for Pcss {
-    const SUMMARY: &'static str = "soft shadows: looks for blockers, then filters with a width that follows from their distance (Fernando 2005)";
-
-    fn settings(&self) -> String {
+    fn label(&self) -> String {
         let still = if self.rotate { "" } else { " still" };
-        let taps = format!(
+        format!(
             "{} + {} taps,{still} {}",
             self.blocker_taps,
             self.filter_taps,
             self.pattern.name()
-        );
-        format!("{taps}, {}", self.map.label())
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
+        )
     }
 }
 
@@ -237,16 +215,14 @@ impl PcssKernel {
 
 impl Kernel for PcssKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "pcss",
-            text: include_str!("pcss.wgsl"),
-        };
-        self.uniforms
-            .lookup
-            .modules_without_full_light()
-            .into_iter()
-            .chain([LIGHT_EXTENT, HORIZON, PATTERN, PATTERN_TAPS, own])
-            .collect()
+        let own = [
+            LIGHT_EXTENT,
+            HORIZON,
+            PATTERN,
+            PATTERN_TAPS,
+            module!("pcss"),
+        ];
+        self.uniforms.lookup.modules_without_full_light(&own)
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

@@ -32,7 +32,8 @@ use glam::Vec4;
 use std::sync::Arc;
 use umbrage_core::{
     Cast, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Module, Receive, ReceiveKernel,
-    Recipe, RecipeError, ShadowTechnique, Source, Span, Table, UniformBlock, View, uniforms,
+    Recipe, RecipeError, ShadowTechnique, Source, Span, Table, UniformBlock, View, module,
+    uniforms,
 };
 
 /// Most planes accepted: what every device has in layers.
@@ -176,13 +177,7 @@ impl PlanarKernel {
 
 impl Kernel for PlanarKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![
-            FACING,
-            Module {
-                name: "planar",
-                text: include_str!("planar.wgsl"),
-            },
-        ]
+        vec![FACING, module!("planar")]
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

@@ -9,82 +9,55 @@
 //! map's: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    listing::ListedTechnique,
     shadow_map::{Bias, ShadowMap},
+    techniques::map_technique::MapFilter,
     techniques::pcf::Pcf,
 };
-use umbrage_core::{Cull, Light, Recipe, RecipeError, ShadowTechnique, View};
+use umbrage_core::{Cull, Recipe, RecipeError, View};
 
 /// Comparisons with the far sides of casters.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "presets",
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
 pub struct SecondDepth {
-    /// The map looked up; its bias culls front faces, whatever else it says.
-    pub map: ShadowMap,
     /// As [`Pcf::radius`].
     pub radius: u32,
 }
 
-impl Default for SecondDepth {
-    fn default() -> Self {
-        Self {
-            map: ShadowMap {
-                bias: Bias::FRONT_CULL,
-                ..ShadowMap::default()
-            },
-            radius: 0,
+impl MapFilter for SecondDepth {
+    const NAME: &'static str = "second_depth";
+    const SUMMARY: &'static str =
+        "comparisons with the far sides of closed casters, no bias (Wang, Molnar 1994)";
+
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        self.pcf().recipe(map, view)
+    }
+
+    fn label(&self) -> String {
+        self.pcf().label()
+    }
+
+    fn default_map() -> ShadowMap {
+        ShadowMap {
+            bias: Bias::FRONT_CULL,
+            ..ShadowMap::default()
         }
+    }
+
+    /// Culls front faces, whatever else the bias says.
+    fn adapted(mut map: ShadowMap) -> ShadowMap {
+        map.bias.cull = Cull::Front;
+        map
     }
 }
 
 impl SecondDepth {
-    /// What is played.
     fn pcf(&self) -> Pcf {
-        let map = ShadowMap {
-            bias: Bias {
-                cull: Cull::Front,
-                ..self.map.bias
-            },
-            ..self.map
-        };
         Pcf {
-            map,
             radius: self.radius,
         }
-    }
-}
-
-impl ShadowTechnique for SecondDepth {
-    fn name(&self) -> &'static str {
-        "second_depth"
-    }
-
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-        self.pcf().recipe(view)
-    }
-
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.map.follows_camera(light)
-    }
-}
-
-impl ListedTechnique for SecondDepth {
-    const SUMMARY: &'static str =
-        "comparisons with the far sides of closed casters, no bias (Wang, Molnar 1994)";
-
-    fn settings(&self) -> String {
-        self.pcf().settings()
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
     }
 }

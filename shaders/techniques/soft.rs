@@ -45,7 +45,7 @@ use umbrage_core::{
     cut_out::{CUT_OUT, HOLE},
     glam::Vec4,
     light_sample::{LIGHT_SAMPLE, LightSampler},
-    uniforms,
+    module, uniforms,
 };
 
 /// The widest sun that is served, degrees across: there the points at its rim are a tenth too thin.
@@ -293,10 +293,7 @@ impl Kernel for SoftKernel {
             modules.push(NO_HOLES);
         }
         modules.push(HIDDEN);
-        modules.push(Module {
-            name: "soft",
-            text: include_str!("soft.wgsl"),
-        });
+        modules.push(module!("soft"));
         modules
     }
 

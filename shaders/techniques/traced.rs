@@ -15,7 +15,7 @@ use umbrage_core::{
     glam::Vec4,
     light_sample::{LIGHT_SAMPLE, LightSampler, ray_origin, seed, segment, unit_square},
     math::dot3,
-    uniforms,
+    module, uniforms,
 };
 
 /// Most samples accepted a receiver.
@@ -161,16 +161,10 @@ pub struct TracedKernel {
 }
 
 /// Hits of casters without holes.
-const LEAF_OPAQUE: Module = Module {
-    name: "leaf_opaque",
-    text: include_str!("traced/leaf_opaque.wgsl"),
-};
+const LEAF_OPAQUE: Module = module!("leaf_opaque", "traced/leaf_opaque.wgsl");
 
 /// Hits of casters with holes.
-const LEAF_CUT_OUT: Module = Module {
-    name: "leaf_cut_out",
-    text: include_str!("traced/leaf_cut_out.wgsl"),
-};
+const LEAF_CUT_OUT: Module = module!("leaf_cut_out", "traced/leaf_cut_out.wgsl");
 
 impl Kernel for TracedKernel {
     fn modules(&self) -> Vec<Module> {
@@ -180,10 +174,7 @@ impl Kernel for TracedKernel {
         } else {
             modules.push(LEAF_OPAQUE);
         }
-        modules.push(Module {
-            name: "traced",
-            text: include_str!("traced.wgsl"),
-        });
+        modules.push(module!("traced"));
         modules
     }
 

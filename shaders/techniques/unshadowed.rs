@@ -12,7 +12,7 @@ use glam::Vec4;
 use std::sync::Arc;
 use umbrage_core::{
     Inputs, Kernel, Light, Module, Receive, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Span, UniformBlock, View, module, uniforms,
 };
 
 /// No shadows. There is nothing to set.
@@ -79,13 +79,7 @@ pub struct UnshadowedKernel(
 
 impl Kernel for UnshadowedKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![
-            FACING,
-            Module {
-                name: "unshadowed",
-                text: include_str!("unshadowed.wgsl"),
-            },
-        ]
+        vec![FACING, module!("unshadowed")]
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

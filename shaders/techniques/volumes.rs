@@ -46,7 +46,7 @@ use glam::Vec4;
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, RasterBias, Receive,
-    ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Source, Span, UniformBlock, View,
+    ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Source, Span, UniformBlock, View, module,
     uniforms,
 };
 
@@ -191,13 +191,7 @@ pub struct VolumesKernel(
 
 impl Kernel for VolumesKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![
-            FACING,
-            Module {
-                name: "volumes",
-                text: include_str!("volumes.wgsl"),
-            },
-        ]
+        vec![FACING, module!("volumes")]
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

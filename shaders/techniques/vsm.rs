@@ -15,17 +15,17 @@ use crate::{
         bounds::lit_by_variance,
         look_up::{self, LightBound, MomentMap, look_up},
         map::{self, BleedingReduction, MomentImages},
-        mipmaps::{self, MipmapUniforms},
+        mipmaps::MipmapUniforms,
         of_depth::MomentKind,
-        stored::{Encoding, MomentPrecision},
+        stored::MomentPrecision,
     },
-    listing::ListedTechnique,
     shadow_map::{ShadowMap, layers::ShadowMapUniforms},
+    techniques::map_technique::MapFilter,
 };
 use glam::{Vec2, Vec3};
 use umbrage_core::{
-    Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
-    UniformBlock, View, uniforms,
+    Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, Span, UniformBlock, View, module,
+    uniforms,
 };
 
 /// Chebyshev's bound.
@@ -36,8 +36,6 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct Vsm {
-    /// The map of depth that moments are made of.
-    pub map: ShadowMap,
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
     /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
@@ -55,7 +53,6 @@ pub struct Vsm {
 impl Default for Vsm {
     fn default() -> Self {
         Self {
-            map: ShadowMap::default(),
             blur: 3,
             mipmaps: 0,
             precision: MomentPrecision::Bits32,
@@ -65,12 +62,12 @@ impl Default for Vsm {
     }
 }
 
-impl ShadowTechnique for Vsm {
-    fn name(&self) -> &'static str {
-        "vsm"
-    }
+impl MapFilter for Vsm {
+    const NAME: &'static str = "vsm";
+    const SUMMARY: &'static str =
+        "Chebyshev's bound by blurred depth and its square (Donnelly, Lauritzen 2006)";
 
-    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+    fn recipe(&self, map: &ShadowMap, view: &View<'_>) -> Result<Recipe, RecipeError> {
         let least_deviation = self.least_deviation.unwrap_or(match self.precision {
             MomentPrecision::Bits32 => LEAST_DEVIATION_32,
             MomentPrecision::Bits16 => LEAST_DEVIATION_16,
@@ -79,15 +76,9 @@ impl ShadowTechnique for Vsm {
         let bleeding = BleedingReduction::new(self.bleeding_reduction)?;
         // Centred depth has twice the range of clip depth.
         let deviation = 2.0 * least_deviation;
-        let images = MomentImages {
-            kind: MomentKind::Variance,
-            precision: self.precision,
-            blur: self.blur,
-            mipmaps: self.mipmaps,
-        };
+        let images = self.images();
         let kernel = |lookup, mipmaps| VsmKernel {
-            encoding: images.encoding(),
-            blur: self.blur,
+            images,
             uniforms: VsmUniforms {
                 lookup,
                 mipmaps,
@@ -96,11 +87,31 @@ impl ShadowTechnique for Vsm {
                 least_variance: (deviation * deviation).max(SMALLEST_VARIANCE),
             },
         };
-        images.recipe(&self.map, view, kernel)
+        images.recipe(map, view, kernel)
     }
 
-    fn follows_camera(&self, light: &Light) -> bool {
-        self.mipmaps > 0 || self.map.follows_camera(light)
+    fn follows_camera(&self) -> bool {
+        self.mipmaps > 0
+    }
+
+    fn label(&self) -> String {
+        let mut words = self.images().words();
+        words.extend(self.least_deviation.map(|d| format!("deviation {d}")));
+        if self.bleeding_reduction != Self::default().bleeding_reduction {
+            words.push(format!("bleeding {}", self.bleeding_reduction));
+        }
+        words.join(", ")
+    }
+}
+
+impl Vsm {
+    fn images(&self) -> MomentImages {
+        MomentImages {
+            kind: MomentKind::Variance,
+            precision: self.precision,
+            blur: self.blur,
+            mipmaps: self.mipmaps,
+        }
     }
 }
 
@@ -111,34 +122,6 @@ const LEAST_DEVIATION_16: f32 = 1e-3;
 
 /// What keeps a division by a variance of 0 finite.
 const SMALLEST_VARIANCE: f32 = 1e-12;
-
-impl ListedTechnique for Vsm {
-    const SUMMARY: &'static str =
-        "Chebyshev's bound by blurred depth and its square (Donnelly, Lauritzen 2006)";
-
-    fn settings(&self) -> String {
-        let side = 2 * u64::from(self.blur) + 1;
-        let mut words = format!("blur {side}x{side}, ");
-        words += &mipmaps::words(self.mipmaps);
-        words += self.precision.words();
-        let default = Self::default();
-        if let Some(deviation) = self.least_deviation {
-            words += &format!("deviation {deviation}, ");
-        }
-        if self.bleeding_reduction != default.bleeding_reduction {
-            words += &format!("bleeding {}, ", self.bleeding_reduction);
-        }
-        words + &self.map.label()
-    }
-
-    fn map(&self) -> Option<&ShadowMap> {
-        Some(&self.map)
-    }
-
-    fn with_map(self, map: ShadowMap) -> Self {
-        Self { map, ..self }
-    }
-}
 
 uniforms! {
     /// Uniforms of [`VsmKernel`].
@@ -159,9 +142,7 @@ uniforms! {
 /// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct VsmKernel {
-    encoding: Encoding,
-    /// Texels to each side that were averaged.
-    blur: u32,
+    images: MomentImages,
     /// Uniforms.
     pub uniforms: VsmUniforms,
 }
@@ -169,8 +150,8 @@ pub struct VsmKernel {
 impl VsmKernel {
     fn moment_map(&self) -> MomentMap<'_> {
         MomentMap {
+            images: self.images,
             lookup: &self.uniforms.lookup,
-            encoding: self.encoding,
             mipmaps: &self.uniforms.mipmaps,
         }
     }
@@ -178,16 +159,13 @@ impl VsmKernel {
     /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
     /// own texel; `None` where it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        self.moment_map().reach(self.blur, position, normal)
+        self.moment_map().reach(position, normal)
     }
 }
 
 impl Kernel for VsmKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module {
-            name: "vsm",
-            text: include_str!("vsm.wgsl"),
-        };
+        let own = module!("vsm");
         look_up::modules(self.moment_map(), &[own])
     }
 

@@ -13,7 +13,7 @@ use umbrage::{
     glam::{UVec2, Vec3},
     plan::cost::PriceList,
     scenes::{self, FilesInMemory},
-    techniques::{Exact, LightPreset, Pcf, TechniquePreset},
+    techniques::{Exact, LightPreset, MapFilter as _, Pcf, ShadowMap, TechniquePreset},
 };
 use umbrage_lab::{
     baseline::{self, Except},
@@ -79,13 +79,10 @@ fn play(scene: &Scene) {
         ..*camera
     };
     let view = View::new(&camera, light, &geometry);
-    let pcf = Pcf {
-        map: umbrage::techniques::ShadowMap {
-            size: 64,
-            ..Pcf::default().map
-        },
-        ..Pcf::default()
-    };
+    let pcf = Pcf::default().on(umbrage::techniques::ShadowMap {
+        size: 64,
+        ..ShadowMap::default()
+    });
     render(&view, &pcf);
     render(&view, &Exact::default());
 }

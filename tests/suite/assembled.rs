@@ -1,6 +1,6 @@
 //! The assembled WGSL of every technique, as users paste it.
 
-use umbrage_techniques::{Hard, Pcf};
+use umbrage_techniques::{Hard, MapTechnique, Pcf};
 use umbrage_tests::assembled::{Assembled, PREFIX, all, assemble, difference, kept, validate};
 
 #[test]
@@ -34,13 +34,14 @@ fn naga_accepts_every_text() {
 /// Two lights of different techniques in one shader, which has names of its own that the texts use, too.
 #[test]
 fn several_lights_fit_into_one_shader() {
-    let sun = assemble(&Pcf::default(), "sun_");
-    let lamp = assemble(&Hard::default(), "lamp_").replace("@group(0)", "@group(1)");
+    let sun = assemble(&MapTechnique::<Pcf>::default(), "sun_");
+    let lamp =
+        assemble(&MapTechnique::<Hard>::default(), "lamp_").replace("@group(0)", "@group(1)");
     let own =
         "fn tap() -> f32 { return sun_receive(sun_Receiver()) * lamp_receive(lamp_Receiver()); }";
     let whole = format!("{sun}\n{lamp}\n{own}");
     validate(&whole).unwrap_or_else(|e| panic!("{e}"));
-    let without_prefix = format!("{}\n{own}", assemble(&Pcf::default(), ""));
+    let without_prefix = format!("{}\n{own}", assemble(&MapTechnique::<Pcf>::default(), ""));
     assert!(validate(&without_prefix).is_err());
 }
 

@@ -13,8 +13,8 @@ use umbrage_cpu::Cpu;
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_scenes::find;
 use umbrage_techniques::{
-    Bias, Border, Evsm, EvsmMoments, Hard, MapFormat, MomentPrecision, Msm, Pcf, PcfDisc,
-    PcfDithered, PcfHardware, PcfMerged, Pcss, ShadowMap, Surface, TechniquePreset, Vsm,
+    Bias, Border, Evsm, EvsmMoments, Hard, MapFilter as _, MapFormat, MomentPrecision, Msm, Pcf,
+    PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, ShadowMap, Surface, TechniquePreset, Vsm,
 };
 use umbrage_tests::{
     agreed::check_agreement,
@@ -100,10 +100,7 @@ fn both_halves_agree() {
                     ..Cascades::default()
                 };
                 let map = cascaded(fit, cascades);
-                let wide = Pcss {
-                    map,
-                    ..Pcss::default()
-                };
+                let wide = Pcss::default().on(map);
                 let catalogue = Catalogue::built_in();
                 let mut cases: Vec<(TechniquePreset, &View<'_>)> = Vec::new();
                 for technique in techniques(map, i) {
@@ -146,49 +143,52 @@ const MOMENT_MAPS: usize = 9;
 /// The techniques with maps of moments, in turn.
 fn of_moments(map: ShadowMap, turn: usize) -> TechniquePreset {
     match turn % MOMENT_MAPS {
-        0 => TechniquePreset::from(Vsm {
-            map,
-            ..Vsm::default()
-        }),
-        1 => TechniquePreset::from(Evsm {
-            map,
-            ..Evsm::default()
-        }),
-        2 => TechniquePreset::from(Msm {
-            map,
-            ..Msm::default()
-        }),
-        6 => TechniquePreset::from(Vsm {
-            map,
-            mipmaps: 3,
-            ..Vsm::default()
-        }),
-        7 => TechniquePreset::from(Evsm {
-            map,
-            mipmaps: 2,
-            precision: MomentPrecision::Bits16,
-            ..Evsm::default()
-        }),
-        8 => TechniquePreset::from(Msm {
-            map,
-            mipmaps: 4,
-            ..Msm::default()
-        }),
-        3 => TechniquePreset::from(Evsm {
-            map,
-            moments: EvsmMoments::Two,
-            ..Evsm::default()
-        }),
-        4 => TechniquePreset::from(Msm {
-            map,
-            precision: MomentPrecision::Bits16,
-            ..Msm::default()
-        }),
-        _ => TechniquePreset::from(Vsm {
-            map,
-            precision: MomentPrecision::Bits16,
-            ..Vsm::default()
-        }),
+        0 => TechniquePreset::from(Vsm::default().on(map)),
+        1 => TechniquePreset::from(Evsm::default().on(map)),
+        2 => TechniquePreset::from(Msm::default().on(map)),
+        6 => TechniquePreset::from(
+            Vsm {
+                mipmaps: 3,
+                ..Vsm::default()
+            }
+            .on(map),
+        ),
+        7 => TechniquePreset::from(
+            Evsm {
+                mipmaps: 2,
+                precision: MomentPrecision::Bits16,
+                ..Evsm::default()
+            }
+            .on(map),
+        ),
+        8 => TechniquePreset::from(
+            Msm {
+                mipmaps: 4,
+                ..Msm::default()
+            }
+            .on(map),
+        ),
+        3 => TechniquePreset::from(
+            Evsm {
+                moments: EvsmMoments::Two,
+                ..Evsm::default()
+            }
+            .on(map),
+        ),
+        4 => TechniquePreset::from(
+            Msm {
+                precision: MomentPrecision::Bits16,
+                ..Msm::default()
+            }
+            .on(map),
+        ),
+        _ => TechniquePreset::from(
+            Vsm {
+                precision: MomentPrecision::Bits16,
+                ..Vsm::default()
+            }
+            .on(map),
+        ),
     }
 }
 
@@ -205,33 +205,20 @@ fn techniques(map: ShadowMap, turn: usize) -> Vec<TechniquePreset> {
         ..map
     };
     vec![
-        TechniquePreset::from(Hard {
-            map: ShadowMap {
-                border: Border::Clamp,
-                format: MapFormat::Rgba8,
-                ..map
-            },
-        }),
-        TechniquePreset::from(Pcf { map, radius: 2 }),
-        TechniquePreset::from(PcfDisc {
-            map,
-            ..PcfDisc::default()
-        }),
-        TechniquePreset::from(PcfDithered { map }),
-        TechniquePreset::from(PcfHardware {
-            map,
-            ..PcfHardware::default()
-        }),
-        TechniquePreset::from(PcfMerged {
-            map,
-            ..PcfMerged::default()
-        }),
-        TechniquePreset::from(Hard {
-            map: ShadowMap {
-                surface: Surface::Midpoint,
-                ..map
-            },
-        }),
+        TechniquePreset::from(Hard {}.on(ShadowMap {
+            border: Border::Clamp,
+            format: MapFormat::Rgba8,
+            ..map
+        })),
+        TechniquePreset::from(Pcf { radius: 2 }.on(map)),
+        TechniquePreset::from(PcfDisc::default().on(map)),
+        TechniquePreset::from(PcfDithered {}.on(map)),
+        TechniquePreset::from(PcfHardware::default().on(map)),
+        TechniquePreset::from(PcfMerged::default().on(map)),
+        TechniquePreset::from(Hard {}.on(ShadowMap {
+            surface: Surface::Midpoint,
+            ..map
+        })),
     ]
 }
 
@@ -251,7 +238,7 @@ fn equal_cascades_give_the_bits_of_a_single_map() {
         size: 512,
         ..ShadowMap::default()
     };
-    let technique = Hard { map };
+    let technique = Hard {}.on(map);
     let single = map.spaces(&view, 0.0).expect("one map");
     for blend in [0.0, 40.0] {
         let pick = CascadePick { reach: 0.0, blend };
@@ -466,7 +453,7 @@ proptest! {
             let is_shadowed = bvh.occluded(p, to_light, seen.triangle[i]);
             prop_assert!(!is_shadowed, "{p} at {distance} m is shadowed, and in no cascade");
         }
-        let recipe = Hard { map }.recipe(&view).expect("plans");
+        let recipe = Hard {}.on(map).recipe(&view).expect("plans");
         let agreed = agreed_mask(&view, &recipe, "hard");
         prop_assert!(agreed.is_ok(), "{}", agreed.unwrap_err());
     }

@@ -7,7 +7,7 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_lab::causes::{CauseExample, faults};
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
-use umbrage_techniques::{Bias, Hard, ShadowMap, Traced};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap, Traced};
 
 struct Stage {
     geometry: Geometry,
@@ -118,13 +118,11 @@ fn a_gap_has_the_biases_length() {
             ..Bias::NONE
         };
         stage
-            .causes(&Hard {
-                map: ShadowMap {
-                    size: 2048,
-                    bias,
-                    ..ShadowMap::default()
-                },
-            })
+            .causes(&Hard {}.on(ShadowMap {
+                size: 2048,
+                bias,
+                ..ShadowMap::default()
+            }))
             .gap_metres
             .expect("a gap")
     };

@@ -9,7 +9,7 @@ use umbrage_core::{
 use umbrage_cpu::{Clipping, Cpu, CpuOptions, VertexSums};
 use umbrage_lab::compare;
 use umbrage_plan::truth::{TruthOptions, trace};
-use umbrage_techniques::{Pcf, Planar, ShadowMap, ShadowVolumes, TechniquePreset};
+use umbrage_techniques::{MapFilter as _, Pcf, Planar, ShadowMap, ShadowVolumes, TechniquePreset};
 
 /// Pixels in a false shadow on an NVIDIA H200 when volumes ended at infinity.
 const FALSE_ON_CARD: [(&str, usize); 2] = [("bar-at-lamp", 6322), ("two-blockers", 6552)];
@@ -204,10 +204,7 @@ fn techniques() -> Vec<TechniquePreset> {
         layout: Layout::Cascades(Cascades::default()),
         ..ShadowMap::default()
     };
-    out.push(TechniquePreset::from(Pcf {
-        map,
-        ..Pcf::default()
-    }));
+    out.push(TechniquePreset::from(Pcf::default().on(map)));
     out
 }
 

@@ -12,7 +12,9 @@ use umbrage_core::{
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_plan::catalogue::{self, Catalogue, CatalogueEntry};
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
-use umbrage_techniques::{Bias, Hard, ListedTechnique as _, ShadowMap, TechniquePreset};
+use umbrage_techniques::{
+    Bias, Hard, ListedTechnique as _, MapFilter as _, ShadowMap, TechniquePreset,
+};
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 const SIDE: u32 = 512;
@@ -212,13 +214,11 @@ fn a_bias_without_margin_is_caught() {
         },
         ..Bias::ADAPTIVE
     };
-    let hard = Hard {
-        map: ShadowMap {
-            size: SIDE,
-            bias,
-            ..ShadowMap::default()
-        },
-    };
+    let hard = Hard {}.on(ShadowMap {
+        size: SIDE,
+        bias,
+        ..ShadowMap::default()
+    });
     let settings = hard.settings();
     let (faults, compared) = faults(&scene, 0, &[TechniquePreset::from(hard)]);
     assert!(

@@ -12,7 +12,7 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_lab::bias::lights_around;
 use umbrage_plan::truth::{TruthOptions, trace};
-use umbrage_techniques::{Hard, Pcf, ShadowMap};
+use umbrage_techniques::{Hard, MapFilter as _, Pcf, ShadowMap};
 
 /// Finely and coarsely tessellated, closed and open, smooth and with edges.
 const MODELS: [&str; 8] = [
@@ -98,18 +98,17 @@ fn converges(what: &str, camera: &Camera, light: &Light, geometry: &Geometry) {
     let view = View::new(camera, light, geometry)
         .with_receivers(&truth.receivers)
         .with_fits(&fits);
-    let hard = |size| Hard {
-        map: ShadowMap {
+    let hard = |size| {
+        Hard {}.on(ShadowMap {
             size,
             ..ShadowMap::default()
-        },
+        })
     };
-    let pcf = |size| Pcf {
-        map: ShadowMap {
+    let pcf = |size| {
+        Pcf { radius: 1 }.on(ShadowMap {
             size,
             ..ShadowMap::default()
-        },
-        radius: 1,
+        })
     };
     let techniques: [[Box<dyn ShadowTechnique>; 2]; 2] = [
         [Box::new(hard(COARSE)), Box::new(hard(FINE))],

@@ -14,7 +14,9 @@ use umbrage_core::{
     RecipeError, Scene, ShadowTechnique, Source, View, glam::Vec3, relevant_casters,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap, TechniquePreset};
+use umbrage_techniques::{
+    Bias, Hard, MapFilter as _, MapTechnique, Pcf, Pcss, ShadowMap, TechniquePreset,
+};
 use umbrage_tests::{
     random_scene::scenes,
     stage::{camera, geometry},
@@ -77,12 +79,9 @@ fn techniques() -> impl Strategy<Value = Case> {
                 ..ShadowMap::default()
             };
             let technique: TechniquePreset = match kind {
-                0 => TechniquePreset::from(Hard { map }),
-                1 => TechniquePreset::from(Pcf { map, radius }),
-                _ => TechniquePreset::from(Pcss {
-                    map,
-                    ..Pcss::default()
-                }),
+                0 => TechniquePreset::from(Hard {}.on(map)),
+                1 => TechniquePreset::from(Pcf { radius }.on(map)),
+                _ => TechniquePreset::from(Pcss::default().on(map)),
             };
             let kernel = if kind == 1 { radius as f32 } else { 0.0 };
             Case {
@@ -247,7 +246,7 @@ const LAMP: Light = Light::Point {
 fn a_caster_too_few_is_caught() {
     for light in [SUN, LAMP] {
         let seen = box_over_floor(light);
-        let technique = Hard::default();
+        let technique = MapTechnique::<Hard>::default();
         let recipe = seen
             .recipe(&technique)
             .expect("a good view")
@@ -411,7 +410,7 @@ fn culled_fits_answer_as_whole_ones_wherever_decided() {
                     bias: CONSTANT,
                     ..ShadowMap::default()
                 };
-                seen.recipe(&Pcf { map, radius })
+                seen.recipe(&Pcf { radius }.on(map))
             };
             let Some(whole) = plan(Fit::Whole)? else {
                 return Ok(());
@@ -459,7 +458,7 @@ fn a_fit_that_loses_a_caster_is_caught() {
             bias: CONSTANT,
             ..ShadowMap::default()
         };
-        seen.recipe(&Hard { map })
+        seen.recipe(&Hard {}.on(map))
             .expect("a good view")
             .expect("a simple scene")
     };

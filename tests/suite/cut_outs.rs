@@ -10,7 +10,9 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::cost::Work;
-use umbrage_techniques::{MapFormat, Pcf, ShadowMap, Surface, TechniquePreset, Traced};
+use umbrage_techniques::{
+    MapFilter as _, MapFormat, Pcf, ShadowMap, Surface, TechniquePreset, Traced,
+};
 use umbrage_tests::gpu::gpu;
 
 /// Texels along each side of the card's texture.
@@ -347,7 +349,7 @@ fn techniques() -> Vec<TechniquePreset> {
         ..coarse_depth
     };
     for map in [cascades, steady, coarse_depth, peeled] {
-        out.push(TechniquePreset::from(Pcf { map, radius: 1 }));
+        out.push(TechniquePreset::from(Pcf { radius: 1 }.on(map)));
     }
     out
 }
@@ -471,10 +473,7 @@ fn runs_may_reach_beyond_casters_with_holes() {
     let camera = camera();
     let [sun, _] = lights();
     let view = View::new(&camera, &sun, &geometry);
-    let pcf = Pcf {
-        map: ShadowMap::default(),
-        radius: 1,
-    };
+    let pcf = Pcf { radius: 1 }.on(ShadowMap::default());
     let casters = geometry.casters();
     let all = pcf.recipe(&view).expect("a map knows holes");
     let with_runs = |first: Range<u32>| {
@@ -508,13 +507,10 @@ fn work_counts_texels_that_ask_for_holes() {
     let work_of = |scene: &Scene| {
         let geometry = Geometry::bake(scene).expect("a good scene");
         let view = View::new(&camera, &sun, &geometry);
-        let pcf = Pcf {
-            map: ShadowMap {
-                fit: Fit::Whole,
-                ..ShadowMap::default()
-            },
-            radius: 1,
-        };
+        let pcf = Pcf { radius: 1 }.on(ShadowMap {
+            fit: Fit::Whole,
+            ..ShadowMap::default()
+        });
         let recipe = pcf.recipe(&view).expect("a map knows holes");
         Work::of(&view, &recipe, &Catalogue::built_in())
     };

@@ -3,6 +3,7 @@
 use bytemuck::cast_slice;
 use umbrage::{Backend, Geometry, Receivers, Recipe, ShadowTechnique, View, techniques::Pcf};
 use umbrage_cpu::Cpu;
+use umbrage_techniques::MapTechnique;
 use umbrage_tests::{
     adapter::{TestDevice, device},
     foreign,
@@ -103,7 +104,9 @@ fn a_foreign_program_gets_the_same_shadows() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = Pcf::default().recipe(&view).expect("pcf serves the sun");
+    let recipe = MapTechnique::<Pcf>::default()
+        .recipe(&view)
+        .expect("pcf serves the sun");
     let cpu = Cpu::new().render(&view, &recipe).expect("plays");
     let d = device();
     let program = Program::new(d, &geometry, cpu.receivers.as_ref().expect("made here"));
@@ -129,7 +132,9 @@ fn later_frames_make_nothing() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = Pcf::default().recipe(&view).expect("pcf serves the sun");
+    let recipe = MapTechnique::<Pcf>::default()
+        .recipe(&view)
+        .expect("pcf serves the sun");
     let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
     let d = device();
     let program = Program::new(d, &geometry, &receivers);
@@ -141,7 +146,7 @@ fn later_frames_make_nothing() {
     }
     assert_eq!(shadows.counters(), first);
     // The counters do count: another kernel needs another pipeline.
-    let other = umbrage::techniques::Hard::default()
+    let other = MapTechnique::<umbrage::techniques::Hard>::default()
         .recipe(&view)
         .expect("hard serves the sun");
     program.frame(d, &mut shadows, &other, receivers.size);

@@ -10,12 +10,15 @@ use umbrage_lab::{
     card::{BitCounts, compare_bits},
     compare,
 };
-use umbrage_techniques::{Pcss, Vsm};
+use umbrage_techniques::{MapTechnique, Pcss, Vsm};
 use umbrage_tests::{driver_model::DriverModel, gpu::gpu};
 
 /// Map techniques, whose bits drivers may change: the control of a model.
 fn controls() -> [Box<dyn ShadowTechnique>; 2] {
-    [Box::new(Vsm::default()), Box::new(Pcss::default())]
+    [
+        Box::new(MapTechnique::<Vsm>::default()),
+        Box::new(MapTechnique::<Pcss>::default()),
+    ]
 }
 
 #[test]

@@ -5,7 +5,7 @@ use umbrage_core::{
     Backend, Camera, Geometry, Instance, Light, Mesh, Scene, ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, ListedTechnique as _, Pcf, ShadowMap};
+use umbrage_techniques::{Bias, Hard, ListedTechnique as _, MapFilter as _, Pcf, ShadowMap};
 
 const SUN: Light = Light::Directional {
     direction: Vec3::new(0.6, -0.64, 0.48),
@@ -58,12 +58,10 @@ fn dark(technique: &dyn ShadowTechnique, metres: f32) -> (usize, usize) {
 fn a_lit_plane_stays_lit_far_from_the_origin() {
     for metres in [0.0, 100.0, 1e3, 1e4, 1e5] {
         for bias in [Bias::ADAPTIVE, Bias::NORMAL_OFFSET] {
-            let hard = Hard {
-                map: ShadowMap {
-                    bias,
-                    ..ShadowMap::default()
-                },
-            };
+            let hard = Hard {}.on(ShadowMap {
+                bias,
+                ..ShadowMap::default()
+            });
             let (acne, seen) = dark(&hard, metres);
             assert!(
                 acne == 0 && seen > 2000,
@@ -71,13 +69,10 @@ fn a_lit_plane_stays_lit_far_from_the_origin() {
                 hard.settings()
             );
         }
-        let pcf = Pcf {
-            map: ShadowMap {
-                bias: Bias::ADAPTIVE,
-                ..ShadowMap::default()
-            },
-            radius: 3,
-        };
+        let pcf = Pcf { radius: 3 }.on(ShadowMap {
+            bias: Bias::ADAPTIVE,
+            ..ShadowMap::default()
+        });
         assert_eq!(dark(&pcf, metres).0, 0, "pcf at {metres} m");
     }
 }
@@ -91,12 +86,10 @@ fn rounding_is_seen_where_nothing_covers_it() {
             ..Bias::RECEIVER_PLANE
         };
         let (acne, _) = dark(
-            &Hard {
-                map: ShadowMap {
-                    bias,
-                    ..ShadowMap::default()
-                },
-            },
+            &Hard {}.on(ShadowMap {
+                bias,
+                ..ShadowMap::default()
+            }),
             metres,
         );
         assert!(acne > 20, "{acne} at {metres} m");

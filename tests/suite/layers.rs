@@ -9,8 +9,8 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_scenes::find;
 use umbrage_techniques::{
-    Bias, Border, Hard, HardKernel, HardwareKernel, HardwareUniforms, MapFormat, PcfDitheredKernel,
-    PcfKernel, PcfUniforms, ShadowMap, shadow_map::layers::MapOnlyUniforms,
+    Bias, Border, Hard, HardKernel, HardwareKernel, HardwareUniforms, MapFilter as _, MapFormat,
+    PcfDitheredKernel, PcfKernel, PcfUniforms, ShadowMap, shadow_map::layers::MapOnlyUniforms,
 };
 use umbrage_tests::gpu::gpu;
 
@@ -132,7 +132,7 @@ fn casters_that_are_left_out_change_no_bit() {
         scene.cameras[0].size = UVec2::new(96, 72);
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-        let Ok(some) = (Hard { map }).recipe(&view) else {
+        let Ok(some) = (Hard {}.on(map)).recipe(&view) else {
             continue;
         };
         let all = with_all_casters(&some);
@@ -159,7 +159,7 @@ fn with_all_casters(recipe: &Recipe) -> Recipe {
 fn casters_that_are_missing_are_seen() {
     let (scene, geometry, camera) = scene();
     let view = View::new(&camera, &scene.lights[0], &geometry);
-    let technique = Hard { map: maps()[0] };
+    let technique = Hard {}.on(maps()[0]);
     let whole = technique.recipe(&view).expect("one map holds all casters");
     let mut spoilt = whole.clone();
     let casters = geometry.casters();

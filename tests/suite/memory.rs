@@ -4,7 +4,7 @@ use peak_alloc::PeakAlloc;
 
 use umbrage_core::{Backend, Geometry, ShadowTechnique, View, glam::UVec2};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Pcf, ShadowMap};
+use umbrage_techniques::{MapFilter as _, Pcf, ShadowMap};
 
 #[global_allocator]
 static ALLOCATIONS: PeakAlloc = PeakAlloc;
@@ -17,13 +17,10 @@ fn rendering_takes_at_most_three_times_what_it_holds() {
         let geometry = Geometry::bake(&scene).expect("valid");
         let camera = scene.cameras[0].resized(UVec2::new(640, 360));
         let view = View::new(&camera, &scene.lights[0], &geometry);
-        let technique = Pcf {
-            map: ShadowMap {
-                size: map,
-                ..ShadowMap::default()
-            },
-            radius: 1,
-        };
+        let technique = Pcf { radius: 1 }.on(ShadowMap {
+            size: map,
+            ..ShadowMap::default()
+        });
         let recipe = technique.recipe(&view).expect("pcf serves the sun");
         let before = ALLOCATIONS.current_usage();
         ALLOCATIONS.reset_peak_usage();

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use umbrage_core::{Camera, Light, Mesh, ShadowTechnique, View, glam::UVec2, glam::Vec3};
+use umbrage_techniques::MapFilter as _;
 use umbrage_tests::stage;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
@@ -77,15 +78,13 @@ fn parameters() {
     let text = [
         line(
             "a map without texels",
-            umbrage_techniques::Hard { map: map(0) }.recipe(&view),
+            umbrage_techniques::Hard {}.on(map(0)).recipe(&view),
         ),
         line(
             "a kernel too wide",
-            umbrage_techniques::Pcf {
-                map: map(64),
-                radius: 10_000,
-            }
-            .recipe(&view),
+            umbrage_techniques::Pcf { radius: 10_000 }
+                .on(map(64))
+                .recipe(&view),
         ),
         line(
             "no samples",

@@ -6,7 +6,7 @@ use umbrage_core::{
     ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, ShadowMap};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, MapTechnique, ShadowMap};
 use umbrage_tests::{gpu::gpu, stage};
 
 const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
@@ -131,7 +131,9 @@ fn techniques_and_backends_refuse_receivers() {
     let geometry = stage::geometry(1.0, Vec3::ZERO);
     let camera = stage::camera();
     let view = View::new(&camera, &SUN, &geometry);
-    let recipe = Hard::default().recipe(&view).expect("it plans");
+    let recipe = MapTechnique::<Hard>::default()
+        .recipe(&view)
+        .expect("it plans");
     for bad in BAD {
         for receivers in [
             spoilt(&geometry, |r, i| r.z[i] = bad),
@@ -149,7 +151,7 @@ fn techniques_and_backends_refuse_receivers() {
         (r.x[i], r.receives[i]) = (f32::NAN, false)
     });
     assert!(
-        Hard::default()
+        MapTechnique::<Hard>::default()
             .recipe(&view.with_receivers(&receivers))
             .is_ok()
     );
@@ -240,7 +242,7 @@ fn backends_refuse_casts() {
         bias,
         ..ShadowMap::default()
     };
-    let good = Hard { map }.recipe(&view).expect("it plans");
+    let good = Hard {}.on(map).recipe(&view).expect("it plans");
     let spoilt = |spoil: &dyn Fn(&mut umbrage_core::Cast)| {
         let mut recipe = good.clone();
         spoil(&mut recipe.casts[0]);

@@ -4,7 +4,7 @@ use umbrage::{
     Backend, Geometry, Receivers, Scene, ShadowTechnique, View,
     glam::{UVec2, Vec3},
     metrics::{Errors, Pixel},
-    techniques::{Hard, ShadowMap},
+    techniques::{Hard, MapFilter as _, ShadowMap},
 };
 use umbrage_cpu::Cpu;
 use umbrage_examples::{
@@ -78,7 +78,7 @@ fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
         thickness,
     };
     let mut cpu = Cpu::new();
-    let hard = judged.mask(&mut cpu, &Hard { map });
+    let hard = judged.mask(&mut cpu, &Hard {}.on(map));
     let without_walk = judged.mask(&mut cpu, &walk(0, 0.01));
     assert_eq!(without_walk, hard, "no pixel to walk");
     let walked = judged.mask(&mut cpu, &walk(60, 0.01));
@@ -149,7 +149,7 @@ fn check_coloured_shadows(judged: &Judged) {
             let errors = Errors::measure(judged.truth.size, mask, &wanted, pixels);
             errors.expect("valid").rmse
         };
-        let opaque = error(&judged.mask(&mut cpu, &Hard { map }));
+        let opaque = error(&judged.mask(&mut cpu, &Hard {}.on(map)));
         let spoilt = error(&judged.mask(&mut cpu, &panes(colour, swapped, false)));
         for dithered in [false, true] {
             let technique = panes(colour, window::GLASS, dithered);

@@ -3,7 +3,9 @@
 use umbrage_core::{Backend, Geometry, Layout, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
 use umbrage_scenes::find;
-use umbrage_techniques::{Bias, Hard, ListedTechnique as _, Pattern, Pcss, ShadowMap};
+use umbrage_techniques::{
+    Bias, Hard, ListedTechnique as _, MapFilter as _, MapTechnique, Pattern, Pcss, ShadowMap,
+};
 use umbrage_tests::gpu::gpu;
 
 /// Widths may be off by 5 %: what the rest of a texel and 64 taps leave.
@@ -44,7 +46,7 @@ fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f
 /// The technique's ratio under a lamp whose sides are `scale` times the scene's.
 fn measured(
     backend: &mut dyn Backend,
-    technique: &Pcss,
+    technique: &MapTechnique<Pcss>,
     ramp: (&str, f64, f64),
     scale: f32,
 ) -> f64 {
@@ -66,13 +68,16 @@ fn measured(
     )
 }
 
-fn techniques() -> impl Iterator<Item = Pcss> {
+fn techniques() -> impl Iterator<Item = MapTechnique<Pcss>> {
     let patterns = [Pattern::Vogel, Pattern::Poisson, Pattern::Grid];
-    patterns.into_iter().map(|pattern| Pcss {
-        pattern,
-        blocker_taps: 64,
-        filter_taps: 64,
-        ..Pcss::default()
+    patterns.into_iter().map(|pattern| {
+        Pcss {
+            pattern,
+            blocker_taps: 64,
+            filter_taps: 64,
+            ..Pcss::default()
+        }
+        .on(ShadowMap::default())
     })
 }
 
@@ -137,11 +142,8 @@ fn ideal_lights_throw_hard_shadows() {
             let recipe = technique.recipe(&view).expect("maps serve these lights");
             Cpu::new().render(&view, &recipe).expect("renders").mask
         };
-        let hard = mask(&Hard { map });
-        let soft = mask(&Pcss {
-            map,
-            ..Pcss::default()
-        });
+        let hard = mask(&Hard {}.on(map));
+        let soft = mask(&Pcss::default().on(map));
         assert!(hard.contains(&0.0), "{name} shows no shadow");
         assert!(hard == soft, "{name} {layout:?}");
     }

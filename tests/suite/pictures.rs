@@ -10,7 +10,9 @@ use umbrage_core::{
     UniformBlock, Uniforms as _, View, join, picture,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, BlinnPhong, BlinnPhongUniforms, Hard, ShadowMap, Traced};
+use umbrage_techniques::{
+    Bias, BlinnPhong, BlinnPhongUniforms, Hard, MapFilter as _, ShadowMap, Traced,
+};
 use umbrage_tests::{gpu::gpu, layouts, painted};
 
 /// One step of an 8-bit picture: two encoders may round a value on the border between bytes either way.
@@ -82,7 +84,7 @@ fn each_case(mut check: impl FnMut(&str, &View<'_>, &Recipe)) {
         ..ShadowMap::default()
     };
     let techniques: [Arc<dyn ShadowTechnique>; 2] =
-        [Arc::new(Hard { map }), Arc::new(Traced { samples: 4 })];
+        [Arc::new(Hard {}.on(map)), Arc::new(Traced { samples: 4 })];
     for light in painted::lights() {
         for (c, camera) in painted::cameras()
             .expect("good cameras")

@@ -1,7 +1,7 @@
 //! Planning touches few triangles: fits go by the boxes around them.
 
 use umbrage_core::{Fit, Geometry, Recipe, ShadowTechnique, View};
-use umbrage_techniques::{Hard, Pcss, ShadowMap};
+use umbrage_techniques::{Hard, MapFilter as _, Pcss, ShadowMap};
 
 /// Triangles that planning may look at for each one that is drawn.
 const MOST_OF_DRAWN: f64 = 0.25;
@@ -28,11 +28,8 @@ fn plans_look_at_a_quarter_of_what_is_drawn_at_most() {
                 fit,
                 ..ShadowMap::default()
             };
-            let hard = Hard { map };
-            let soft = Pcss {
-                map,
-                ..Pcss::default()
-            };
+            let hard = Hard {}.on(map);
+            let soft = Pcss::default().on(map);
             let techniques: [&dyn ShadowTechnique; 2] = [&hard, &soft];
             for technique in techniques {
                 let before = geometry.triangles_looked_at();

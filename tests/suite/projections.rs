@@ -11,7 +11,9 @@ use umbrage_core::{
     View, math::transform,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Hard, Pcf, Planar, ShadowMap, ShadowVolumes, Traced};
+use umbrage_techniques::{
+    Hard, MapFilter as _, MapTechnique, Pcf, Planar, ShadowMap, ShadowVolumes, Traced,
+};
 
 /// A usual camera's matrices as another renderer would have them.
 #[derive(Clone, Copy, Debug)]
@@ -286,8 +288,8 @@ fn techniques() -> [Box<dyn ShadowTechnique>; 5] {
         ..ShadowMap::default()
     };
     [
-        Box::new(Hard { map: stable }),
-        Box::new(Pcf::default()),
+        Box::new(Hard {}.on(stable)),
+        Box::new(MapTechnique::<Pcf>::default()),
         Box::new(Planar::default()),
         Box::new(ShadowVolumes::default()),
         Box::new(Traced::default()),

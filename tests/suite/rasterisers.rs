@@ -7,7 +7,7 @@ use umbrage_core::{
     Scene, ShadowTechnique, Snapping, Source, View,
 };
 use umbrage_cpu::{Clipping, Cpu, CpuOptions};
-use umbrage_techniques::Hard;
+use umbrage_techniques::{Hard, MapTechnique};
 use umbrage_tests::gpu::gpu;
 
 const SIDE: usize = 256;
@@ -79,7 +79,9 @@ fn recipe(triangles: &[[Vec4; 3]], view: &View<'_>) -> Recipe {
     };
     let layers = triangles.len() as u32;
     let size = UVec2::splat(SIDE as u32);
-    let of_hard = Hard::default().recipe(view).expect("hard serves the sun");
+    let of_hard = MapTechnique::<Hard>::default()
+        .recipe(view)
+        .expect("hard serves the sun");
     Recipe {
         images: vec![ImageDesc {
             label: "triangles",

@@ -10,7 +10,9 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_scenes::{Kind, all};
-use umbrage_techniques::{Pcf, PcfDisc, Pcss, ShadowMap, TechniquePreset};
+use umbrage_techniques::{
+    MapFilter as _, MapTechnique, Pcf, PcfDisc, Pcss, ShadowMap, TechniquePreset,
+};
 use umbrage_tests::{driver_model::is_chosen, gpu::gpu};
 
 /// Small, since squares of 1,089 taps are among the rivals.
@@ -122,16 +124,16 @@ fn map(fit: Fit, size: u32) -> ShadowMap {
 }
 
 /// Returns the default settings with `times` as many taps.
-fn pcss(map: ShadowMap, times: u32) -> Pcss {
-    let default = Pcss::default();
-    let blocker_taps = default.blocker_taps * times;
-    let filter_taps = default.filter_taps * times;
+fn pcss(map: ShadowMap, times: u32) -> MapTechnique<Pcss> {
+    let default = MapTechnique::<Pcss>::default();
+    let blocker_taps = default.filter.blocker_taps * times;
+    let filter_taps = default.filter.filter_taps * times;
     Pcss {
-        map,
         blocker_taps,
         filter_taps,
-        ..default
+        ..default.filter
     }
+    .on(map)
 }
 
 /// Kernels of one width: squares with every tap in them, and discs with as many taps as PCSS filters with.
@@ -139,21 +141,23 @@ fn rivals(map: ShadowMap) -> Vec<TechniquePreset> {
     let taps = Pcss::default().filter_taps;
     let mut out: Vec<TechniquePreset> = Vec::new();
     for radius in [1, 2, 3, 5, 8, 12, 16] {
-        out.push(TechniquePreset::from(Pcf { map, radius }));
+        out.push(TechniquePreset::from(Pcf { radius }.on(map)));
     }
     for radius in [2.0, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0] {
-        out.push(TechniquePreset::from(PcfDisc {
-            map,
-            radius,
-            taps,
-            ..PcfDisc::default()
-        }));
+        out.push(TechniquePreset::from(
+            PcfDisc {
+                radius,
+                taps,
+                ..PcfDisc::default()
+            }
+            .on(map),
+        ));
     }
     out
 }
 
 /// Returns the rivals that are better than PCSS with these settings, on the same map.
-fn better_rivals(pcss: &Pcss) -> Vec<String> {
+fn better_rivals(pcss: &MapTechnique<Pcss>) -> Vec<String> {
     let mut out = Vec::new();
     for case in cases() {
         let own = case.error(pcss);
@@ -187,7 +191,8 @@ fn better_kernels_are_found() {
         blocker_taps: 1,
         filter_taps: 1,
         ..Pcss::default()
-    };
+    }
+    .on(ShadowMap::default());
     let better = better_rivals(&noisy);
     assert!(better.len() > cases().len(), "{better:#?}");
 }
@@ -351,7 +356,7 @@ fn lit_corners_stay_lit() {
     // Under the smallest lamp edges are hard, and lie wherever the map's texels do: lit pixels beside them are dark.
     assert!(cases().iter().any(|case| case.name == HARD_EDGES));
     for case in cases().iter().filter(|case| case.name != HARD_EDGES) {
-        let mask = case.mask(&Pcss::default());
+        let mask = case.mask(&MapTechnique::<Pcss>::default());
         let mut lit: Vec<f64> = Vec::new();
         for (i, &seen) in mask.iter().enumerate() {
             if case.truth.pixels[i] == Pixel::Counted && case.truth.visibility[i] == 1.0 {
@@ -383,7 +388,7 @@ fn lit_corners_stay_lit() {
 #[test]
 fn both_halves_agree() {
     for (_, case) in cases().iter().enumerate().filter(|(i, _)| is_chosen(*i)) {
-        let technique = Pcss::default();
+        let technique = MapTechnique::<Pcss>::default();
         let cpu = case.mask(&technique);
         let recipe = technique
             .recipe(&case.view())

@@ -6,7 +6,7 @@ use umbrage_core::{
     ShadowTechnique, View, math::transform,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, ShadowMap};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, MapTechnique, ShadowMap};
 
 const SIZE: u32 = 512;
 const RANGE: f32 = 40.0;
@@ -105,15 +105,13 @@ fn ground(offset: Vec3) -> Receivers {
     r
 }
 
-fn technique(fit: Fit) -> Hard {
-    Hard {
-        map: ShadowMap {
-            size: SIZE,
-            fit,
-            bias: Bias::SLOPE,
-            ..ShadowMap::default()
-        },
-    }
+fn technique(fit: Fit) -> MapTechnique<Hard> {
+    Hard {}.on(ShadowMap {
+        size: SIZE,
+        fit,
+        bias: Bias::SLOPE,
+        ..ShadowMap::default()
+    })
 }
 
 /// Returns where the points fall within their texels, by f32 arithmetic, as lookups do it.

@@ -7,7 +7,7 @@ use umbrage_cpu::Cpu;
 use umbrage_examples::variance::Variance;
 use umbrage_plan::catalogue::all;
 use umbrage_scenes::find;
-use umbrage_techniques::{ShadowMap, TechniquePreset};
+use umbrage_techniques::{MapFilter as _, ShadowMap, TechniquePreset};
 use umbrage_tests::gpu::gpu;
 
 /// Scenes with different lights and plenty of edges.
@@ -149,12 +149,10 @@ fn a_spoilt_map_is_caught() {
     let scene = (find("cubes").expect("a built-in scene").build)();
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let technique = umbrage_techniques::Hard {
-        map: ShadowMap {
-            size: 16,
-            ..ShadowMap::default()
-        },
-    };
+    let technique = umbrage_techniques::Hard {}.on(ShadowMap {
+        size: 16,
+        ..ShadowMap::default()
+    });
     let mut p = play(&view, &technique).expect("hard serves the sun");
     p.images[0]
         .texels

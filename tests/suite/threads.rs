@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use umbrage_core::{Backend, Geometry, ShadowTechnique, Simd, View};
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_plan::catalogue::all;
-use umbrage_techniques::Hard;
+use umbrage_techniques::{Hard, MapTechnique};
 use umbrage_tests::gpu::gpu;
 
 #[test]
@@ -57,7 +57,9 @@ fn read_backs_wait_for_callbacks_of_other_threads() {
         .build)();
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = Hard::default().recipe(&view).expect("plays");
+    let recipe = MapTechnique::<Hard>::default()
+        .recipe(&view)
+        .expect("plays");
     let mut gpu = gpu();
     let device = gpu.device().0.clone();
     let is_over = AtomicBool::new(false);

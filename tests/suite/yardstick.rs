@@ -2,7 +2,7 @@
 
 use umbrage_core::{Backend, Geometry, ShadowTechnique, View, join};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::Hard;
+use umbrage_techniques::{Hard, MapTechnique};
 use umbrage_tests::{gpu::gpu, layouts::check};
 use umbrage_yardstick::Yardstick;
 
@@ -13,7 +13,9 @@ fn the_yardstick_is_the_same_work_on_both_backends() {
     let geometry = Geometry::bake(&scene).expect("valid");
     let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
     let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
-    let row = Hard::default().recipe(&view).expect("supported");
+    let row = MapTechnique::<Hard>::default()
+        .recipe(&view)
+        .expect("supported");
     let [short, long] =
         [0.1, 10.0].map(|cost| Yardstick::new(&row, &receivers, cost).expect("something receives"));
     assert!(

@@ -6,10 +6,7 @@ use crate::recipe::shader::Module;
 use glam::{Mat4, Vec3, Vec4};
 
 /// The WGSL half.
-pub const MATH: Module = Module {
-    name: "math",
-    text: include_str!("math.wgsl"),
-};
+pub const MATH: Module = crate::module!("math");
 
 /// Columns times components, added from left to right.
 #[inline(always)]

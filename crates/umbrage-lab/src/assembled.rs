@@ -46,13 +46,13 @@ pub fn assembled_wgsl(technique: &dyn ShadowTechnique, prefix: &str) -> Result<S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_techniques::Hard;
+    use umbrage_techniques::{Hard, MapTechnique};
 
     #[test]
     fn a_prefix_begins_each_name() {
-        let text = assembled_wgsl(&Hard::default(), "sun_").expect("served");
+        let text = assembled_wgsl(&MapTechnique::<Hard>::default(), "sun_").expect("served");
         assert!(text.contains("fn sun_receive(r: sun_Receiver) -> f32"));
-        let error = assembled_wgsl(&Hard::default(), "1_").expect_err("no name");
+        let error = assembled_wgsl(&MapTechnique::<Hard>::default(), "1_").expect_err("no name");
         assert!(error.to_string().contains("prefix"), "{error}");
     }
 }

@@ -1,7 +1,7 @@
 //! An example of each cause of error: scenes in which nothing else can be wrong.
 
 use umbrage_core::metrics::Cause;
-use umbrage_techniques::{Bias, Hard, SecondDepth, ShadowMap, TechniquePreset};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, SecondDepth, ShadowMap, TechniquePreset};
 
 /// A scene and a technique whose whole error there has one cause.
 #[derive(Clone, Debug)]
@@ -29,10 +29,9 @@ pub fn faults() -> [CauseExample; 5] {
         },
         CauseExample {
             scene: "cause-leak",
-            technique: TechniquePreset::from(SecondDepth {
-                map: map(512, Bias::FRONT_CULL),
-                radius: 0,
-            }),
+            technique: TechniquePreset::from(
+                SecondDepth { radius: 0 }.on(map(512, Bias::FRONT_CULL)),
+            ),
             cause: Cause::Leak,
         },
         CauseExample {
@@ -55,9 +54,7 @@ const FAR_TOO_MUCH: Bias = Bias {
 };
 
 fn hard(size: u32, bias: Bias) -> TechniquePreset {
-    TechniquePreset::from(Hard {
-        map: map(size, bias),
-    })
+    TechniquePreset::from(Hard {}.on(map(size, bias)))
 }
 
 fn map(size: u32, bias: Bias) -> ShadowMap {

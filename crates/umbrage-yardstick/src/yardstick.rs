@@ -9,7 +9,7 @@
 use std::sync::{Arc, OnceLock};
 use umbrage_core::{
     Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table, UniformBlock,
-    light_sample::hash, uniforms,
+    light_sample::hash, module, uniforms,
 };
 
 /// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two threads.
@@ -115,10 +115,7 @@ pub struct YardstickKernel {
 
 impl Kernel for YardstickKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![Module {
-            name: "yardstick",
-            text: include_str!("yardstick.wgsl"),
-        }]
+        vec![module!("yardstick")]
     }
 
     fn uniforms(&self) -> Option<&dyn UniformBlock> {

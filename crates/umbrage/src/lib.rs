@@ -16,12 +16,12 @@
 //! Programs with a device and an encoder of their own use `umbrage::wgpu::ShadowRenderer`.
 #![cfg_attr(all(feature = "cpu", feature = "scenes"), doc = "```")]
 #![cfg_attr(not(all(feature = "cpu", feature = "scenes")), doc = "```ignore")]
-//! use umbrage::{BackendChoice, Geometry, ShadowTechnique, View, techniques::Pcf};
+//! use umbrage::{BackendChoice, Geometry, ShadowTechnique, View, techniques::{MapFilter as _, Pcf, ShadowMap}};
 //!
 //! let scene = umbrage::scenes::by_argument("cubes")?;
 //! let geometry = Geometry::bake(&scene)?;
 //! let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-//! let recipe = Pcf::default().recipe(&view)?;
+//! let recipe = Pcf { radius: 1 }.on(ShadowMap::default()).recipe(&view)?;
 //! let shadows = umbrage::backend(BackendChoice::Cpu)?.render(&view, &recipe)?;
 //! assert!(shadows.mask.iter().any(|&lit| lit < 1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -30,14 +30,14 @@
 //! How large should a map be? As fine as the screen is where what it shows faces the light:
 #![cfg_attr(all(feature = "cpu", feature = "scenes"), doc = "```")]
 #![cfg_attr(not(all(feature = "cpu", feature = "scenes")), doc = "```ignore")]
-//! use umbrage::{Geometry, View, cpu::Cpu, techniques::{Pcf, ShadowMap}};
+//! use umbrage::{Geometry, View, cpu::Cpu, techniques::{MapFilter as _, Pcf, ShadowMap}};
 //!
 //! let scene = umbrage::scenes::by_argument("cubes")?;
 //! let (camera, geometry) = (&scene.cameras[0], Geometry::bake(&scene)?);
 //! let view = View::new(camera, &scene.lights[0], &geometry);
 //! // For nine in ten of the pixels that face the light, no texel is larger than a pixel.
 //! let map = ShadowMap::default().sized_for(&view, &Cpu::new().receivers(camera, &geometry)?, 0.9)?;
-//! let technique = Pcf { map, ..Pcf::default() };
+//! let technique = Pcf::default().on(map);
 //! # let small = camera.resized(camera.size / 2);
 //! # let of_small = View::new(&small, &scene.lights[0], &geometry);
 //! # let smaller = map.sized_for(&of_small, &Cpu::new().receivers(&small, &geometry)?, 0.9)?;

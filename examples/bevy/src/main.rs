@@ -13,7 +13,7 @@ use judge::{COLUMNS, Judged, make_folder};
 use std::{fmt::Write as _, fs, path::PathBuf, sync::Arc};
 use umbrage::{
     Cascades, Fit, Layout, ShadowTechnique,
-    techniques::{Exact, Pcf, Pcss, ShadowMap},
+    techniques::{MapFilter as _, Exact, Pcf, Pcss, ShadowMap},
 };
 
 /// What Bevy's picture shows where the sun doesn't reach is less.
@@ -198,17 +198,14 @@ fn umbrage_settings(farthest: f32, is_soft: bool) -> Vec<(&'static str, Arc<dyn 
     };
     if is_soft {
         let pcss = |map| -> Arc<dyn ShadowTechnique> {
-            Arc::new(Pcss {
-                map,
-                ..Pcss::default()
-            })
+            Arc::new(Pcss::default().on(map))
         };
         return vec![
             ("pcss, 4 stable cascades of 2048", pcss(stable)),
             ("pcss, 4 cascades of 2048", pcss(tight)),
         ];
     }
-    let pcf = |map| -> Arc<dyn ShadowTechnique> { Arc::new(Pcf { map, radius: 1 }) };
+    let pcf = |map| -> Arc<dyn ShadowTechnique> { Arc::new(Pcf { radius: 1 }.on(map)) };
     let small = ShadowMap {
         size: 1024,
         ..tight

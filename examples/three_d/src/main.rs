@@ -17,7 +17,7 @@ use sun::UmbrageSun;
 use three_d::{DirectionalLight, Light, vec3};
 use umbrage::{
     Cascades, Geometry, Layout, ShadowTechnique, View,
-    techniques::{Exact, Pcf, ShadowMap},
+    techniques::{MapFilter as _, Exact, Pcf, ShadowMap},
 };
 
 /// three-d lights what faces away from the sun by a thousandth of what faces it. What is darker than this is such a surface.
@@ -247,17 +247,11 @@ fn settings() -> Vec<(String, ShadowSource)> {
     let umbrage: [(&str, Arc<dyn ShadowTechnique>); 3] = [
         (
             "pcf 3x3, 2048",
-            Arc::new(Pcf {
-                map: one(2048),
-                radius: 1,
-            }),
+            Arc::new(Pcf { radius: 1 }.on(one(2048))),
         ),
         (
             "pcf 3x3, 4 cascades of 2048",
-            Arc::new(Pcf {
-                map: cascades,
-                radius: 1,
-            }),
+            Arc::new(Pcf { radius: 1 }.on(cascades)),
         ),
         ("exact", Arc::new(Exact::default())),
     ];

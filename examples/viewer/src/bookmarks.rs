@@ -10,7 +10,9 @@ use umbrage::{
         self, Failure, Kind, SceneEntry,
         motion::{Motion, MovingScene},
     },
-    techniques::{Bias, Hard, Pcf, Pcss, SecondDepth, ShadowMap, TechniquePreset, Vsm},
+    techniques::{
+        Bias, Hard, MapFilter as _, Pcf, Pcss, SecondDepth, ShadowMap, TechniquePreset, Vsm,
+    },
 };
 
 /// Side of the maps that show faults, texels: coarse enough that faults are seen at once.
@@ -242,25 +244,10 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
         bias,
         ..ShadowMap::default()
     };
-    let hard = |bias| TechniquePreset::from(Hard { map: map(bias) });
-    let wide = |bias| {
-        TechniquePreset::from(Pcf {
-            map: map(bias),
-            radius: WIDE,
-        })
-    };
-    let second_depth = || {
-        TechniquePreset::from(SecondDepth {
-            map: map(Bias::FRONT_CULL),
-            ..SecondDepth::default()
-        })
-    };
-    let pcss = || {
-        TechniquePreset::from(Pcss {
-            map: map(Bias::ADAPTIVE),
-            ..Pcss::default()
-        })
-    };
+    let hard = |bias| TechniquePreset::from(Hard {}.on(map(bias)));
+    let wide = |bias| TechniquePreset::from(Pcf { radius: WIDE }.on(map(bias)));
+    let second_depth = || TechniquePreset::from(SecondDepth::default().on(map(Bias::FRONT_CULL)));
+    let pcss = || TechniquePreset::from(Pcss::default().on(map(Bias::ADAPTIVE)));
     let (kind, preset) = match failure {
         // The normal offset of one comparison, under a kernel that reaches three texels.
         Failure::LowSun if scene == "low-sun-10" => (FaultKind::Acne, wide(Bias::NORMAL_OFFSET)),
@@ -278,7 +265,7 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
                 size: COARSER_THAN_WALLS,
                 ..map(Bias::POLYGON_OFFSET)
             };
-            (FaultKind::LightLeaking, Hard { map }.into())
+            (FaultKind::LightLeaking, Hard {}.on(map).into())
         }
         // Casters that are not closed have no second surface.
         Failure::BrokenMesh => (FaultKind::LightLeaking, second_depth()),
@@ -286,10 +273,10 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
         // As the variance maps of textbooks: nothing hides the bleeding.
         Failure::NearContact | Failure::LightBleeding => {
             let vsm = Vsm {
-                map: map(Bias::ADAPTIVE),
                 bleeding_reduction: 0.0,
                 ..Vsm::default()
-            };
+            }
+            .on(map(Bias::ADAPTIVE));
             (FaultKind::LightBleeding, vsm.into())
         }
         Failure::RoomCorner => (FaultKind::CornerLines, wide(Bias::ADAPTIVE)),
@@ -484,8 +471,8 @@ mod tests {
                 ..ShadowMap::default()
             };
             let (usual, times) = match bookmark.kind {
-                FaultKind::LightBleeding => (Pcf { map, radius: WIDE }.into(), BEYOND_BLUR),
-                _ => (TechniquePreset::from(Hard { map }), BEYOND_TEXELS),
+                FaultKind::LightBleeding => (Pcf { radius: WIDE }.on(map).into(), BEYOND_BLUR),
+                _ => (TechniquePreset::from(Hard {}.on(map)), BEYOND_TEXELS),
             };
             let mut usual_side = SideSettings::new(entry("hard"), played.range);
             usual_side.preset = usual;

@@ -4,7 +4,7 @@ use crate::filtering::moments::stored::{Encoding, Load, Store};
 use glam::{IVec2, UVec2};
 use std::borrow::Cow;
 use umbrage_core::{
-    FilterKernel, ImageView, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms,
+    FilterKernel, ImageView, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
 };
 
 uniforms! {
@@ -56,10 +56,7 @@ impl BoxBlurKernel {
 impl Kernel for BoxBlurKernel {
     fn modules(&self) -> Vec<Module> {
         let mut modules = self.encoding.modules();
-        modules.push(Module {
-            name: "blur",
-            text: include_str!("blur.wgsl"),
-        });
+        modules.push(module!("blur"));
         modules
     }
 

@@ -3,13 +3,10 @@
 //! shows as light that leaks.
 
 use glam::Vec2;
-use umbrage_core::Module;
+use umbrage_core::{Module, module};
 
 /// The WGSL half.
-pub(crate) const BOUNDS: Module = Module {
-    name: "bounds",
-    text: include_str!("bounds.wgsl"),
-};
+pub(crate) const BOUNDS: Module = module!("bounds");
 
 /// Returns the greatest share of a distribution that may lie `distance` or more from its mean on one side (Cantelli's one-sided form
 /// of Chebyshev's inequality).

@@ -1,13 +1,10 @@
 //! Two to a power, with the same bits in both halves and on every driver that rounds sums and products as IEEE 754 says: shading
 //! languages leave several units in the last place of `exp` and `exp2` to the driver.
 
-use umbrage_core::Module;
+use umbrage_core::{Module, module};
 
 /// The WGSL half.
-pub(crate) const EXP2: Module = Module {
-    name: "exp2",
-    text: include_str!("exp2.wgsl"),
-};
+pub(crate) const EXP2: Module = module!("exp2");
 
 /// The greatest exponent by size: powers beyond are no normal numbers.
 const GREATEST_POWER: f32 = 126.0;

@@ -7,7 +7,9 @@ use crate::filtering::moments::{
     stored::{Encoding, Store},
 };
 use glam::UVec2;
-use umbrage_core::{FilterKernel, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms};
+use umbrage_core::{
+    FilterKernel, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
+};
 
 uniforms! {
     /// Uniforms of the halving filter.
@@ -101,10 +103,7 @@ impl HalveKernel {
 impl Kernel for HalveKernel {
     fn modules(&self) -> Vec<Module> {
         let mut modules = self.encoding.modules();
-        modules.push(Module {
-            name: "halve",
-            text: include_str!("halve.wgsl"),
-        });
+        modules.push(module!("halve"));
         modules
     }
 

@@ -3,13 +3,10 @@
 //! Peters and Klein 2015, "Moment shadow mapping" (I3D).
 
 use glam::{Vec2, Vec4};
-use umbrage_core::Module;
+use umbrage_core::{Module, module};
 
 /// The WGSL half.
-pub(crate) const HAMBURGER: Module = Module {
-    name: "hamburger",
-    text: include_str!("hamburger.wgsl"),
-};
+pub(crate) const HAMBURGER: Module = module!("hamburger");
 
 /// Least variance of depth, and of its square where depth says nothing of it: by both is divided.
 const LEAST_VARIANCE: f32 = 1e-9;

@@ -6,13 +6,10 @@ use crate::filtering::moments::hamburger::{
     bounded, central_moments, lit_by_three, not_zero, other_depths, share_at,
 };
 use glam::Vec4;
-use umbrage_core::Module;
+use umbrage_core::{Module, module};
 
 /// The WGSL half. It needs [`HAMBURGER`](super::hamburger::HAMBURGER).
-pub(crate) const HAUSDORFF: Module = Module {
-    name: "hausdorff",
-    text: include_str!("hausdorff.wgsl"),
-};
+pub(crate) const HAUSDORFF: Module = module!("hausdorff");
 
 /// Least distance between two depths, by which is divided.
 const LEAST_DISTANCE: f32 = 1e-9;

@@ -5,7 +5,7 @@ use crate::{
     filtering::moments::{
         bounds::{BOUNDS, without_bleeding},
         exp2::EXP2,
-        map::BleedingReduction,
+        map::{BleedingReduction, MomentImages},
         mipmaps::{
             MIPMAPS, MipmapUniforms, added_variance, level_reach, level_side, level_start,
             mipmap_level, texels_spanned,
@@ -26,32 +26,23 @@ use glam::{Vec2, Vec3};
 use umbrage_core::{
     Inputs, Module, Span,
     math::{dot3, greater, lesser},
+    module,
 };
 
 /// The WGSL half of the lookup. It reads the kernel's first image.
-const LOOK_UP: Module = Module {
-    name: "look_up",
-    text: include_str!("look_up.wgsl"),
-};
+const LOOK_UP: Module = module!("look_up");
 /// Of maps without mipmaps.
-const ONE_LEVEL: Module = Module {
-    name: "look_up_one_level",
-    text: include_str!("look_up_one_level.wgsl"),
-};
+const ONE_LEVEL: Module = module!("look_up_one_level");
 /// Of those with some. It reads the kernel's second image, too.
-const MIPMAPPED: Module = Module {
-    name: "look_up_mipmapped",
-    text: include_str!("look_up_mipmapped.wgsl"),
-};
+const MIPMAPPED: Module = module!("look_up_mipmapped");
 
 /// Returns the WGSL of a kernel that looks up moments: the map's modules, those of moments, and `own`, which declares the uniforms and
 /// `fn lit_by_moments(moments: vec4f, depth: f32) -> f32`, the share of light at a centred depth, and
 /// `fn compared_depth(l: ShadowCoord, spread: f32) -> f32`, the clip depth that is asked about; a coarser level spreads the places that
 /// are averaged by `spread` texels squared. The map's uniforms must be the kernel's field `lookup`, those of its levels `mipmaps`.
 pub(crate) fn modules(map: MomentMap<'_>, own: &[Module]) -> Vec<Module> {
-    let mut modules = map.lookup.modules();
-    modules.extend([EXP2, MOMENTS_OF_DEPTH, BOUNDS]);
-    modules.extend(map.encoding.modules());
+    let mut modules = map.lookup.modules(&[EXP2, MOMENTS_OF_DEPTH, BOUNDS]);
+    modules.extend(map.images.encoding().modules());
     let has_mipmaps = map.mipmaps.levels > 0;
     let levels = if has_mipmaps { MIPMAPPED } else { ONE_LEVEL };
     modules.extend([MIPMAPS, LOOK_UP, levels]);
@@ -74,10 +65,10 @@ pub(crate) trait LightBound<const CHANNELS: usize> {
 /// The map of moments that a kernel reads.
 #[derive(Clone, Copy)]
 pub(crate) struct MomentMap<'a> {
+    /// What it holds.
+    pub(crate) images: MomentImages,
     /// Where it lies.
     pub(crate) lookup: &'a ShadowMapUniforms,
-    /// What its channels are.
-    pub(crate) encoding: Encoding,
     /// Its levels, and what chooses them.
     pub(crate) mipmaps: &'a MipmapUniforms,
 }
@@ -94,15 +85,15 @@ impl MomentMap<'_> {
         mipmap_level(spanned, levels)
     }
 
-    /// Returns how far the lookup of a receiver reaches in a map that is blurred by `blur`; none where it is the same for all.
-    pub(crate) fn reach(&self, blur: u32, position: Vec3, normal: Vec3) -> Option<f32> {
+    /// Returns how far the lookup of a receiver reaches, texels; `None` if it is the same for all.
+    pub(crate) fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         if self.mipmaps.levels == 0 {
             return None;
         }
         let layer = layer_at(self.lookup, position);
         let level = self.level(layer, position, normal);
         let coarsest = level.x as u32 + u32::from(level.y > 0.0);
-        Some(blur as f32 + level_reach(coarsest))
+        Some(self.images.blur as f32 + level_reach(coarsest))
     }
 }
 
@@ -119,7 +110,7 @@ pub(crate) fn look_up<const CHANNELS: usize>(
     let lookup = map.lookup;
     let lookups = MomentLookups {
         finest: texels_of(inputs, 0),
-        encoding: map.encoding,
+        encoding: map.images.encoding(),
         size: lookup.size as i32,
         clamped: lookup.clamped != 0,
         bound,
@@ -169,6 +160,7 @@ struct MomentLookups<'a, const CHANNELS: usize, B> {
 }
 
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups<'_, CHANNELS, B> {
+    /// In vector lanes, 1.9 to 2.9 times as fast as one receiver after the other (1280x720, `street`, a map of 2048, AVX2).
     /// It goes over the receivers three times: for places, then for loads alone, so that many are under way at once, then for the bounds.
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {

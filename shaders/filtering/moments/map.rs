@@ -78,6 +78,21 @@ pub(crate) struct MomentImages {
 }
 
 impl MomentImages {
+    /// Returns the settings in words: `blur 7x7`, `2 mipmaps`, `16 bits`.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let side = 2 * u64::from(self.blur) + 1;
+        let mut words = vec![format!("blur {side}x{side}")];
+        match self.mipmaps {
+            0 => {}
+            1 => words.push("1 mipmap".to_owned()),
+            count => words.push(format!("{count} mipmaps")),
+        }
+        if self.precision == MomentPrecision::Bits16 {
+            words.push("16 bits".to_owned());
+        }
+        words
+    }
+
     /// Returns what the channels of the images are.
     pub(crate) fn encoding(&self) -> Encoding {
         self.kind.encoding(self.precision)

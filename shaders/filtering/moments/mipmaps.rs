@@ -4,13 +4,10 @@
 //! from the camera as uniforms and from the receiver's plane. Levels are found by comparisons and products alone, without logarithms.
 
 use glam::{Vec2, Vec3, Vec4};
-use umbrage_core::{Camera, Invalid, Module, math::dot3, uniforms};
+use umbrage_core::{Camera, Invalid, Module, math::dot3, module, uniforms};
 
 /// The WGSL half.
-pub(crate) const MIPMAPS: Module = Module {
-    name: "mipmaps",
-    text: include_str!("mipmaps.wgsl"),
-};
+pub(crate) const MIPMAPS: Module = module!("mipmaps");
 
 /// Most levels of a moment map beyond its first: texels of the last one are means of 64 x 64, and sums of 64 squares of the steepest
 /// exponential are still finite.
@@ -40,15 +37,6 @@ pub(crate) fn levels(mipmaps: u32, size: u32) -> u32 {
     let halvings = size.checked_ilog2().unwrap_or(0);
     let most = halvings.saturating_sub(LEAST_SIDE_LOG2);
     mipmaps.min(most).min(MAX_MIPMAPS)
-}
-
-/// Returns the words that name a number of levels in settings, with a comma after them; none for none.
-pub(crate) fn words(mipmaps: u32) -> String {
-    match mipmaps {
-        0 => String::new(),
-        1 => "1 mipmap, ".to_owned(),
-        _ => format!("{mipmaps} mipmaps, "),
-    }
 }
 
 /// Returns the side of a level of a map of this side, texels.

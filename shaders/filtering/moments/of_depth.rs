@@ -12,14 +12,11 @@ use crate::{
 };
 use glam::{UVec2, Vec2, Vec4};
 use umbrage_core::{
-    FilterKernel, Format, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms,
+    FilterKernel, Format, Inputs, Kernel, Module, SimdTask, UniformBlock, module, uniforms,
 };
 
 /// The WGSL half of the functions that read nothing.
-pub(crate) const MOMENTS_OF_DEPTH: Module = Module {
-    name: "of_depth",
-    text: include_str!("of_depth.wgsl"),
-};
+pub(crate) const MOMENTS_OF_DEPTH: Module = module!("of_depth");
 
 /// Returns a clip depth as all moments count it: from -1 at the near plane to 1 at the far plane. Around 0 the squares of floats are
 /// finest, which is where variances are small differences of large squares.
@@ -158,10 +155,7 @@ impl Kernel for MomentsKernel {
             MomentKind::OneExponential { .. } | MomentKind::TwoExponentials { .. } => EXPONENTIALS,
             MomentKind::Powers => POWERS,
         };
-        let fill = Module {
-            name: "fill",
-            text: include_str!("fill.wgsl"),
-        };
+        let fill = module!("fill");
         let mut modules = stored_depth(self.packed).to_vec();
         modules.extend([EXP2, MOMENTS_OF_DEPTH]);
         modules.extend(self.encoding.modules());

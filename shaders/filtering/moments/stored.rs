@@ -2,13 +2,10 @@
 
 use crate::shadow_map::variants::constant;
 use glam::{Vec2, Vec4};
-use umbrage_core::{Module, SimdTask};
+use umbrage_core::{Module, SimdTask, module};
 
 /// The WGSL half.
-const STORED: Module = Module {
-    name: "stored",
-    text: include_str!("stored.wgsl"),
-};
+const STORED: Module = module!("stored");
 
 /// Bits of each moment in a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,16 +20,6 @@ pub enum MomentPrecision {
     Bits32,
     /// Half of that. Rounding hides what is nearer to its blocker than some thousandths of the map's depth.
     Bits16,
-}
-
-impl MomentPrecision {
-    /// Returns the words that name it in settings, with a comma after them; none for the default.
-    pub(crate) fn words(self) -> &'static str {
-        match self {
-            Self::Bits32 => "",
-            Self::Bits16 => "16 bits, ",
-        }
-    }
 }
 
 /// What the channels of a texel are.
@@ -139,10 +126,7 @@ pub(crate) fn load_exponential(channel: f32) -> f32 {
 }
 
 /// The WGSL of `stored_moments` and `loaded_moments`.
-const ENCODING: Module = Module {
-    name: "encoding",
-    text: include_str!("encoding.wgsl"),
-};
+const ENCODING: Module = module!("encoding");
 const FLOATS: Module = constant!("ENCODING = FLOATS");
 const VARIANCE_16: Module = constant!("ENCODING = VARIANCE_16");
 const POWERS_16: Module = constant!("ENCODING = POWERS_16");

@@ -15,13 +15,11 @@ use umbrage_core::{
     Module,
     glam::{Mat2, Vec2, Vec3, Vec4, Vec4Swizzles as _},
     math::{cross3, dot3},
+    module,
 };
 
 /// The WGSL half.
-pub(super) const FOOTPRINT: Module = Module {
-    name: "soft_footprint",
-    text: include_str!("footprint.wgsl"),
-};
+pub(super) const FOOTPRINT: Module = module!("soft_footprint", "footprint.wgsl");
 
 /// Wider by this part of a point's distance from the next.
 const MARGIN: f32 = 0.01;

@@ -24,13 +24,11 @@ use umbrage_core::{
     Module,
     glam::{Vec2, Vec3},
     math::{cross3, dot3, greater, lesser},
+    module,
 };
 
 /// The WGSL half.
-pub(super) const HIDDEN: Module = Module {
-    name: "soft_hidden",
-    text: include_str!("hidden.wgsl"),
-};
+pub(super) const HIDDEN: Module = module!("soft_hidden", "hidden.wgsl");
 
 /// Returns a triangle's corners in an order that follows from their coordinates alone.
 #[inline(always)]

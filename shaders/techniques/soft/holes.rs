@@ -7,19 +7,13 @@ use super::{
     hidden::{LANES, Seers, Shade, Words},
     lattice::Lattice,
 };
-use umbrage_core::{CutOuts, Module, glam::Vec3};
+use umbrage_core::{CutOuts, Module, glam::Vec3, module};
 
 /// What a triangle hides where none has holes.
-pub(super) const NO_HOLES: Module = Module {
-    name: "soft_no_holes",
-    text: include_str!("no_holes.wgsl"),
-};
+pub(super) const NO_HOLES: Module = module!("soft_no_holes", "no_holes.wgsl");
 
 /// The WGSL half.
-pub(super) const HOLES: Module = Module {
-    name: "soft_holes",
-    text: include_str!("holes.wgsl"),
-};
+pub(super) const HOLES: Module = module!("soft_holes", "holes.wgsl");
 
 /// A triangle with holes.
 #[derive(Clone, Copy, Debug)]

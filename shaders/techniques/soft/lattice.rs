@@ -12,13 +12,11 @@ use std::sync::Arc;
 use umbrage_core::{
     Module,
     glam::{DVec2, Vec2},
+    module,
 };
 
 /// The WGSL half.
-pub(super) const LATTICE: Module = Module {
-    name: "soft_lattice",
-    text: include_str!("lattice.wgsl"),
-};
+pub(super) const LATTICE: Module = module!("soft_lattice", "lattice.wgsl");
 
 /// Most rows, and most points of a row: a bit each, and one for what lies behind the last.
 pub(super) const MAX_ROWS: usize = 31;

@@ -6,13 +6,11 @@ use umbrage_core::{
     glam::Vec3,
     light_sample::{LightSampler, SHORT, bitangent, kind, tangent},
     math::dot3,
+    module,
 };
 
 /// The WGSL half.
-pub(super) const LIGHT_PLANE: Module = Module {
-    name: "soft_light_plane",
-    text: include_str!("light_plane.wgsl"),
-};
+pub(super) const LIGHT_PLANE: Module = module!("soft_light_plane", "light_plane.wgsl");
 
 /// Vectors from a receiver: the light's point (x, y) of the unit disc, or from -1 to 1 both ways, is at
 /// `center + u * x + v * y`. Those to suns have no length that means anything.

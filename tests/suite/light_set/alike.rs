@@ -10,7 +10,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
-    Evsm, MomentPrecision, Msm, ShadowMap, TechniqueEntry, TechniquePreset, Vsm,
+    Evsm, MapFilter as _, MomentPrecision, Msm, ShadowMap, TechniqueEntry, TechniquePreset, Vsm,
 };
 use umbrage_tests::{
     agreed::check_agreement,
@@ -273,32 +273,38 @@ fn moment_maps_of_a_set_have_mipmaps() {
         }),
         ..map
     };
-    let plain = Vsm {
-        map,
-        ..Vsm::default()
-    };
+    let plain = Vsm::default().on(map);
     let techniques: [TechniquePreset; 5] = [
         plain.into(),
-        TechniquePreset::from(Vsm {
-            mipmaps: 4,
-            ..plain
-        }),
-        TechniquePreset::from(Evsm {
-            map: cascades,
-            mipmaps: 2,
-            ..Evsm::default()
-        }),
-        TechniquePreset::from(Evsm {
-            map,
-            mipmaps: 3,
-            precision: MomentPrecision::Bits16,
-            ..Evsm::default()
-        }),
-        TechniquePreset::from(Msm {
-            map: cascades,
-            mipmaps: 3,
-            ..Msm::default()
-        }),
+        TechniquePreset::from(
+            Vsm {
+                mipmaps: 4,
+                ..plain.filter
+            }
+            .on(plain.map),
+        ),
+        TechniquePreset::from(
+            Evsm {
+                mipmaps: 2,
+                ..Evsm::default()
+            }
+            .on(cascades),
+        ),
+        TechniquePreset::from(
+            Evsm {
+                mipmaps: 3,
+                precision: MomentPrecision::Bits16,
+                ..Evsm::default()
+            }
+            .on(map),
+        ),
+        TechniquePreset::from(
+            Msm {
+                mipmaps: 3,
+                ..Msm::default()
+            }
+            .on(cascades),
+        ),
     ];
     let ids = techniques.clone().map(|technique| {
         let light = SetLight {

@@ -6,7 +6,7 @@ use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
 use umbrage_core::{Aabb, Anchor, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
 use umbrage_techniques::{
-    Evsm, Exact, Hard, Midpoint, MomentPrecision, Pcf, PcfHardware, Pcss, ShadowMap,
+    Evsm, Exact, Hard, MapFilter as _, Midpoint, MomentPrecision, Pcf, PcfHardware, Pcss, ShadowMap,
 };
 use umbrage_tests::{
     adapter::device,
@@ -109,42 +109,26 @@ fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
         }),
         ..map(64)
     };
-    let blurred = |map| Evsm {
-        map,
-        blur: 2,
-        mipmaps: 2,
-        precision: MomentPrecision::Bits16,
-        ..Evsm::default()
+    let blurred = |map| {
+        Evsm {
+            blur: 2,
+            mipmaps: 2,
+            precision: MomentPrecision::Bits16,
+            ..Evsm::default()
+        }
+        .on(map)
     };
     match lamp.technique {
-        0 => Arc::new(Hard { map: map(96) }),
-        1 => Arc::new(Pcf {
-            map: map(64),
-            radius: 1,
-        }),
-        2 => Arc::new(PcfHardware {
-            map: map(96),
-            ..PcfHardware::default()
-        }),
-        3 => Arc::new(Midpoint {
-            map: map(64),
-            ..Midpoint::default()
-        }),
+        0 => Arc::new(Hard {}.on(map(96))),
+        1 => Arc::new(Pcf { radius: 1 }.on(map(64))),
+        2 => Arc::new(PcfHardware::default().on(map(96))),
+        3 => Arc::new(Midpoint::default().on(map(64))),
         6 => Arc::new(Exact::default()),
-        4 if is_sun => Arc::new(Pcf {
-            map: cascades(Fit::Stable { range: 30.0 }),
-            radius: 1,
-        }),
-        5 if is_sun => Arc::new(Pcf {
-            map: cascades(Fit::AroundCamera { range: 30.0 }),
-            radius: 1,
-        }),
+        4 if is_sun => Arc::new(Pcf { radius: 1 }.on(cascades(Fit::Stable { range: 30.0 }))),
+        5 if is_sun => Arc::new(Pcf { radius: 1 }.on(cascades(Fit::AroundCamera { range: 30.0 }))),
         8 if is_sun => Arc::new(blurred(cascades(Fit::Stable { range: 30.0 }))),
         8 => Arc::new(blurred(map(96))),
-        _ => Arc::new(Pcss {
-            map: map(96),
-            ..Pcss::default()
-        }),
+        _ => Arc::new(Pcss::default().on(map(96))),
     }
 }
 

@@ -4,7 +4,7 @@ use glam::{Affine3A, DAffine3, DQuat, DVec3, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
 use std::sync::Arc;
 use umbrage_core::{Anchor, Camera, Cascades, Fit, Layout, Light, ShadowTechnique};
-use umbrage_techniques::{Exact, Hard, Pcf, ShadowMap};
+use umbrage_techniques::{Exact, Hard, MapFilter as _, Pcf, ShadowMap};
 use umbrage_tests::{
     adapter::device,
     foreign,
@@ -44,17 +44,12 @@ fn map(fit: Fit, layout: Layout) -> ShadowMap {
 fn light(lamp: &Lamp, anchor: Anchor) -> SetLight {
     let (place, kind) = *lamp;
     let technique: Arc<dyn ShadowTechnique> = match kind {
-        0 => Arc::new(Pcf {
-            map: map(
-                Fit::AroundCamera { range: 30.0 },
-                Layout::Cascades(Cascades::default()),
-            ),
-            radius: 1,
-        }),
+        0 => Arc::new(Pcf { radius: 1 }.on(map(
+            Fit::AroundCamera { range: 30.0 },
+            Layout::Cascades(Cascades::default()),
+        ))),
         1 => Arc::new(Exact::default()),
-        _ => Arc::new(Hard {
-            map: map(Fit::Tight, Layout::Auto),
-        }),
+        _ => Arc::new(Hard {}.on(map(Fit::Tight, Layout::Auto))),
     };
     let light = if kind == 0 {
         Light::Directional {

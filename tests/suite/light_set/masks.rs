@@ -7,7 +7,7 @@ use umbrage_core::{
     Camera, Inputs, Kernel, Module, Receive, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
     Span, View,
 };
-use umbrage_techniques::{Bias, Hard, ShadowMap};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap};
 use umbrage_tests::{
     adapter::device,
     foreign,
@@ -252,7 +252,7 @@ fn masks_come_from_depth_and_normals_of_any_format() {
             },
             ..hard().map
         };
-        let moved = Arc::new(Hard { map });
+        let moved = Arc::new(Hard {}.on(map));
         stage.set.set_technique(light, moved).expect("is there");
     }
     stage.frame();

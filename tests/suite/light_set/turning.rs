@@ -3,7 +3,7 @@
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{Camera, Cascades, Fit, Layout, Light};
-use umbrage_techniques::{Pcf, ShadowMap};
+use umbrage_techniques::{MapFilter as _, Pcf, ShadowMap};
 use umbrage_tests::light_stage::Stage;
 use umbrage_wgpu::{LightId, SetBudget, SetLight};
 
@@ -32,7 +32,7 @@ fn stage(fit: Fit) -> (Stage, LightId) {
             direction: Vec3::new(0.3, -1.0, 0.1),
             angular_diameter: 0.0,
         },
-        technique: Arc::new(Pcf { map, radius: 1 }),
+        technique: Arc::new(Pcf { radius: 1 }.on(map)),
         priority: 1.0,
     };
     let sun = stage.set.add_light(sun).expect("valid");

@@ -12,7 +12,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};
-use umbrage_techniques::{Bias, Hard, Midpoint, Pcf, ShadowMap, TechniquePreset};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, Midpoint, Pcf, ShadowMap, TechniquePreset};
 
 const SIZE: u32 = 512;
 
@@ -27,24 +27,13 @@ fn map(bias: Bias) -> ShadowMap {
 
 /// Techniques with how far their kernels reach, texels.
 fn techniques() -> [(TechniquePreset, f32); 4] {
-    let pcf = |radius: u32| Pcf {
-        map: map(Bias::ADAPTIVE),
-        radius,
-    };
+    let pcf = |radius: u32| Pcf { radius }.on(map(Bias::ADAPTIVE));
     [
-        (
-            TechniquePreset::from(Hard {
-                map: map(Bias::ADAPTIVE),
-            }),
-            0.5,
-        ),
+        (TechniquePreset::from(Hard {}.on(map(Bias::ADAPTIVE))), 0.5),
         (TechniquePreset::from(pcf(1)), 1.5),
         (TechniquePreset::from(pcf(3)), 3.5),
         (
-            TechniquePreset::from(Midpoint {
-                map: map(Bias::ADAPTIVE),
-                radius: 0,
-            }),
+            TechniquePreset::from(Midpoint { radius: 0 }.on(map(Bias::ADAPTIVE))),
             0.5,
         ),
     ]
@@ -190,9 +179,7 @@ fn render(case: &Case, recipe: &Recipe) -> Vec<f32> {
 #[test]
 fn a_turned_face_is_caught() {
     let case = Case::named("lamp-in-room");
-    let technique = Hard {
-        map: map(Bias::NORMAL_OFFSET),
-    };
+    let technique = Hard {}.on(map(Bias::NORMAL_OFFSET));
     let mut recipe = technique.recipe(&case.view()).expect("cubes serve bulbs");
     for cast in &mut recipe.casts {
         cast.space = cast.space.nudged(Vec2::splat(6.0), 0.0, UVec2::splat(SIZE));
@@ -205,11 +192,10 @@ fn a_turned_face_is_caught() {
 #[test]
 fn faces_are_drawn_if_they_are_needed() {
     let case = Case::of(one_octant());
-    let recipe = Hard {
-        map: map(Bias::NORMAL_OFFSET),
-    }
-    .recipe(&case.view())
-    .expect("cubes serve bulbs");
+    let recipe = Hard {}
+        .on(map(Bias::NORMAL_OFFSET))
+        .recipe(&case.view())
+        .expect("cubes serve bulbs");
     let drawn: Vec<u32> = recipe.casts.iter().map(|cast| cast.layer).collect();
     assert_eq!(drawn, [0, 3, 4], "+x, -y and +z alone hold casters");
     let whole = render(&case, &recipe);

@@ -3,20 +3,18 @@
 use super::Case;
 use umbrage_core::{Backend, Extents, Fit, Light, RasterBias, ShadowTechnique};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, MapFormat, ShadowMap};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, MapFormat, MapTechnique, ShadowMap};
 
-fn hard(format: MapFormat, constant: f32, fit: Fit) -> Hard {
-    Hard {
-        map: ShadowMap {
-            format,
-            fit,
-            bias: Bias {
-                constant,
-                ..Bias::NONE
-            },
-            ..ShadowMap::default()
+fn hard(format: MapFormat, constant: f32, fit: Fit) -> MapTechnique<Hard> {
+    Hard {}.on(ShadowMap {
+        format,
+        fit,
+        bias: Bias {
+            constant,
+            ..Bias::NONE
         },
-    }
+        ..ShadowMap::default()
+    })
 }
 
 /// The sun's tight fit around far-range, with its depth stretched by `factor` before the first caster and behind the last
@@ -60,7 +58,7 @@ fn false_shadow(case: &Case, format: MapFormat, factor: f32) -> f64 {
         bias: FOR_FLOATS,
         ..ShadowMap::default()
     };
-    case.errors(&Hard { map }).false_shadow
+    case.errors(&Hard {}.on(map)).false_shadow
 }
 
 /// The longer the range of depths, the coarser the steps of 16 bits in metres: a bias that follows the receiver's plane

@@ -4,8 +4,8 @@ use super::Case;
 use umbrage_core::{Backend, RecipeError, ShadowTechnique, metrics::Errors};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
-    Bias, Border, Hard, MapFormat, PcfHardware, PcfMerged, ShadowMap, Surface, TechniquePreset,
-    WEIGHT_ERROR,
+    Bias, Border, Hard, MapFilter as _, MapFormat, PcfHardware, PcfMerged, ShadowMap, Surface,
+    TechniquePreset, WEIGHT_ERROR,
 };
 use umbrage_tests::gpu::gpu;
 
@@ -38,8 +38,8 @@ fn techniques() -> Vec<TechniquePreset> {
     ];
     let kernels = |map: ShadowMap| -> Vec<TechniquePreset> {
         let hardware =
-            [1, 2, 3, 4].map(|samples| TechniquePreset::from(PcfHardware { map, samples }));
-        let merged = [1, 2, 3].map(|radius| TechniquePreset::from(PcfMerged { map, radius }));
+            [1, 2, 3, 4].map(|samples| TechniquePreset::from(PcfHardware { samples }.on(map)));
+        let merged = [1, 2, 3].map(|radius| TechniquePreset::from(PcfMerged { radius }.on(map)));
         hardware.into_iter().chain(merged).collect()
     };
     maps.into_iter().flat_map(kernels).collect()
@@ -110,7 +110,8 @@ fn another_kernel_is_caught() {
         ..ShadowMap::default()
     };
     let plan = |radius| {
-        PcfMerged { map, radius }
+        PcfMerged { radius }
+            .on(map)
             .recipe(&case.view())
             .expect("serves the scene")
     };
@@ -141,25 +142,15 @@ fn blended_edges_are_closer_to_truth() {
             ..ShadowMap::default()
         }
     };
-    let hard = case.errors(&Hard {
-        map: ShadowMap {
-            bias: Bias::NORMAL_OFFSET,
-            ..map(1)
-        },
-    });
-    let one = case.errors(&PcfHardware {
-        map: map(1),
-        samples: 1,
-    });
+    let hard = case.errors(&Hard {}.on(ShadowMap {
+        bias: Bias::NORMAL_OFFSET,
+        ..map(1)
+    }));
+    let one = case.errors(&PcfHardware { samples: 1 }.on(map(1)));
     assert!(one.rmse < hard.rmse, "{} against {}", one.rmse, hard.rmse);
     assert_eq!((one.acne, hard.acne), (0.0, 0.0));
     let all: Vec<Errors> = (1..=3)
-        .map(|r| {
-            case.errors(&PcfMerged {
-                map: map(2 * r + 1),
-                radius: r,
-            })
-        })
+        .map(|r| case.errors(&PcfMerged { radius: r }.on(map(2 * r + 1))))
         .collect();
     assert!(all.iter().all(|e| e.acne == 0.0), "{all:?}");
 }
@@ -177,7 +168,7 @@ fn maps_that_hold_no_depth_are_not_supported() {
             ..ShadowMap::default()
         },
     ] {
-        let why = PcfHardware { map, samples: 1 }.recipe(&case.view());
+        let why = PcfHardware { samples: 1 }.on(map).recipe(&case.view());
         assert!(matches!(why, Err(RecipeError::Unsupported(_))), "{why:?}");
     }
     for samples in [0, 5] {
@@ -185,6 +176,7 @@ fn maps_that_hold_no_depth_are_not_supported() {
             samples,
             ..PcfHardware::default()
         }
+        .on(ShadowMap::default())
         .recipe(&case.view());
         assert!(matches!(why, Err(RecipeError::Invalid(_))), "{why:?}");
     }
@@ -193,6 +185,7 @@ fn maps_that_hold_no_depth_are_not_supported() {
             radius,
             ..PcfMerged::default()
         }
+        .on(ShadowMap::default())
         .recipe(&case.view());
         assert!(matches!(why, Err(RecipeError::Invalid(_))), "{why:?}");
     }

@@ -2,7 +2,9 @@
 
 use super::Case;
 use umbrage_core::ShadowTechnique;
-use umbrage_techniques::{Bias, Hard, Midpoint, SecondDepth, ShadowMap};
+use umbrage_techniques::{
+    Bias, Hard, MapFilter as _, MapTechnique, Midpoint, SecondDepth, ShadowMap,
+};
 
 fn map(bias: Bias) -> ShadowMap {
     ShadowMap {
@@ -12,18 +14,12 @@ fn map(bias: Bias) -> ShadowMap {
     }
 }
 
-fn midpoint() -> Midpoint {
-    Midpoint {
-        map: map(Bias::ADAPTIVE),
-        radius: 0,
-    }
+fn midpoint() -> MapTechnique<Midpoint> {
+    Midpoint { radius: 0 }.on(map(Bias::ADAPTIVE))
 }
 
-fn second_depth() -> SecondDepth {
-    SecondDepth {
-        map: map(Bias::FRONT_CULL),
-        radius: 0,
-    }
+fn second_depth() -> MapTechnique<SecondDepth> {
+    SecondDepth { radius: 0 }.on(map(Bias::FRONT_CULL))
 }
 
 /// Share of wrong pixels, summed over the scenes.
@@ -47,12 +43,10 @@ fn every_constant_is_worse_on_closed_meshes() {
         let constant = 10.0_f32.powf(-6.0 + i as f32 / 8.0);
         let other = wrong(
             &cases,
-            &Hard {
-                map: map(Bias {
-                    constant,
-                    ..Bias::NONE
-                }),
-            },
+            &Hard {}.on(map(Bias {
+                constant,
+                ..Bias::NONE
+            })),
         );
         assert!(
             midpoint < other && second < other,
@@ -65,16 +59,8 @@ fn every_constant_is_worse_on_closed_meshes() {
 #[test]
 fn open_meshes_defeat_both() {
     let case = [Case::named("open-shells")];
-    let hard = wrong(
-        &case,
-        &Hard {
-            map: map(Bias::ADAPTIVE),
-        },
-    );
-    let bare = Midpoint {
-        map: map(Bias::NONE),
-        radius: 0,
-    };
+    let hard = wrong(&case, &Hard {}.on(map(Bias::ADAPTIVE)));
+    let bare = Midpoint { radius: 0 }.on(map(Bias::NONE));
     let second = wrong(&case, &second_depth());
     let bare = wrong(&case, &bare);
     assert!(
@@ -90,12 +76,7 @@ fn thin_walls_leak_by_second_depth() {
     let light = |technique: &dyn ShadowTechnique| case.errors(technique).false_light;
     assert!(light(&second_depth()) > 0.0);
     assert_eq!(
-        [
-            light(&midpoint()),
-            light(&Hard {
-                map: map(Bias::ADAPTIVE)
-            })
-        ],
+        [light(&midpoint()), light(&Hard {}.on(map(Bias::ADAPTIVE)))],
         [0.0, 0.0]
     );
 }

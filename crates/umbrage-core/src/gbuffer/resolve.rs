@@ -11,10 +11,7 @@ use crate::{
 use glam::{Vec3, Vec4};
 
 /// The WGSL half.
-pub const RESOLVE: Module = Module {
-    name: "resolve",
-    text: include_str!("resolve.wgsl"),
-};
+pub const RESOLVE: Module = crate::module!("resolve");
 
 /// A plane through three points: its normal (twice the triangle's area long, right-handed).
 #[inline(always)]

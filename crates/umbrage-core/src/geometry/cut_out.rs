@@ -34,17 +34,11 @@ use glam::{UVec2, Vec2, Vec3, Vec4};
 use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
 /// The WGSL half. It calls into [`RAY_BOX`](super::bvh::RAY_BOX) and [`RAY_TRIANGLE`](super::bvh::RAY_TRIANGLE).
-pub const CUT_OUT: Module = Module {
-    name: "cut_out",
-    text: include_str!("cut_out.wgsl"),
-};
+pub const CUT_OUT: Module = crate::module!("cut_out");
 
 /// The WGSL of [`CutOuts::is_hole`]. It calls into [`CUT_OUT`], and into `fn cut_out_row(i: u32) -> vec4u`, which whoever has the
 /// table declares.
-pub const HOLE: Module = Module {
-    name: "hole",
-    text: include_str!("hole.wgsl"),
-};
+pub const HOLE: Module = crate::module!("hole");
 
 /// Greatest side of an alpha texture, texels: what 16 bits hold.
 pub const MAX_ALPHA_SIDE: u32 = 65_535;

@@ -40,10 +40,7 @@ use crate::{recipe::shader::Module, scene::material::Texture};
 use glam::{UVec2, Vec2, Vec3};
 
 /// The WGSL half: needs no other module.
-pub const DISPLACEMENT: Module = Module {
-    name: "displacement",
-    text: include_str!("displacement.wgsl"),
-};
+pub const DISPLACEMENT: Module = crate::module!("displacement");
 
 /// Returns the fraction of a texture coordinate after whole repeats: 0 to below 1.
 #[inline(always)]

@@ -32,17 +32,11 @@ use glam::{UVec2, Vec2};
 use std::{collections::BTreeMap, sync::Arc};
 
 /// The WGSL half. It calls into [`CUT_OUT`](super::cut_out::CUT_OUT).
-pub const HASHED_ALPHA: Module = Module {
-    name: "hashed_alpha",
-    text: include_str!("hashed_alpha.wgsl"),
-};
+pub const HASHED_ALPHA: Module = crate::module!("hashed_alpha");
 
 /// The WGSL of the rule, for a pixel whose footprint is larger than a texel. It calls into [`HASHED_ALPHA`], into
 /// [`HOLE`](super::cut_out::HOLE), and into `fn coverage_row(i: u32) -> vec4u`, which whoever has the table declares.
-pub const HASHED_HOLE: Module = Module {
-    name: "hashed_hole",
-    text: include_str!("hashed_hole.wgsl"),
-};
+pub const HASHED_HOLE: Module = crate::module!("hashed_hole");
 
 /// Texels whose coverages a row of the table holds.
 const TEXELS_A_ROW: u32 = 16;

@@ -14,10 +14,7 @@ use crate::recipe::shader::Module;
 use glam::{Vec3, Vec3A};
 
 /// The WGSL half.
-pub const RAY_BOX: Module = Module {
-    name: "ray_box",
-    text: include_str!("ray_box.wgsl"),
-};
+pub const RAY_BOX: Module = crate::module!("ray_box");
 
 /// A segment may enter a box by this factor later than it leaves it: 32 roundings of 2^-24.
 pub(crate) const EXIT_SLACK: f32 = 1.0 + 1.0 / 524_288.0;

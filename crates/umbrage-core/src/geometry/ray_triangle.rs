@@ -41,10 +41,7 @@ use crate::{
 use glam::{Vec3, Vec3A};
 
 /// The WGSL half of the triangle test. It calls into [`RAY_BOX`](super::bvh::RAY_BOX).
-pub const RAY_TRIANGLE: Module = Module {
-    name: "ray_triangle",
-    text: include_str!("ray_triangle.wgsl"),
-};
+pub const RAY_TRIANGLE: Module = crate::module!("ray_triangle");
 
 /// A segment, ready for many tests.
 #[derive(Clone, Copy, Debug)]

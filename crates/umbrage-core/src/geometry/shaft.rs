@@ -17,10 +17,7 @@ use crate::{
 use glam::{Vec3, Vec4};
 
 /// The WGSL half. It calls into [`RAY_BOX`](super::bvh::RAY_BOX).
-pub const SHAFT: Module = Module {
-    name: "shaft",
-    text: include_str!("shaft.wgsl"),
-};
+pub const SHAFT: Module = crate::module!("shaft");
 
 /// By this part of its length a shaft is wider at its end than asked (2^-17): far more than what tests of its segments round.
 const SHAFT_MARGIN: f32 = 1.0 / 131_072.0;

@@ -12,6 +12,21 @@ pub struct Module {
     pub text: &'static str,
 }
 
+/// Makes the [`Module`](crate::Module) of the WGSL file with this stem beside the Rust file: `module!("pcf")`; or of another file:
+/// `module!("soft_holes", "holes.wgsl")`.
+#[macro_export]
+macro_rules! module {
+    ($stem:literal) => {
+        $crate::module!($stem, concat!($stem, ".wgsl"))
+    };
+    ($name:literal, $file:expr) => {
+        $crate::Module {
+            name: $name,
+            text: include_str!($file),
+        }
+    };
+}
+
 /// Returns the modules' texts, one after the other, each below a line with its file's name.
 pub fn join(modules: &[Module]) -> String {
     let mut out = String::new();

@@ -11,10 +11,7 @@ use crate::{math::dot3, recipe::shader::Module, scene::light::Light, uniforms};
 use glam::{DVec3, UVec4, Vec2, Vec3, Vec4};
 
 /// The WGSL half.
-pub const LIGHT_SAMPLE: Module = Module {
-    name: "light_sample",
-    text: include_str!("light_sample.wgsl"),
-};
+pub const LIGHT_SAMPLE: Module = crate::module!("light_sample");
 
 /// Kinds of [`LightSampler`]: the first component of `shape`.
 pub mod kind {

@@ -13,7 +13,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_scenes::{Kind, SceneEntry};
-use umbrage_techniques::{Exact, Hard, ShadowMap, Traced};
+use umbrage_techniques::{Exact, Hard, MapFilter as _, MapTechnique, ShadowMap, Traced};
 use umbrage_wgpu::Gpu;
 
 /// Image size, pixels.
@@ -211,13 +211,11 @@ fn wrong_answers(of_rays: &[f32], of_lists: &[f32]) -> Option<String> {
     (differ > 0).then(|| format!("{differ} of {count} answers differ from those of rays"))
 }
 
-fn map() -> Hard {
-    Hard {
-        map: ShadowMap {
-            size: MAP,
-            ..ShadowMap::default()
-        },
-    }
+fn map() -> MapTechnique<Hard> {
+    Hard {}.on(ShadowMap {
+        size: MAP,
+        ..ShadowMap::default()
+    })
 }
 
 pub(super) fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, LabError> {

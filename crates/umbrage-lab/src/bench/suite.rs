@@ -14,7 +14,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_scenes::{Kind, SceneEntry};
-use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, Pcf, Pcss, ShadowMap};
 use umbrage_wgpu::{Gpu, wgpu::DeviceType};
 
 /// What to run.
@@ -210,7 +210,7 @@ fn depth(
     gpu: &mut Gpu,
 ) -> Result<Pair, LabError> {
     let view = stage.view();
-    let recipe = plan(&view, &Hard { map: map() })?;
+    let recipe = plan(&view, &Hard {}.on(map()))?;
     let paired = both(&view, &recipe, |t| t.cast, repetitions, cpu, gpu)?;
     Ok(Pair {
         work: format!(
@@ -237,7 +237,7 @@ fn lookup(
     gpu: &mut Gpu,
 ) -> Result<Pair, LabError> {
     let view = stage.view();
-    let recipe = plan(&view, &Pcf { map: map(), radius })?;
+    let recipe = plan(&view, &Pcf { radius }.on(map()))?;
     let paired = both(&view, &recipe, |t| t.receive, repetitions, cpu, gpu)?;
     let taps = (2 * radius + 1).pow(2);
     Ok(Pair {
@@ -262,17 +262,14 @@ fn soft(
     gpu: &mut Gpu,
 ) -> Result<Pair, LabError> {
     let view = stage.view();
-    let technique = Pcss {
-        map: ShadowMap {
-            size: MAP,
-            ..Pcss::default().map
-        },
-        ..Pcss::default()
-    };
+    let technique = Pcss::default().on(ShadowMap {
+        size: MAP,
+        ..ShadowMap::default()
+    });
     let recipe = plan(&view, &technique)?;
     let paired = both(&view, &recipe, lookup_with_filters, repetitions, cpu, gpu)?;
-    let blocker_taps = technique.blocker_taps;
-    let filter_taps = technique.filter_taps;
+    let blocker_taps = technique.filter.blocker_taps;
+    let filter_taps = technique.filter.filter_taps;
     Ok(Pair {
         work: format!(
             "PCSS of {blocker_taps} + {filter_taps} taps, {}x{}, {}",
@@ -301,10 +298,7 @@ fn by_hand(
     gpu: &mut Gpu,
 ) -> Result<Vec<Pair>, LabError> {
     let view = stage.view();
-    let technique = Pcf {
-        map: map(),
-        radius: 1,
-    };
+    let technique = Pcf { radius: 1 }.on(map());
     let recipe = plan(&view, &technique)?;
     let (device, queue) = gpu.device();
     let program = HandWritten::new(

@@ -23,7 +23,7 @@ use umbrage_core::{
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::{self, TruthOptions};
 use umbrage_techniques::{
-    Bias, Hard, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
+    Bias, Hard, MapFilter as _, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
 };
 
 /// The number of wrong pixels that count as chance. (Every bias moves a shadow's edge, which is some hundred pixels long.)
@@ -107,24 +107,21 @@ pub type NamedKernel = (&'static str, fn(ShadowMap) -> TechniquePreset);
 
 /// The kernels whose biases are compared.
 pub const KERNELS: [NamedKernel; 6] = [
-    ("hard", |map| TechniquePreset::from(Hard { map })),
+    ("hard", |map| TechniquePreset::from(Hard {}.on(map))),
     ("pcf 3x3", |map| {
-        TechniquePreset::from(Pcf { map, radius: 1 })
+        TechniquePreset::from(Pcf { radius: 1 }.on(map))
     }),
     ("pcf 7x7", |map| {
-        TechniquePreset::from(Pcf { map, radius: 3 })
+        TechniquePreset::from(Pcf { radius: 3 }.on(map))
     }),
     ("pcf_hardware 1x1", |map| {
-        TechniquePreset::from(PcfHardware { map, samples: 1 })
+        TechniquePreset::from(PcfHardware { samples: 1 }.on(map))
     }),
     ("pcf_merged 3x3", |map| {
-        TechniquePreset::from(PcfMerged { map, radius: 1 })
+        TechniquePreset::from(PcfMerged { radius: 1 }.on(map))
     }),
     ("pcf_disc", |map| {
-        TechniquePreset::from(PcfDisc {
-            map,
-            ..PcfDisc::default()
-        })
+        TechniquePreset::from(PcfDisc::default().on(map))
     }),
 ];
 

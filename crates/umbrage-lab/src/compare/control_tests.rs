@@ -6,7 +6,9 @@ use glam::Affine3A;
 use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{TruthOptions, trace};
-use umbrage_techniques::{Bias, Hard, ListedTechnique, Pcss, SecondDepth, ShadowMap, Traced};
+use umbrage_techniques::{
+    Bias, Hard, ListedTechnique, MapFilter as _, MapTechnique, Pcss, SecondDepth, ShadowMap, Traced,
+};
 
 fn options(techniques: &[&str]) -> CompareOptions {
     CompareOptions {
@@ -264,7 +266,7 @@ fn a_share_that_is_wrong_is_noticed() {
         };
         control(
             &lamp,
-            Pcss::default(),
+            MapTechnique::<Pcss>::default(),
             &mut Spoilt {
                 cpu: Cpu::new(),
                 casters: false,
@@ -307,17 +309,21 @@ fn maps_may_miss_what_they_cannot_hold() {
         ..ShadowMap::default()
     };
     let small = leaf(0.2);
-    let coarse = control(&small, Hard { map: map(8) }, &mut Cpu::new());
-    let fine = control(&small, Hard { map: map(1024) }, &mut Cpu::new());
+    let coarse = control(&small, Hard {}.on(map(8)), &mut Cpu::new());
+    let fine = control(&small, Hard {}.on(map(1024)), &mut Cpu::new());
     assert!(
         coarse.holds && coarse.shadowed > 0 && coarse.changed == 0,
         "{coarse:?}"
     );
     assert!(fine.holds && fine.changed > 0, "{fine:?}");
-    let far_sides = control(&leaf(1.0), SecondDepth::default(), &mut Cpu::new());
+    let far_sides = control(
+        &leaf(1.0),
+        MapTechnique::<SecondDepth>::default(),
+        &mut Cpu::new(),
+    );
     assert!(
         far_sides.holds && far_sides.shadowed > 0 && far_sides.changed == 0,
         "{far_sides:?}"
     );
-    assert!(control(&leaf(1.0), Hard::default(), &mut Cpu::new()).changed > 0);
+    assert!(control(&leaf(1.0), MapTechnique::<Hard>::default(), &mut Cpu::new()).changed > 0);
 }

@@ -334,7 +334,7 @@ fn turned(mut receivers: Receivers, by: Vec3) -> Receivers {
 mod tests {
     use super::*;
     use umbrage_core::{Geometry, ShadowTechnique as _};
-    use umbrage_techniques::{Hard, Midpoint, Traced};
+    use umbrage_techniques::{Hard, MapTechnique, Midpoint, Traced};
 
     fn with_view<R>(f: impl FnOnce(&View<'_>) -> R) -> R {
         let scene = umbrage_scenes::by_argument("cubes").expect("a built-in scene");
@@ -352,7 +352,8 @@ mod tests {
 
     #[test]
     fn only_peeled_casts_move_behind() {
-        let recipe = with_view(|view| Midpoint::default().recipe(view)).expect("supported");
+        let recipe =
+            with_view(|view| MapTechnique::<Midpoint>::default().recipe(view)).expect("supported");
         let nudge = Nudge {
             behind: -NUDGE_SECOND,
             ..NO_NUDGE
@@ -370,7 +371,8 @@ mod tests {
     /// Against transforms in 64 bits.
     #[test]
     fn lookups_are_rounded_by_less_than_the_bound() {
-        let recipe = with_view(|view| Hard::default().recipe(view)).expect("supported");
+        let recipe =
+            with_view(|view| MapTechnique::<Hard>::default().recipe(view)).expect("supported");
         let space = recipe.casts[0].space;
         let m = space.clip_from_world();
         for i in 0..1000 {

@@ -86,7 +86,7 @@ pub(super) fn play_alike(a: &Recipe, b: &Recipe) -> bool {
 mod tests {
     use super::*;
     use umbrage_core::Light;
-    use umbrage_techniques::{Bias, Hard, Pcss, ShadowMap, Traced};
+    use umbrage_techniques::{Bias, Hard, MapFilter as _, Pcss, ShadowMap, Traced};
 
     #[test]
     fn the_same_recipe_is_known_under_another_name() {
@@ -98,11 +98,8 @@ mod tests {
         };
         let sun = scene.lights[0];
         let map = ShadowMap::default();
-        let hard = Hard { map };
-        let pcss = Pcss {
-            map,
-            ..Pcss::default()
-        };
+        let hard = Hard {}.on(map);
+        let pcss = Pcss::default().on(map);
         assert!(play_alike(&recipe(&hard, &sun), &recipe(&pcss, &sun)));
         // Under a wide light, with another bias or on another map they differ.
         let lamp = umbrage_scenes::by_argument("teapot-lamp")
@@ -116,7 +113,7 @@ mod tests {
             },
             ShadowMap { size: 512, ..map },
         ] {
-            let other = Hard { map: other };
+            let other = Hard {}.on(other);
             assert!(!play_alike(&recipe(&hard, &sun), &recipe(&other, &sun)));
         }
         let few = Traced { samples: 1 };

@@ -63,15 +63,16 @@ fn unused(stem: &str, others: &[NamedSetting]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_techniques::{Hard, ListedTechnique as _, Pcf};
+    use umbrage_techniques::{Hard, ListedTechnique as _, MapTechnique, Pcf};
 
     #[test]
     fn presets_come_first_under_their_own_names() {
         let preset = |name: &str| NamedPreset {
             name: name.to_owned(),
-            preset: TechniquePreset::from(Pcf::default()),
+            preset: TechniquePreset::from(MapTechnique::<Pcf>::default()),
         };
-        let settings: [TechniquePreset; 1] = [TechniquePreset::from(Hard::default())];
+        let settings: [TechniquePreset; 1] =
+            [TechniquePreset::from(MapTechnique::<Hard>::default())];
         let named = with_slugs(
             &[preset("Street"), preset("hard.toml"), preset("street")],
             &settings,
@@ -79,8 +80,11 @@ mod tests {
         let slugs: Vec<&str> = named.iter().map(|setting| &setting.slug[..]).collect();
         assert_eq!(slugs, ["street", "hard.toml", "street-2", "hard"]);
         assert_eq!(named[0].name, "Street");
-        let words = format!("pcf, {}", Pcf::default().settings());
+        let words = format!("pcf, {}", MapTechnique::<Pcf>::default().settings());
         assert_eq!(named[0].settings, words);
-        assert_eq!(named[3].settings, Hard::default().settings());
+        assert_eq!(
+            named[3].settings,
+            MapTechnique::<Hard>::default().settings()
+        );
     }
 }

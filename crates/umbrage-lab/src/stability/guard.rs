@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use umbrage_core::{
     Backend, BackendError, Geometry, Recipe, RecipeError, ShadowTechnique, Shadows, View,
 };
-use umbrage_techniques::{Bias, Pcf, ShadowMap};
+use umbrage_techniques::{Bias, MapFilter as _, Pcf, ShadowMap};
 
 /// Why a cell has no mask.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,7 +99,7 @@ pub fn is_as_new(used: &mut dyn Backend, fresh: &mut dyn Backend) -> Result<bool
         bias: Bias::ADAPTIVE,
         ..ShadowMap::default()
     };
-    let recipe = Pcf { map, radius: 1 }.recipe(&view)?;
+    let recipe = Pcf { radius: 1 }.on(map).recipe(&view)?;
     let used_bits = bits(&used.render(&view, &recipe)?.mask);
     let fresh_bits = bits(&fresh.render(&view, &recipe)?.mask);
     Ok(used_bits == fresh_bits)

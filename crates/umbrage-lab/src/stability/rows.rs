@@ -9,8 +9,8 @@ use glam::Vec3;
 use umbrage_core::{Cascades, Fit, Layout, Split};
 use umbrage_scenes::motion::MovingScene;
 use umbrage_techniques::{
-    Bias, Evsm, EvsmMoments, Hard, MapFormat, Msm, Pcf, Reconstruction, ShadowMap, TechniquePreset,
-    Vsm,
+    Bias, Evsm, EvsmMoments, Hard, MapFilter as _, MapFormat, Msm, Pcf, Reconstruction, ShadowMap,
+    TechniquePreset, Vsm,
 };
 
 /// All rows, by number.
@@ -107,7 +107,7 @@ fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> Vec<TechniquePreset> {
             format,
             ..ShadowMap::default()
         };
-        out.push(TechniquePreset::from(Hard { map }));
+        out.push(TechniquePreset::from(Hard {}.on(map)));
     }
     out
 }
@@ -161,16 +161,9 @@ fn cascaded(size: u32) -> Vec<TechniquePreset> {
         range: FARTHEST_SEAM,
     };
     vec![
-        TechniquePreset::from(Hard {
-            map: map(Fit::Tight, by_receivers),
-        }),
-        TechniquePreset::from(Hard {
-            map: map(stable, Cascades::default()),
-        }),
-        TechniquePreset::from(Pcf {
-            map: map(stable, blended),
-            radius: 1,
-        }),
+        TechniquePreset::from(Hard {}.on(map(Fit::Tight, by_receivers))),
+        TechniquePreset::from(Hard {}.on(map(stable, Cascades::default()))),
+        TechniquePreset::from(Pcf { radius: 1 }.on(map(stable, blended))),
     ]
 }
 
@@ -180,26 +173,32 @@ fn unreduced_moments(size: u32) -> Vec<TechniquePreset> {
         size,
         ..ShadowMap::default()
     };
-    let mut out: Vec<TechniquePreset> = vec![TechniquePreset::from(Vsm {
-        map,
-        bleeding_reduction: 0.0,
-        ..Vsm::default()
-    })];
-    for moments in [EvsmMoments::Two, EvsmMoments::Four] {
-        out.push(TechniquePreset::from(Evsm {
-            map,
-            moments,
+    let mut out: Vec<TechniquePreset> = vec![TechniquePreset::from(
+        Vsm {
             bleeding_reduction: 0.0,
-            ..Evsm::default()
-        }));
+            ..Vsm::default()
+        }
+        .on(map),
+    )];
+    for moments in [EvsmMoments::Two, EvsmMoments::Four] {
+        out.push(TechniquePreset::from(
+            Evsm {
+                moments,
+                bleeding_reduction: 0.0,
+                ..Evsm::default()
+            }
+            .on(map),
+        ));
     }
     for reconstruction in [Reconstruction::Hamburger, Reconstruction::Hausdorff] {
-        out.push(TechniquePreset::from(Msm {
-            map,
-            reconstruction,
-            bleeding_reduction: 0.0,
-            ..Msm::default()
-        }));
+        out.push(TechniquePreset::from(
+            Msm {
+                reconstruction,
+                bleeding_reduction: 0.0,
+                ..Msm::default()
+            }
+            .on(map),
+        ));
     }
     out
 }

@@ -7,8 +7,8 @@ use umbrage_core::{
 };
 use umbrage_scenes::TEXTBOOK_FIT;
 use umbrage_techniques::{
-    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pcf, PcfDithered, Pcss, ShadowMap,
-    ShadowVolumes, TechniquePreset,
+    BeyondFar, Bias, Border, Hard, MapFilter as _, MapFormat, Midpoint, Pcf, PcfDithered, Pcss,
+    ShadowMap, ShadowVolumes, TechniquePreset,
 };
 
 type Technique = TechniquePreset;
@@ -102,11 +102,11 @@ fn room_map(size: u32, bias: Bias) -> ShadowMap {
 }
 
 fn hard(map: ShadowMap) -> Technique {
-    TechniquePreset::from(Hard { map })
+    TechniquePreset::from(Hard {}.on(map))
 }
 
 fn pcf(map: ShadowMap, radius: u32) -> Technique {
-    TechniquePreset::from(Pcf { map, radius })
+    TechniquePreset::from(Pcf { radius }.on(map))
 }
 
 fn built_in(name: &str) -> Scene {
@@ -281,9 +281,7 @@ const ALL: &[Effect] = &[
         text: "A quarter of the cost of 4x4 comparisons: each pixel takes four of the sixteen, and neighbours take others.",
         fault: cubes_with("one comparison", || hard(coarse(Bias::normal_offset(0.0)))),
         cure: cubes_with("4 of 16, by the pixel's parity", || {
-            TechniquePreset::from(PcfDithered {
-                map: coarse(Bias::normal_offset(1.5)),
-            })
+            TechniquePreset::from(PcfDithered {}.on(coarse(Bias::normal_offset(1.5))))
         }),
         worse: Some(IDEAL_LIGHT),
     },
@@ -316,12 +314,7 @@ const ALL: &[Effect] = &[
         cure: Preset {
             label: "PCSS, 16 + 32 taps",
             scene: teapot,
-            technique: || {
-                TechniquePreset::from(Pcss {
-                    map: tight(1024, Bias::ADAPTIVE),
-                    ..Pcss::default()
-                })
-            },
+            technique: || TechniquePreset::from(Pcss::default().on(tight(1024, Bias::ADAPTIVE))),
         },
         worse: None,
     },
@@ -370,12 +363,7 @@ const ALL: &[Effect] = &[
         cure: Preset {
             label: "midpoint, no bias",
             scene: figure,
-            technique: || {
-                TechniquePreset::from(Midpoint {
-                    map: tight(1024, Bias::NONE),
-                    radius: 0,
-                })
-            },
+            technique: || TechniquePreset::from(Midpoint { radius: 0 }.on(tight(1024, Bias::NONE))),
         },
         worse: None,
     },

@@ -101,7 +101,7 @@ fn presets<T: CataloguedTechnique>(settings: Vec<T>) -> Vec<TechniquePreset> {
 }
 
 macro_rules! rows {
-    ($($technique:path,)*) => {
+    ($($technique:ty,)*) => {
         vec![$(CatalogueEntry::of::<$technique>()),*]
     };
 }

@@ -5,11 +5,13 @@ use super::{
     RandomParameter, kernel, moments, sweeps,
 };
 use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel};
-use umbrage_techniques::{Bias, Evsm, EvsmKernel, EvsmMoments, MomentPrecision, ShadowMap};
+use umbrage_techniques::{
+    Bias, Evsm, EvsmKernel, EvsmMoments, MapFilter as _, MapTechnique, MomentPrecision, ShadowMap,
+};
 
-impl CataloguedTechnique for Evsm {
+impl CataloguedTechnique for MapTechnique<Evsm> {
     fn kernel_reach(&self) -> Option<f32> {
-        Some(moments::kernel_reach(self.blur))
+        Some(moments::kernel_reach(self.filter.blur))
     }
 
     fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
@@ -24,39 +26,47 @@ impl CataloguedTechnique for Evsm {
     const IS_PREVIEWED: bool = false;
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::blurs(map_sizes, fit, |map, blur| Self {
-            map,
-            blur,
-            ..Self::default()
+        sweeps::blurs(map_sizes, fit, |map, blur| {
+            Evsm {
+                blur,
+                ..Evsm::default()
+            }
+            .on(map)
         })
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
         let mut out = Vec::new();
         for moments in [EvsmMoments::Two, EvsmMoments::Four] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                moments,
-                ..Self::default()
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                Evsm {
+                    moments,
+                    ..Evsm::default()
+                }
+                .on(map)
             }));
         }
         for (precision, mipmaps) in moments::STORAGES {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                precision,
-                mipmaps,
-                ..Self::default()
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                Evsm {
+                    precision,
+                    mipmaps,
+                    ..Evsm::default()
+                }
+                .on(map)
             }));
         }
         out.extend(sweeps::middle(
             &[map_size],
             Fit::Tight,
             &[Bias::ADAPTIVE],
-            |map| Self {
-                map,
-                moments: EvsmMoments::Two,
-                precision: MomentPrecision::Bits16,
-                ..Self::default()
+            |map| {
+                Evsm {
+                    moments: EvsmMoments::Two,
+                    precision: MomentPrecision::Bits16,
+                    ..Evsm::default()
+                }
+                .on(map)
             },
         ));
         out
@@ -65,11 +75,13 @@ impl CataloguedTechnique for Evsm {
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [3, 8]
             .map(|blur| {
-                Candidate::of(Self {
-                    map,
-                    blur,
-                    ..Self::default()
-                })
+                Candidate::of(
+                    Evsm {
+                        blur,
+                        ..Evsm::default()
+                    }
+                    .on(map),
+                )
             })
             .to_vec()
     }
@@ -78,10 +90,7 @@ impl CataloguedTechnique for Evsm {
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        let technique = Self {
-            map: moments::closed_form_map(map),
-            ..Self::default()
-        };
+        let technique = Evsm::default().on(moments::closed_form_map(map));
         moments::closed_form_demand(technique)
     }
 
@@ -98,9 +107,8 @@ impl CataloguedTechnique for Evsm {
         ]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<Evsm> {
+        Evsm {
             blur: numbers[0] as u32,
             mipmaps: numbers[7] as u32,
             precision: moments::precision_of_switch(numbers[6]),
@@ -114,6 +122,7 @@ impl CataloguedTechnique for Evsm {
             positive_exponent: numbers[4],
             negative_exponent: numbers[5],
         }
+        .on(map)
     }
 }
 

@@ -2,7 +2,9 @@
 
 use super::{CataloguedKernel, CataloguedTechnique, kernel, sweeps};
 use umbrage_core::{Fit, ReceiveKernel, glam::Vec3};
-use umbrage_techniques::{Bias, Hard, HardKernel, MapFormat, ShadowMap};
+use umbrage_techniques::{
+    Bias, Hard, HardKernel, MapFilter as _, MapFormat, MapTechnique, ShadowMap,
+};
 
 /// One comparison shows best what each bias does. The first is compared at every map size.
 const COMPARED_BIASES: [Bias; 8] = [
@@ -16,7 +18,7 @@ const COMPARED_BIASES: [Bias; 8] = [
     Bias::FRONT_CULL,
 ];
 
-impl CataloguedTechnique for Hard {
+impl CataloguedTechnique for MapTechnique<Hard> {
     fn kernel_reach(&self) -> Option<f32> {
         Some(0.0)
     }
@@ -26,29 +28,29 @@ impl CataloguedTechnique for Hard {
     }
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let mut out = sweeps::sweep(map_sizes, fit, &COMPARED_BIASES, |map| Self { map });
+        let mut out = sweeps::sweep(map_sizes, fit, &COMPARED_BIASES, |map| Hard {}.on(map));
         for format in [MapFormat::Depth16, MapFormat::Rgba8] {
-            out.extend(sweeps::middle(map_sizes, fit, &[Bias::SLOPE], |map| Self {
-                map: ShadowMap { format, ..map },
+            out.extend(sweeps::middle(map_sizes, fit, &[Bias::SLOPE], |map| {
+                Hard {}.on(ShadowMap { format, ..map })
             }));
         }
         out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
-            Self { map }
+            Hard {}.on(map)
         }));
         out
     }
 
     fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let mut out = sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Self { map });
+        let mut out = sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Hard {}.on(map));
         out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
-            Self { map }
+            Hard {}.on(map)
         }));
         out
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::every_bias(map_size, |map| Self { map });
-        out.extend(sweeps::kinds_of_map(map_size).map(|map| Self { map }));
+        let mut out = sweeps::every_bias(map_size, |map| Hard {}.on(map));
+        out.extend(sweeps::kinds_of_map(map_size).map(|map| Hard {}.on(map)));
         out
     }
 

@@ -40,7 +40,7 @@ use umbrage_techniques::{ListedTechnique, ShadowMap};
 ///
 /// ```
 /// use umbrage_plan::catalogue::{Catalogue, CatalogueEntry, CataloguedTechnique};
-/// use umbrage_techniques::{Hard, ListedTechnique, ShadowMap};
+/// use umbrage_techniques::{Hard, ListedTechnique, MapFilter as _, ShadowMap};
 /// # use serde::{Deserialize, Serialize};
 /// # use umbrage_core::{RecipeError, Recipe, ShadowTechnique, View};
 /// # #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,7 +49,7 @@ use umbrage_techniques::{ListedTechnique, ShadowMap};
 /// # impl ShadowTechnique for Mine {
 /// #     fn name(&self) -> &'static str { "mine" }
 /// #     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
-/// #         Hard { map: self.map }.recipe(view)
+/// #         Hard {}.on(self.map).recipe(view)
 /// #     }
 /// # }
 /// # impl ListedTechnique for Mine {

@@ -5,11 +5,11 @@ use super::{
     RandomParameter, kernel, moments, sweeps,
 };
 use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel};
-use umbrage_techniques::{Msm, MsmKernel, Reconstruction, ShadowMap};
+use umbrage_techniques::{MapFilter as _, MapTechnique, Msm, MsmKernel, Reconstruction, ShadowMap};
 
-impl CataloguedTechnique for Msm {
+impl CataloguedTechnique for MapTechnique<Msm> {
     fn kernel_reach(&self) -> Option<f32> {
-        Some(moments::kernel_reach(self.blur))
+        Some(moments::kernel_reach(self.filter.blur))
     }
 
     fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
@@ -24,28 +24,34 @@ impl CataloguedTechnique for Msm {
     const IS_PREVIEWED: bool = false;
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::blurs(map_sizes, fit, |map, blur| Self {
-            map,
-            blur,
-            ..Self::default()
+        sweeps::blurs(map_sizes, fit, |map, blur| {
+            Msm {
+                blur,
+                ..Msm::default()
+            }
+            .on(map)
         })
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
         let mut out = Vec::new();
         for reconstruction in [Reconstruction::Hamburger, Reconstruction::Hausdorff] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                reconstruction,
-                ..Self::default()
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                Msm {
+                    reconstruction,
+                    ..Msm::default()
+                }
+                .on(map)
             }));
         }
         for (precision, mipmaps) in moments::STORAGES {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                precision,
-                mipmaps,
-                ..Self::default()
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                Msm {
+                    precision,
+                    mipmaps,
+                    ..Msm::default()
+                }
+                .on(map)
             }));
         }
         out
@@ -54,11 +60,13 @@ impl CataloguedTechnique for Msm {
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [3, 8]
             .map(|blur| {
-                Candidate::of(Self {
-                    map,
-                    blur,
-                    ..Self::default()
-                })
+                Candidate::of(
+                    Msm {
+                        blur,
+                        ..Msm::default()
+                    }
+                    .on(map),
+                )
             })
             .to_vec()
     }
@@ -67,10 +75,7 @@ impl CataloguedTechnique for Msm {
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        let technique = Self {
-            map: moments::closed_form_map(map),
-            ..Self::default()
-        };
+        let technique = Msm::default().on(moments::closed_form_map(map));
         moments::closed_form_demand(technique)
     }
 
@@ -85,9 +90,8 @@ impl CataloguedTechnique for Msm {
         ]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<Msm> {
+        Msm {
             blur: numbers[0] as u32,
             mipmaps: numbers[5] as u32,
             precision: moments::precision_of_switch(numbers[4]),
@@ -99,6 +103,7 @@ impl CataloguedTechnique for Msm {
                 Reconstruction::Hamburger
             },
         }
+        .on(map)
     }
 }
 

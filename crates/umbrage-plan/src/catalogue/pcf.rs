@@ -4,11 +4,11 @@ use super::{
     Candidate, CataloguedKernel, CataloguedTechnique, KernelCost, RandomParameter, kernel, sweeps,
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
-use umbrage_techniques::{Bias, Pcf, PcfKernel, ShadowMap};
+use umbrage_techniques::{Bias, MapFilter as _, MapTechnique, Pcf, PcfKernel, ShadowMap};
 
-impl CataloguedTechnique for Pcf {
+impl CataloguedTechnique for MapTechnique<Pcf> {
     fn kernel_reach(&self) -> Option<f32> {
-        Some(self.radius as f32)
+        Some(self.filter.radius as f32)
     }
 
     fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
@@ -18,16 +18,16 @@ impl CataloguedTechnique for Pcf {
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let swept = |radius: u32| {
             let biases = sweeps::wide_biases(radius as f32);
-            sweeps::sweep(map_sizes, fit, &biases, |map| Self { map, radius })
+            sweeps::sweep(map_sizes, fit, &biases, |map| Pcf { radius }.on(map))
         };
         let mut out = swept(1);
         let radius = 2;
         out.extend(sweeps::middle(map_sizes, fit, &[Bias::ADAPTIVE], |map| {
-            Self { map, radius }
+            Pcf { radius }.on(map)
         }));
         out.extend(swept(3));
         out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
-            Self { map, radius: 1 }
+            Pcf { radius: 1 }.on(map)
         }));
         out
     }
@@ -35,13 +35,12 @@ impl CataloguedTechnique for Pcf {
     fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let bias = [Bias::ADAPTIVE];
         let larger = &map_sizes[map_sizes.len() / 2..];
-        let mut out = sweeps::maps(larger, fit, &bias, |map| Self { map, radius: 1 });
-        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| Self {
-            map,
-            radius: 3,
+        let mut out = sweeps::maps(larger, fit, &bias, |map| Pcf { radius: 1 }.on(map));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
+            Pcf { radius: 3 }.on(map)
         }));
         out.extend(sweeps::cascades(map_sizes, fit, Bias::ADAPTIVE, |map| {
-            Self { map, radius: 1 }
+            Pcf { radius: 1 }.on(map)
         }));
         out
     }
@@ -49,14 +48,14 @@ impl CataloguedTechnique for Pcf {
     fn exhaustive(map_size: u32) -> Vec<Self> {
         let mut out = Vec::new();
         for radius in [0, 1, 2, 3, 6] {
-            out.extend(sweeps::every_bias(map_size, |map| Self { map, radius }));
+            out.extend(sweeps::every_bias(map_size, |map| Pcf { radius }.on(map)));
         }
         out
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [1, 2, 3, 5]
-            .map(|radius| Candidate::of(Self { map, radius }))
+            .map(|radius| Candidate::of(Pcf { radius }.on(map)))
             .to_vec()
     }
 
@@ -66,11 +65,11 @@ impl CataloguedTechnique for Pcf {
         vec![RandomParameter::Count(0..8)]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<Pcf> {
+        Pcf {
             radius: numbers[0] as u32,
         }
+        .on(map)
     }
 }
 

@@ -5,11 +5,14 @@ use super::{
     RandomParameter, kernel, sweeps,
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
-use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, PcfDisc, PcfDiscKernel, ShadowMap};
+use umbrage_techniques::{
+    Bias, ListedTechnique as _, MapFilter as _, MapTechnique, Pattern, PcfDisc, PcfDiscKernel,
+    ShadowMap,
+};
 
-impl CataloguedTechnique for PcfDisc {
+impl CataloguedTechnique for MapTechnique<PcfDisc> {
     fn kernel_reach(&self) -> Option<f32> {
-        Some(self.radius)
+        Some(self.filter.radius)
     }
 
     fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
@@ -17,22 +20,26 @@ impl CataloguedTechnique for PcfDisc {
     }
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let few = Self {
+        let few = PcfDisc {
             taps: 8,
-            ..Self::default()
-        };
-        let usual = Self {
+            ..PcfDisc::default()
+        }
+        .on(ShadowMap::default());
+        let usual = PcfDisc {
             taps: 16,
-            ..Self::default()
-        };
-        let many = Self {
+            ..PcfDisc::default()
+        }
+        .on(ShadowMap::default());
+        let many = PcfDisc {
             taps: 32,
-            ..Self::default()
-        };
-        let poisson = Self {
+            ..PcfDisc::default()
+        }
+        .on(ShadowMap::default());
+        let poisson = PcfDisc {
             pattern: Pattern::Poisson,
-            ..Self::default()
-        };
+            ..PcfDisc::default()
+        }
+        .on(ShadowMap::default());
         let bias = [Bias::ADAPTIVE];
         let mut out = sweeps::middle(map_sizes, fit, &bias, |map| few.with_map(map));
         out.extend(sweeps::sweep(map_sizes, fit, &bias, |map| {
@@ -48,17 +55,16 @@ impl CataloguedTechnique for PcfDisc {
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::every_bias(map_size, |map| Self {
-            map,
-            ..Self::default()
-        });
+        let mut out = sweeps::every_bias(map_size, |map| PcfDisc::default().on(map));
         for pattern in [Pattern::Grid, Pattern::Poisson] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                pattern,
-                rotate: false,
-                taps: 9,
-                ..Self::default()
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                PcfDisc {
+                    pattern,
+                    rotate: false,
+                    taps: 9,
+                    ..PcfDisc::default()
+                }
+                .on(map)
             }));
         }
         out
@@ -67,23 +73,25 @@ impl CataloguedTechnique for PcfDisc {
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         let mut out = Vec::new();
         for (radius, taps) in [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)] {
-            out.push(Candidate::of(Self {
-                map,
-                radius,
-                taps,
-                ..Self::default()
-            }));
+            out.push(Candidate::of(
+                PcfDisc {
+                    radius,
+                    taps,
+                    ..PcfDisc::default()
+                }
+                .on(map),
+            ));
         }
         out
     }
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
         let radius = 2.0;
-        let technique = Self {
-            map,
+        let technique = PcfDisc {
             radius,
-            ..Self::default()
-        };
+            ..PcfDisc::default()
+        }
+        .on(map);
         Some(ClosedFormDemand::new(technique, radius))
     }
 
@@ -98,14 +106,14 @@ impl CataloguedTechnique for PcfDisc {
         ]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<PcfDisc> {
+        PcfDisc {
             radius: numbers[0],
             taps: numbers[1] as u32,
             pattern: Pattern::ALL[numbers[2] as usize],
             rotate: numbers[3] > 0.0,
         }
+        .on(map)
     }
 }
 

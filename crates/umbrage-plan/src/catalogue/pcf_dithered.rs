@@ -2,9 +2,9 @@
 
 use super::{CataloguedKernel, CataloguedTechnique, KernelCost, kernel, sweeps};
 use umbrage_core::{Fit, ReceiveKernel, glam::Vec3};
-use umbrage_techniques::{PcfDithered, PcfDitheredKernel};
+use umbrage_techniques::{MapFilter as _, MapTechnique, PcfDithered, PcfDitheredKernel};
 
-impl CataloguedTechnique for PcfDithered {
+impl CataloguedTechnique for MapTechnique<PcfDithered> {
     fn kernel_reach(&self) -> Option<f32> {
         Some(1.5)
     }
@@ -14,7 +14,9 @@ impl CataloguedTechnique for PcfDithered {
     }
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::sweep(map_sizes, fit, &sweeps::two_biases(1.5), |map| Self { map })
+        sweeps::sweep(map_sizes, fit, &sweeps::two_biases(1.5), |map| {
+            PcfDithered {}.on(map)
+        })
     }
 
     const RANDOM_WEIGHT: u32 = 2;

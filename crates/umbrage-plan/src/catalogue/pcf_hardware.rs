@@ -5,11 +5,13 @@ use super::{
     RandomParameter, kernel, sweeps,
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
-use umbrage_techniques::{Bias, HardwareKernel, PcfHardware, ShadowMap};
+use umbrage_techniques::{
+    Bias, HardwareKernel, MapFilter as _, MapTechnique, PcfHardware, ShadowMap,
+};
 
-impl CataloguedTechnique for PcfHardware {
+impl CataloguedTechnique for MapTechnique<PcfHardware> {
     fn kernel_reach(&self) -> Option<f32> {
-        Some(Self::reach(self.samples))
+        Some(PcfHardware::reach(self.filter.samples))
     }
 
     fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
@@ -18,34 +20,35 @@ impl CataloguedTechnique for PcfHardware {
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let swept = |samples: u32| {
-            let biases = sweeps::two_biases(Self::reach(samples));
-            sweeps::sweep(map_sizes, fit, &biases, |map| Self { map, samples })
+            let biases = sweeps::two_biases(PcfHardware::reach(samples));
+            sweeps::sweep(map_sizes, fit, &biases, |map| {
+                PcfHardware { samples }.on(map)
+            })
         };
         let mut out = swept(1);
         let samples = 2;
         out.extend(sweeps::middle(map_sizes, fit, &[Bias::ADAPTIVE], |map| {
-            Self { map, samples }
+            PcfHardware { samples }.on(map)
         }));
         out.extend(swept(3));
         out
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::every_bias(map_size, |map| Self { map, samples: 2 });
+        let mut out = sweeps::every_bias(map_size, |map| PcfHardware { samples: 2 }.on(map));
         for samples in [1, 3] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                samples,
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                PcfHardware { samples }.on(map)
             }));
         }
         let kinds = sweeps::sampled_maps(map_size).into_iter();
-        out.extend(kinds.map(|map| Self { map, samples: 2 }));
+        out.extend(kinds.map(|map| PcfHardware { samples: 2 }.on(map)));
         out
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [1, 2, 3]
-            .map(|samples| Candidate::of(Self { map, samples }))
+            .map(|samples| Candidate::of(PcfHardware { samples }.on(map)))
             .to_vec()
     }
 
@@ -57,8 +60,8 @@ impl CataloguedTechnique for PcfHardware {
             ..map
         };
         Some(ClosedFormDemand::new(
-            Self { map, samples: 2 },
-            Self::reach(2),
+            PcfHardware { samples: 2 }.on(map),
+            PcfHardware::reach(2),
         ))
     }
 
@@ -68,11 +71,11 @@ impl CataloguedTechnique for PcfHardware {
         vec![RandomParameter::Count(1..5)]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<PcfHardware> {
+        PcfHardware {
             samples: numbers[0] as u32,
         }
+        .on(map)
     }
 }
 

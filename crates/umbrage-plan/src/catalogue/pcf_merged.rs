@@ -5,11 +5,11 @@ use super::{
     RandomParameter, kernel, sweeps,
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
-use umbrage_techniques::{Bias, MergedKernel, PcfMerged, ShadowMap};
+use umbrage_techniques::{Bias, MapFilter as _, MapTechnique, MergedKernel, PcfMerged, ShadowMap};
 
-impl CataloguedTechnique for PcfMerged {
+impl CataloguedTechnique for MapTechnique<PcfMerged> {
     fn kernel_reach(&self) -> Option<f32> {
-        Some(Self::reach(self.radius))
+        Some(PcfMerged::reach(self.filter.radius))
     }
 
     fn kernel(kernel: &dyn ReceiveKernel) -> Option<&dyn CataloguedKernel> {
@@ -19,35 +19,33 @@ impl CataloguedTechnique for PcfMerged {
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
         let mut out = Vec::new();
         for radius in [1, 2] {
-            let biases = sweeps::two_biases(Self::reach(radius));
-            out.extend(sweeps::sweep(map_sizes, fit, &biases, |map| Self {
-                map,
-                radius,
+            let biases = sweeps::two_biases(PcfMerged::reach(radius));
+            out.extend(sweeps::sweep(map_sizes, fit, &biases, |map| {
+                PcfMerged { radius }.on(map)
             }));
         }
         let radius = 3;
         out.extend(sweeps::middle(map_sizes, fit, &[Bias::ADAPTIVE], |map| {
-            Self { map, radius }
+            PcfMerged { radius }.on(map)
         }));
         out
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::every_bias(map_size, |map| Self { map, radius: 1 });
+        let mut out = sweeps::every_bias(map_size, |map| PcfMerged { radius: 1 }.on(map));
         for radius in [2, 3] {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                radius,
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                PcfMerged { radius }.on(map)
             }));
         }
         let kinds = sweeps::sampled_maps(map_size).into_iter();
-        out.extend(kinds.map(|map| Self { map, radius: 2 }));
+        out.extend(kinds.map(|map| PcfMerged { radius: 2 }.on(map)));
         out
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         [1, 2, 3]
-            .map(|radius| Candidate::of(Self { map, radius }))
+            .map(|radius| Candidate::of(PcfMerged { radius }.on(map)))
             .to_vec()
     }
 
@@ -58,8 +56,8 @@ impl CataloguedTechnique for PcfMerged {
             ..map
         };
         Some(ClosedFormDemand::new(
-            Self { map, radius: 1 },
-            Self::reach(1),
+            PcfMerged { radius: 1 }.on(map),
+            PcfMerged::reach(1),
         ))
     }
 
@@ -69,11 +67,11 @@ impl CataloguedTechnique for PcfMerged {
         vec![RandomParameter::Count(1..4)]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<PcfMerged> {
+        PcfMerged {
             radius: numbers[0] as u32,
         }
+        .on(map)
     }
 }
 

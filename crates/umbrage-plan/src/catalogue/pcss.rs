@@ -5,9 +5,11 @@ use super::{
     RandomParameter, kernel, sweeps,
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
-use umbrage_techniques::{Bias, ListedTechnique as _, Pattern, Pcss, PcssKernel, ShadowMap};
+use umbrage_techniques::{
+    Bias, ListedTechnique as _, MapFilter as _, MapTechnique, Pattern, Pcss, PcssKernel, ShadowMap,
+};
 
-impl CataloguedTechnique for Pcss {
+impl CataloguedTechnique for MapTechnique<Pcss> {
     /// As wide as the penumbra, which differs everywhere; a texel is the least.
     fn kernel_reach(&self) -> Option<f32> {
         Some(1.0)
@@ -48,11 +50,12 @@ impl CataloguedTechnique for Pcss {
         let default = Self::default();
         let mut out = sweeps::every_bias(map_size, |map| default.with_map(map));
         for pattern in [Pattern::Grid, Pattern::Poisson] {
-            let still = Self {
+            let still = Pcss {
                 pattern,
                 rotate: false,
-                ..with_taps(7, 9)
-            };
+                ..with_taps(7, 9).filter
+            }
+            .on(with_taps(7, 9).map);
             out.extend(sweeps::slope_and_adaptive(map_size, |map| {
                 still.with_map(map)
             }));
@@ -89,14 +92,14 @@ impl CataloguedTechnique for Pcss {
         ]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<Pcss> {
+        Pcss {
             blocker_taps: numbers[0] as u32,
             filter_taps: numbers[1] as u32,
             pattern: Pattern::ALL[numbers[2] as usize],
             rotate: numbers[3] > 0.0,
         }
+        .on(map)
     }
 }
 
@@ -120,10 +123,11 @@ impl CataloguedKernel for PcssKernel {
 }
 
 /// Returns the default settings with other counts of taps.
-fn with_taps(blocker_taps: u32, filter_taps: u32) -> Pcss {
+fn with_taps(blocker_taps: u32, filter_taps: u32) -> MapTechnique<Pcss> {
     Pcss {
         blocker_taps,
         filter_taps,
         ..Pcss::default()
     }
+    .on(ShadowMap::default())
 }

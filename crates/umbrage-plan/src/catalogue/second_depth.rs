@@ -4,22 +4,21 @@ use super::{
     Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter, sweeps,
 };
 use umbrage_core::{Fit, Light};
-use umbrage_techniques::{Bias, SecondDepth, ShadowMap};
+use umbrage_techniques::{Bias, MapFilter as _, MapTechnique, SecondDepth, ShadowMap};
 
-impl CataloguedTechnique for SecondDepth {
+impl CataloguedTechnique for MapTechnique<SecondDepth> {
     fn kernel_reach(&self) -> Option<f32> {
-        Some(self.radius as f32)
+        Some(self.filter.radius as f32)
     }
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::sweep(map_sizes, fit, &[Bias::FRONT_CULL], |map| Self {
-            map,
-            radius: 0,
+        sweeps::sweep(map_sizes, fit, &[Bias::FRONT_CULL], |map| {
+            SecondDepth { radius: 0 }.on(map)
         })
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
-        sweeps::every_bias(map_size, |map| Self { map, radius: 1 })
+        sweeps::every_bias(map_size, |map| SecondDepth { radius: 1 }.on(map))
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
@@ -28,7 +27,7 @@ impl CataloguedTechnique for SecondDepth {
             ..map
         };
         [0, 1]
-            .map(|radius| Candidate::of(Self { map, radius }))
+            .map(|radius| Candidate::of(SecondDepth { radius }.on(map)))
             .to_vec()
     }
 
@@ -43,7 +42,7 @@ impl CataloguedTechnique for SecondDepth {
         // It shows nothing but the far sides of bodies: sheets, and rooms without an outside, have none.
         Some(ClosedFormDemand {
             closed_bodies: true,
-            ..ClosedFormDemand::new(Self { map, radius: 0 }, 0.0)
+            ..ClosedFormDemand::new(SecondDepth { radius: 0 }.on(map), 0.0)
         })
     }
 
@@ -51,10 +50,10 @@ impl CataloguedTechnique for SecondDepth {
         vec![RandomParameter::Count(0..4)]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<SecondDepth> {
+        SecondDepth {
             radius: numbers[0] as u32,
         }
+        .on(map)
     }
 }

@@ -4,7 +4,7 @@ use super::*;
 use std::collections::HashSet;
 use umbrage_core::{Geometry, ShadowTechnique as _, View, glam::Vec3};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::Pcss;
+use umbrage_techniques::{MapTechnique, Pcss, ShadowMap};
 
 #[test]
 fn names_are_unique_and_select_entries() {
@@ -14,7 +14,7 @@ fn names_are_unique_and_select_entries() {
     assert!(
         catalogue
             .clone()
-            .with(CatalogueEntry::of::<Pcss>())
+            .with(CatalogueEntry::of::<MapTechnique<Pcss>>())
             .is_err()
     );
     let selected = catalogue.select(&["pcf".to_owned(), "none".to_owned()]);

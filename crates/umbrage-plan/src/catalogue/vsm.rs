@@ -5,11 +5,11 @@ use super::{
     RandomParameter, kernel, moments, sweeps,
 };
 use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel};
-use umbrage_techniques::{Bias, ShadowMap, Vsm, VsmKernel};
+use umbrage_techniques::{Bias, MapFilter as _, MapTechnique, ShadowMap, Vsm, VsmKernel};
 
-impl CataloguedTechnique for Vsm {
+impl CataloguedTechnique for MapTechnique<Vsm> {
     fn kernel_reach(&self) -> Option<f32> {
-        Some(moments::kernel_reach(self.blur))
+        Some(moments::kernel_reach(self.filter.blur))
     }
 
     fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
@@ -24,41 +24,41 @@ impl CataloguedTechnique for Vsm {
     const IS_PREVIEWED: bool = false;
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        sweeps::blurs(map_sizes, fit, |map, blur| Self {
-            map,
-            blur,
-            ..Self::default()
+        sweeps::blurs(map_sizes, fit, |map, blur| {
+            Vsm {
+                blur,
+                ..Vsm::default()
+            }
+            .on(map)
         })
     }
 
     fn exhaustive(map_size: u32) -> Vec<Self> {
-        let mut out = sweeps::slope_and_adaptive(map_size, |map| Self {
-            map,
-            ..Self::default()
-        });
+        let mut out = sweeps::slope_and_adaptive(map_size, |map| Vsm::default().on(map));
         for blur in [0, 9] {
             out.extend(sweeps::middle(
                 &[map_size],
                 Fit::Tight,
                 &[Bias::NONE],
-                |map| Self {
-                    map,
-                    blur,
-                    ..Self::default()
+                |map| {
+                    Vsm {
+                        blur,
+                        ..Vsm::default()
+                    }
+                    .on(map)
                 },
             ));
         }
         let kinds = sweeps::kinds_of_map(map_size).into_iter();
-        out.extend(kinds.map(|map| Self {
-            map,
-            ..Self::default()
-        }));
+        out.extend(kinds.map(|map| Vsm::default().on(map)));
         for (precision, mipmaps) in moments::STORAGES {
-            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
-                map,
-                precision,
-                mipmaps,
-                ..Self::default()
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| {
+                Vsm {
+                    precision,
+                    mipmaps,
+                    ..Vsm::default()
+                }
+                .on(map)
             }));
         }
         out
@@ -66,20 +66,14 @@ impl CataloguedTechnique for Vsm {
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
         // A wider blur bleeds more; `evsm` and `msm` are tried with one.
-        vec![Candidate::of(Self {
-            map,
-            ..Self::default()
-        })]
+        vec![Candidate::of(Vsm::default().on(map))]
     }
 
     // A blend of a plane's depths is the plane's depth: what a bias would cure, there is not.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::Own;
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        let technique = Self {
-            map: moments::closed_form_map(map),
-            ..Self::default()
-        };
+        let technique = Vsm::default().on(moments::closed_form_map(map));
         moments::closed_form_demand(technique)
     }
 
@@ -93,15 +87,15 @@ impl CataloguedTechnique for Vsm {
         ]
     }
 
-    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
-        Self {
-            map,
+    fn random(map: ShadowMap, numbers: &[f32]) -> MapTechnique<Vsm> {
+        Vsm {
             blur: numbers[0] as u32,
             mipmaps: numbers[4] as u32,
             precision: moments::precision_of_switch(numbers[3]),
             least_deviation: Some(numbers[1]),
             bleeding_reduction: numbers[2],
         }
+        .on(map)
     }
 }
 

@@ -5,7 +5,7 @@ use super::scene::PlanScene;
 use crate::MeasureError;
 use glam::UVec2;
 use umbrage_core::RecipeError;
-use umbrage_techniques::{Bias, Hard, ShadowMap, TechniquePreset, Traced};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap, TechniquePreset, Traced};
 
 /// The share of the sample that is spread evenly over all lit receivers, to meet errors that the pilot doesn't show.
 const EVEN_SHARE: f64 = 0.3;
@@ -59,13 +59,11 @@ pub(crate) fn density(
         .map(f64::from)
         .collect();
     for (size, bias) in [(256, Bias::ADAPTIVE), (1024, Bias::NORMAL_OFFSET)] {
-        let hard = Hard {
-            map: ShadowMap {
-                size,
-                bias,
-                ..ShadowMap::default()
-            },
-        };
+        let hard = Hard {}.on(ShadowMap {
+            size,
+            bias,
+            ..ShadowMap::default()
+        });
         let Some(mask) = mask(scene, hard.into())? else {
             continue;
         };

@@ -4,7 +4,7 @@ use super::*;
 use umbrage_core::{Backend as _, Geometry, Image, Inputs, Scene, ShadowTechnique as _, Simd};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
-    Bias, Pattern, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
+    Bias, MapFilter as _, Pattern, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
 };
 
 /// A sun with an extent, a rectangle, and a lamp with a cube of maps.
@@ -14,14 +14,17 @@ const SCENES: [&str; 4] = ["cubes", "rising-boxes", "c4-edge-square", "lamp-in-r
 fn presets() -> Vec<TechniquePreset> {
     let map = ShadowMap::default();
     let mut out = TechniquePreset::defaults();
-    out.extend([2, 5].map(|radius| TechniquePreset::from(Pcf { map, radius })));
-    out.extend([2, 3, 4].map(|samples| TechniquePreset::from(PcfHardware { map, samples })));
-    out.extend([2, 3].map(|radius| TechniquePreset::from(PcfMerged { map, radius })));
-    let disc = |pattern| PcfDisc {
-        radius: 6.5,
-        taps: 32,
-        pattern,
-        ..PcfDisc::default()
+    out.extend([2, 5].map(|radius| TechniquePreset::from(Pcf { radius }.on(map))));
+    out.extend([2, 3, 4].map(|samples| TechniquePreset::from(PcfHardware { samples }.on(map))));
+    out.extend([2, 3].map(|radius| TechniquePreset::from(PcfMerged { radius }.on(map))));
+    let disc = |pattern| {
+        PcfDisc {
+            radius: 6.5,
+            taps: 32,
+            pattern,
+            ..PcfDisc::default()
+        }
+        .on(ShadowMap::default())
     };
     out.extend([Pattern::Vogel, Pattern::Grid].map(|pattern| TechniquePreset::from(disc(pattern))));
     let biased = |bias| {

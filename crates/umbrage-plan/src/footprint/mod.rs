@@ -232,12 +232,12 @@ impl CastFootprint {
 /// ```
 /// use umbrage_core::{Geometry, ShadowTechnique, View};
 /// use umbrage_plan::{catalogue::Catalogue, footprint::MapPlaces};
-/// use umbrage_techniques::{Exact, Hard};
+/// use umbrage_techniques::{Exact, Hard, MapTechnique};
 ///
 /// let scene = umbrage_scenes::by_argument("cubes")?;
 /// let geometry = Geometry::bake(&scene)?;
 /// let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-/// let recipe = Hard::default().recipe(&view)?;
+/// let recipe = MapTechnique::<Hard>::default().recipe(&view)?;
 /// let catalogue = Catalogue::built_in();
 /// let places = MapPlaces::new(&recipe, &catalogue).expect("a map");
 /// let place = places.at(geometry.bounds().center()).expect("on the map");

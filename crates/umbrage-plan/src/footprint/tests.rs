@@ -8,7 +8,7 @@ use umbrage_core::{
     glam::{Affine3A, Vec3},
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Hard, Pcf, ShadowMap};
+use umbrage_techniques::{Hard, MapFilter as _, Pcf, ShadowMap};
 
 const SUN: Light = Light::Directional {
     direction: Vec3::NEG_Y,
@@ -89,7 +89,7 @@ fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> RecipeFoo
 /// Pixels of 1/8 m on texels of 1/8 m, over a quarter of the map.
 #[test]
 fn a_quarter_of_the_map_is_looked_up_once() {
-    let f = measured(2.0, &Hard { map: map() }, 0.0);
+    let f = measured(2.0, &Hard {}.on(map()), 0.0);
     assert_eq!(f.casts.len(), 1);
     assert_eq!((f.total.unused, f.casts[0].unused), (0.75, 0.75));
     assert_eq!(
@@ -108,14 +108,7 @@ fn a_quarter_of_the_map_is_looked_up_once() {
 /// The kernel's three texels around the quarter, and 49 lookups within it.
 #[test]
 fn kernels_touch_what_they_reach() {
-    let f = measured(
-        2.0,
-        &Pcf {
-            map: map(),
-            radius: 3,
-        },
-        3.0,
-    );
+    let f = measured(2.0, &Pcf { radius: 3 }.on(map()), 3.0);
     let touched = 38 * 38;
     assert_eq!(
         f.total.unused,
@@ -127,7 +120,7 @@ fn kernels_touch_what_they_reach() {
 /// Pixels of 1/4 m: every second texel is passed over, and half the side would do.
 #[test]
 fn a_map_too_fine_is_told() {
-    let f = measured(4.0, &Hard { map: map() }, 0.0);
+    let f = measured(4.0, &Hard {}.on(map()), 0.0);
     assert_eq!(f.total.unused, 0.75);
     assert!(
         (f.total.texels_per_pixel.unwrap()[1] - 2.0).abs() < 1e-4,
@@ -141,7 +134,7 @@ fn nothing_seen_is_no_use() {
     let (camera, geometry) = (camera(2.0), plane());
     let view = View::new(&camera, &SUN, &geometry);
     let nothing = Receivers::empty(camera.size);
-    let recipe = Hard { map: map() }.recipe(&view).unwrap();
+    let recipe = Hard {}.on(map()).recipe(&view).unwrap();
     let catalogue = Catalogue::built_in();
     let f = measure(&view, &recipe, &nothing, 0.0, catalogue.kernel(&recipe));
     assert_eq!((f.total.unused, f.total.texels_per_pixel), (1.0, None));

@@ -159,15 +159,17 @@ mod tests {
     use glam::UVec2;
     use umbrage_core::{Cascades, Fit, Layout};
     use umbrage_cpu::Cpu;
-    use umbrage_techniques::{Hard, ShadowMap, ShadowVolumes, Traced, Vsm};
+    use umbrage_techniques::{
+        Hard, MapFilter as _, MapTechnique, ShadowMap, ShadowVolumes, Traced, Vsm,
+    };
 
-    fn hard(fit: Fit) -> Hard {
+    fn hard(fit: Fit) -> MapTechnique<Hard> {
         let map = ShadowMap {
             fit,
             size: 64,
             ..ShadowMap::default()
         };
-        Hard { map }
+        Hard {}.on(map)
     }
 
     fn follows(technique: &dyn ShadowTechnique) -> bool {
@@ -218,7 +220,7 @@ mod tests {
                 layout: Layout::Cascades(Cascades::default()),
                 ..one
             };
-            assert!(follows(&Hard { map }), "{}", map.label());
+            assert!(follows(&Hard {}.on(map)), "{}", map.label());
         }
     }
 
@@ -259,10 +261,10 @@ mod tests {
         };
         let blurred = |blur| {
             let technique = Vsm {
-                map,
                 blur,
                 ..Vsm::default()
-            };
+            }
+            .on(map);
             technique.recipe(&view).expect("serves the sun")
         };
         let [narrow, same, mut wide] = [2, 2, 3].map(blurred);

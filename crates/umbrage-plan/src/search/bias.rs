@@ -114,11 +114,11 @@ pub(super) fn bias_amounts(kernel_reach: Option<f32>, planned: PlannedBiases) ->
 mod tests {
     use super::*;
     use crate::catalogue::CataloguedTechnique as _;
-    use umbrage_techniques::Pcf;
+    use umbrage_techniques::{MapTechnique, Pcf};
 
     #[test]
     fn first_tries_are_the_biases_that_free_planes_of_acne() {
-        let reach = Pcf::default().kernel_reach();
+        let reach = MapTechnique::<Pcf>::default().kernel_reach();
         let firsts: Vec<Bias> = bias_amounts(reach, PlannedBiases::All)
             .iter()
             .map(|biases| biases.kind.bias(biases.first(), Bias::NONE))

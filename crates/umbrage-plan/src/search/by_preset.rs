@@ -64,7 +64,7 @@ pub(super) fn without_bias(preset: &TechniquePreset) -> TechniquePreset {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_techniques::{Hard, Pcf};
+    use umbrage_techniques::{Hard, MapFilter as _, MapTechnique, Pcf};
 
     #[test]
     fn presets_are_known_by_technique_and_numbers() {
@@ -72,11 +72,9 @@ mod tests {
             bias,
             ..ShadowMap::default()
         };
-        let hard = TechniquePreset::from(Hard::default());
-        let biased = TechniquePreset::from(Hard {
-            map: map(Bias::SLOPE),
-        });
-        let pcf = TechniquePreset::from(Pcf::default());
+        let hard = TechniquePreset::from(MapTechnique::<Hard>::default());
+        let biased = TechniquePreset::from(Hard {}.on(map(Bias::SLOPE)));
+        let pcf = TechniquePreset::from(MapTechnique::<Pcf>::default());
         let mut known = ByPreset::default();
         known.insert(hard.clone(), 1);
         known.insert(biased.clone(), 2);

@@ -242,7 +242,7 @@ mod tests {
     use glam::UVec2;
     use umbrage_core::Geometry;
     use umbrage_cpu::Cpu;
-    use umbrage_techniques::{Hard, Traced, Unshadowed};
+    use umbrage_techniques::{Hard, MapTechnique, Traced, Unshadowed};
 
     #[test]
     fn what_is_kept_is_not_timed_and_all_that_moves_is() {
@@ -251,7 +251,7 @@ mod tests {
         let geometry = Geometry::bake(&scene).expect("valid");
         let planned =
             PlanScene::new(&camera, &scene.lights[0], &geometry, Weighting::Even).expect("valid");
-        let hard = TechniquePreset::from(Hard::default());
+        let hard = TechniquePreset::from(MapTechnique::<Hard>::default());
         let presets = [
             (Unshadowed::default().into(), true),
             (hard.clone(), true),

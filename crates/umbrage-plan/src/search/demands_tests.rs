@@ -8,7 +8,9 @@ use crate::{RendererData, Weighting, cost::CostModel, motion::FrameMotion, truth
 use glam::UVec2;
 use umbrage_core::{Fit, Receivers};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Hard, Pcf, ShadowMap, TechniquePreset, Traced};
+use umbrage_techniques::{
+    Hard, MapFilter as _, MapTechnique, Pcf, ShadowMap, TechniquePreset, Traced,
+};
 
 /// The grain of 4 to 6 rays a pixel is refused by the usual bound, that of many rays and of a smooth kernel is not.
 #[test]
@@ -28,6 +30,7 @@ fn few_rays_are_grainy_and_smooth_kernels_are_not() {
                     radius: 3,
                     ..Pcf::default()
                 }
+                .on(ShadowMap::default())
                 .into(),
             );
             assert!(four > six && six > MAX_GRAIN, "{name}: {four} {six}");
@@ -57,7 +60,7 @@ fn only_fits_that_follow_the_camera_shimmer() {
             };
             let trials = &mut planner.search.trials;
             let setting = trials
-                .try_out(&Hard { map }.into())
+                .try_out(&Hard {}.on(map).into())
                 .expect("plays")
                 .expect("supported");
             let endured = trials.endured(setting, &bounds).expect("plays");
@@ -185,7 +188,7 @@ fn weighted_samples_tell_of_whole_images() {
     };
     let mut planner =
         Planner::new(&camera, &scene.lights[0], &geometry, &options, &|_| {}).expect("valid");
-    let preset = TechniquePreset::from(Hard::default());
+    let preset = TechniquePreset::from(MapTechnique::<Hard>::default());
     let trials = &mut planner.search.trials;
     let first = trials.try_out(&preset).expect("plays").expect("supported");
     let verified = trials.verify(&first, None, &|_| {}).expect("plays");

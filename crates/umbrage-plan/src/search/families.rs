@@ -286,7 +286,7 @@ mod tests {
     use crate::catalogue::CataloguedTechnique;
     use std::collections::HashSet;
     use umbrage_core::glam::Vec3;
-    use umbrage_techniques::{Hard, Traced};
+    use umbrage_techniques::{Hard, MapTechnique, Traced};
 
     fn family_of<T: CataloguedTechnique>(technique: T) -> Family {
         let candidate = Candidate::One(TechniquePreset::from(technique));
@@ -312,7 +312,7 @@ mod tests {
 
     #[test]
     fn one_more_side_stands_in_its_place() {
-        let family = family_of(Hard::default());
+        let family = family_of(MapTechnique::<Hard>::default());
         let sides = |side| {
             let candidates = family.clone().with_side(side).candidates;
             candidates
@@ -330,7 +330,7 @@ mod tests {
 
     #[test]
     fn stable_families_differ_in_their_fit_alone() {
-        let hard = family_of(Hard::default());
+        let hard = family_of(MapTechnique::<Hard>::default());
         let stable = hard.stable(20.0).expect("has maps");
         let map = stable.candidates[0].map().expect("a map");
         assert_eq!(map.fit, Fit::Stable { range: 20.0 });
@@ -344,7 +344,7 @@ mod tests {
 
     #[test]
     fn cascaded_families_take_no_more_memory() {
-        let hard = family_of(Hard::default());
+        let hard = family_of(MapTechnique::<Hard>::default());
         let cascaded = hard.cascaded(Cascades::default()).expect("has maps");
         let largest = |family: &Family| map_side(family.candidates.last().expect("some"));
         assert_eq!(2 * largest(&cascaded), largest(&hard));

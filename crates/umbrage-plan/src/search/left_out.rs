@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Scene};
-use umbrage_techniques::{FrameRules, Hard, LightPreset, TechniquePreset, Update};
+use umbrage_techniques::{FrameRules, Hard, LightPreset, MapTechnique, TechniquePreset, Update};
 
 /// Casters are small whose bounding sphere is seen less than so many pixels wide.
 const SMALL_PIXELS: f32 = 1.0;
@@ -117,7 +117,7 @@ fn shadow(planner: &mut Planner<'_>, plan: &Plan) -> Result<Option<LeftOut>, Mea
     let Some(chosen) = plan.chosen.as_ref().filter(|s| s.technique == "none") else {
         return Ok(None);
     };
-    let usual = TechniquePreset::from(Hard::default());
+    let usual = TechniquePreset::from(MapTechnique::<Hard>::default());
     let Some(price) = planner.search.trials.price(&usual)? else {
         return Ok(None);
     };

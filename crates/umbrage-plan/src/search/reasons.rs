@@ -13,7 +13,7 @@ use crate::{
     truth::TruthOptions,
 };
 use umbrage_core::metrics::PENUMBRA;
-use umbrage_techniques::{Hard, ShadowMap, TechniquePreset};
+use umbrage_techniques::{Hard, MapFilter as _, ShadowMap, TechniquePreset};
 
 /// What was measured of the scene itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +93,7 @@ impl Facts {
             ..ShadowMap::default()
         };
         let own = chosen.map(|c| &c.preset).filter(|p| p.map().is_some());
-        let hard = TechniquePreset::from(Hard { map });
+        let hard = TechniquePreset::from(Hard {}.on(map));
         let preset = own.unwrap_or(&hard);
         let Ok(recipe) = trials.views[0].scene.recipe(preset) else {
             return Ok(None);

@@ -425,7 +425,7 @@ fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
 mod tests {
     use super::*;
     use crate::search::tests::{scene, small};
-    use umbrage_techniques::Hard;
+    use umbrage_techniques::{Hard, MapTechnique};
 
     /// Under ideal lights errors are those of whole images, however large the blocks are.
     #[test]
@@ -440,7 +440,9 @@ mod tests {
             let planner =
                 Planner::new(&camera, light, &geometry, &options, &|_| {}).expect("can be planned");
             let mut sweep = Sweep::new(planner, &options).expect("can be traced");
-            let error = sweep.error(&Hard::default().into()).expect("plays");
+            let error = sweep
+                .error(&MapTechnique::<Hard>::default().into())
+                .expect("plays");
             (sweep.judged.len(), error)
         };
         assert!(scene.lights[0].is_ideal());

@@ -15,7 +15,7 @@ use crate::{
     },
 };
 use umbrage_core::RasterBias;
-use umbrage_techniques::{Bias, Hard, ShadowMap};
+use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap};
 
 /// A scene and a kind of bias.
 #[derive(Debug)]
@@ -187,11 +187,11 @@ fn masks(
             bias: (kind.bias)(values[i]),
             ..ShadowMap::default()
         };
-        let played = play(case_truth, &Hard { map }, backends, i, values.len());
+        let played = play(case_truth, &Hard {}.on(map), backends, i, values.len());
         // Without a mask there is no figure. Leaving the point out would hide that the setting has
         // no mask.
         played.map_err(|(NoMask::Unsupported(why) | NoMask::Fault(why))| {
-            not_played(case_truth, &Hard { map }, &why)
+            not_played(case_truth, &Hard {}.on(map), &why)
         })
     });
     played.into_iter().collect()

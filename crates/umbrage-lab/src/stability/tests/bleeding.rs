@@ -2,7 +2,7 @@
 
 use super::*;
 use glam::Vec3;
-use umbrage_techniques::{Evsm, EvsmMoments, Msm, Reconstruction, Vsm};
+use umbrage_techniques::{Evsm, EvsmMoments, MapFilter as _, Msm, Reconstruction, ShadowMap, Vsm};
 
 /// Returns the most light that Chebyshev's bound lets through where a filter finds two blockers alone, before a receiver, whatever their
 /// shares; `depths` are the nearer blocker's, the other's and the receiver's.
@@ -53,23 +53,23 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
         ..ShadowMap::default()
     };
     let variance = Vsm {
-        map,
         blur: 3,
         least_deviation: Some(0.0),
         bleeding_reduction: 0.0,
         ..Vsm::default()
-    };
+    }
+    .on(map);
     // So small that light still bleeds.
     let exponent = 2.0;
     let exponential = Evsm {
-        map,
         blur: 3,
         moments: EvsmMoments::Two,
         positive_exponent: exponent,
         least_deviation: Some(0.0),
         bleeding_reduction: 0.0,
         ..Evsm::default()
-    };
+    }
+    .on(map);
     let depths = clip_depths(&case_truth, &variance);
     let warped = depths.map(|depth| (exponent * (2.0 * depth - 1.0)).exp());
     let of_variance = most_bleeding(depths);
@@ -104,20 +104,20 @@ fn four_moments_tell_two_blockers_from_light() {
     };
     for reconstruction in [Reconstruction::Hamburger, Reconstruction::Hausdorff] {
         let technique = Msm {
-            map,
             reconstruction,
             bleeding_reduction: 0.0,
             ..Msm::default()
-        };
+        }
+        .on(map);
         let found = brightest(&case_truth, &technique);
         assert!(found < 0.02, "{reconstruction:?}: {found}");
         let mask = mask(&case_truth, &technique);
         assert_eq!(verdict(case, &case_truth, &mask), Verdict::Pass);
     }
     let four_exponentials = Evsm {
-        map,
         bleeding_reduction: 0.0,
         ..Evsm::default()
-    };
+    }
+    .on(map);
     assert!(brightest(&case_truth, &four_exponentials) < 0.02);
 }

@@ -22,7 +22,8 @@ use umbrage_cpu::Cpu;
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::{self, TruthOptions};
 use umbrage_techniques::{
-    Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, TechniquePreset, Traced,
+    Bias, Hard, MapFilter as _, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes,
+    TechniquePreset, Traced,
 };
 
 /// Small enough that all cases take seconds.
@@ -181,13 +182,11 @@ fn without_casters_no_shadow_is_left() {
 }
 
 fn hard(bias: Bias) -> TechniquePreset {
-    TechniquePreset::from(Hard {
-        map: ShadowMap {
-            size: 512,
-            bias,
-            ..ShadowMap::default()
-        },
-    })
+    TechniquePreset::from(Hard {}.on(ShadowMap {
+        size: 512,
+        bias,
+        ..ShadowMap::default()
+    }))
 }
 
 /// Weaknesses that a technique is known to have are seen, and truth's technique has none of them.
@@ -209,11 +208,11 @@ fn known_weaknesses_are_seen() {
         ("long-plane", hard(Bias::NONE)),
         (
             "open-shells",
-            TechniquePreset::from(SecondDepth { map, radius: 0 }),
+            TechniquePreset::from(SecondDepth { radius: 0 }.on(map)),
         ),
         (
             "broken-meshes",
-            TechniquePreset::from(SecondDepth { map, radius: 0 }),
+            TechniquePreset::from(SecondDepth { radius: 0 }.on(map)),
         ),
         ("rising-boxes", hard(Bias::ADAPTIVE)),
         ("two-blockers", hard(Bias::ADAPTIVE)),
@@ -238,13 +237,10 @@ fn known_weaknesses_are_seen() {
 /// Where several blockers make one penumbra, and where each has a width of its own, PCSS at its defaults does what it is for.
 #[test]
 fn soft_shadows_pass_under_lamps() {
-    let technique = Pcss {
-        map: ShadowMap {
-            size: 512,
-            ..ShadowMap::default()
-        },
-        ..Pcss::default()
-    };
+    let technique = Pcss::default().on(ShadowMap {
+        size: 512,
+        ..ShadowMap::default()
+    });
     for name in [
         "two-blockers",
         "rising-boxes",
