@@ -1,16 +1,15 @@
 //! The documentation as a site: the pages of `docs` by mdBook, with the viewer in a folder beside them.
 
-mod built;
 mod links;
-mod page;
 mod source;
 mod stage;
 
 use crate::{
     cli::SiteOptions,
     run::{Usage, root, run},
+    serve::Port,
     tools::Tool,
-    web::{self, server},
+    web,
 };
 use anyhow::{Context as _, Result};
 use links::MarkdownPages;
@@ -22,7 +21,18 @@ const MDBOOK: Tool<'_> = Tool {
     program: "mdbook",
     version: "0.5.4",
     reason: "it makes the pages; another version may name headings otherwise",
+    minutes: 2,
     options: &["--no-default-features", "--features", "search"],
+};
+
+/// Checks the links of the pages that were built, since mdBook names headings by its own rules. Nothing is looked for in the network.
+const LYCHEE: Tool<'_> = Tool {
+    package: "lychee",
+    program: "lychee",
+    version: "0.24.2",
+    reason: "it checks the links of the pages that were built",
+    minutes: 6,
+    options: &["--no-default-features"],
 };
 
 /// Marks a folder that holds a site, so that the next one may take its place.
@@ -37,11 +47,12 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
         None => target.join("site"),
     };
     check_out(&out)?;
-    // What is wrong with pages or port is told before minutes of building.
+    // Faults of pages and port are reported before minutes of building.
     let pages = MarkdownPages::read(root())?;
     pages.check(root())?;
-    let listener = server::listener(&options.serve)?;
+    let port = Port::of(&options.serve)?;
     let mdbook = MDBOOK.find_or_install(&target)?;
+    let lychee = LYCHEE.find_or_install(&target)?;
     let has_viewer = !options.without_viewer;
     let staged = target.join("site-pages");
     empty(&staged)?;
@@ -57,15 +68,17 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
     if has_viewer {
         web::build_page(&target, &out.join(stage::VIEWER))?;
     }
-    let count = built::check(&out, stage::VIEWER)?;
+    let mut links = Command::new(lychee);
+    links.args(["--offline", "--include-fragments", "--no-progress"]);
+    // The page for addresses that do not exist names its files from the site's top.
+    links.arg("--root-dir").arg(&out);
+    links.args(["--exclude-path", &format!("/{}/", stage::VIEWER)]);
+    run(links.arg(&out)).context("links of the pages that were built are broken")?;
     println!(
-        "the site is in {}: {count} pages, all links lead to something",
+        "the site is in {}: all links lead to something",
         out.display()
     );
-    match listener {
-        Some(listener) => server::serve(&listener, &out),
-        None => Ok(()),
-    }
+    port.map_or(Ok(()), |port| port.serve(&out))
 }
 
 /// Refuses a folder with files that are not an earlier site's, since those would be lost.

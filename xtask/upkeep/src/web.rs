@@ -1,11 +1,10 @@
 //! The viewer as a page: built, made small, and served.
 
-pub(crate) mod server;
-
 use crate::{
     ci::{BROWSER_TARGET, install_browser_target},
     cli::WebOptions,
     run::{cargo, root, run},
+    serve::Port,
     tools::Tool,
 };
 use anyhow::{Context as _, Result, bail};
@@ -43,14 +42,11 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
         Some(folder) => folder.clone(),
         None => target.join("web"),
     };
-    // A port that is taken is told before minutes of building.
-    let listener = server::listener(&options.serve)?;
+    // A port that is taken is reported before minutes of building.
+    let port = Port::of(&options.serve)?;
     build_page(&target, &out)?;
     println!("the page is in {}", out.display());
-    match listener {
-        Some(listener) => server::serve(&listener, &out),
-        None => Ok(()),
-    }
+    port.map_or(Ok(()), |port| port.serve(&out))
 }
 
 /// Builds the page into a folder.
@@ -104,6 +100,7 @@ fn bindgen(target: &Path) -> Result<PathBuf> {
         program: "wasm-bindgen",
         version: &version,
         reason: "it writes the script that loads the viewer, and must be of the version in Cargo.lock",
+        minutes: 3,
         options: &[],
     };
     tool.find_or_install(target)
