@@ -3,8 +3,8 @@
 use crate::{
     ci::{Step, published, run_all},
     cli::{ReleaseOptions, ReleaseStep},
-    run::{cargo, root, run},
-    web::{build_page, target_folder},
+    run::{cargo, root, run, target_folder},
+    web::build_page,
 };
 use anyhow::{Context as _, Result, bail};
 use clap::ValueEnum as _;

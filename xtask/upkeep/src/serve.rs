@@ -1,11 +1,11 @@
 //! Serves a folder to the browsers of this machine, by the server that comes with Python.
 
-use crate::{cli::ServeOptions, run::run};
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use std::{
-    net::{Ipv4Addr, TcpListener},
+    net::{Ipv4Addr, TcpListener, TcpStream},
     path::Path,
-    process::Command,
+    process::{Child, Command},
+    time::Duration,
 };
 
 /// Python's server, which tells browsers to load what was built last.
@@ -26,38 +26,58 @@ except KeyboardInterrupt:
     pass
 ";
 
-/// A port of this machine, kept until the folder is served.
-#[derive(Debug)]
-pub(crate) struct Port(TcpListener);
+/// Takes a port of this machine, or a free one for 0. A folder is served later, but a port that is taken is reported at once.
+pub(crate) fn take_port(port: u16) -> Result<TcpListener> {
+    TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
+        format!("port {port} can't be taken: name another one by --port, or use --no-serve")
+    })
+}
 
-impl Port {
-    /// Takes the requested port, or a free one for 0; `None` if nothing is to be served.
-    pub(crate) fn of(options: &ServeOptions) -> Result<Option<Self>> {
-        if options.no_serve {
-            return Ok(None);
+/// A running server, which ends when it is dropped.
+pub(crate) struct Server {
+    python: Child,
+    /// The address of its folder.
+    pub(crate) address: String,
+}
+
+impl Server {
+    /// Serves a folder at a port, which Python takes over.
+    pub(crate) fn start(port: TcpListener, folder: &Path) -> Result<Self> {
+        let port_number = port.local_addr()?.port();
+        drop(port);
+        let mut command = Command::new("python3");
+        command.args(["-c", SERVER, &port_number.to_string()]);
+        let python = command
+            .arg(folder)
+            .spawn()
+            .context("install python3, or serve the folder by another web server")?;
+        let mut server = Self {
+            python,
+            address: format!("http://localhost:{port_number}/"),
+        };
+        while TcpStream::connect((Ipv4Addr::LOCALHOST, port_number)).is_err() {
+            if let Some(status) = server.python.try_wait()? {
+                bail!("python3 serves no folder: it ended with {status}");
+            }
+            std::thread::sleep(Duration::from_millis(20));
         }
-        let port = options.port;
-        let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
-            format!("port {port} can't be taken: name another one by --port, or use --no-serve")
-        })?;
-        Ok(Some(Self(taken)))
+        Ok(server)
     }
 
     /// Serves until the program is stopped.
-    pub(crate) fn serve(self, folder: &Path) -> Result<()> {
-        let port = self.0.local_addr()?.port();
-        // Python takes it over.
-        drop(self.0);
-        println!("serving at http://localhost:{port}/ (Ctrl+C ends it)");
-        let help = "install python3, or serve the folder by another web server";
-        run(&mut server(port, folder)).context(help)
+    pub(crate) fn run(mut self) -> Result<()> {
+        println!("serving at {} (Ctrl+C ends it)", self.address);
+        self.python.wait()?;
+        Ok(())
     }
 }
 
-fn server(port: u16, folder: &Path) -> Command {
-    let mut python = Command::new("python3");
-    python.args(["-c", SERVER, &port.to_string()]).arg(folder);
-    python
+impl Drop for Server {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        drop(self.python.kill());
+        drop(self.python.wait());
+    }
 }
 
 #[cfg(test)]
@@ -66,8 +86,6 @@ mod tests {
     use std::{
         fs,
         io::{Read as _, Write as _},
-        net::TcpStream,
-        time::Duration,
     };
 
     #[test]
@@ -78,45 +96,27 @@ mod tests {
         fs::write(folder.path().join("secret"), "no").expect("written");
         fs::write(page.join("a.wasm"), "module").expect("written");
         fs::write(page.join("inner/index.html"), "<p>inside").expect("written");
-        let options = ServeOptions {
-            no_serve: false,
-            port: 0,
-        };
-        let port = Port::of(&options).expect("a port").expect("to serve");
-        let number = port.0.local_addr().expect("an address").port();
-        let taken = Port::of(&ServeOptions {
-            port: number,
-            ..options
-        })
-        .expect_err("taken");
+        let port = take_port(0).expect("a port");
+        let number = port.local_addr().expect("an address").port();
+        let taken = take_port(number).expect_err("taken");
         assert!(taken.to_string().contains("--port"), "{taken}");
-        drop(port);
-        let mut python = server(number, &page).spawn().expect("python3 starts");
-        let answer = |request: &str| {
-            let connected = (0..200).find_map(|_| {
-                std::thread::sleep(Duration::from_millis(50));
-                TcpStream::connect((Ipv4Addr::LOCALHOST, number)).ok()
-            });
-            let mut stream = connected.expect("connected");
-            write!(stream, "{request} HTTP/1.0\r\n\r\n").expect("sent");
+        let _server = Server::start(port, &page).expect("python3 starts");
+        let get = |target: &str| {
+            let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, number)).expect("connected");
+            write!(stream, "GET {target} HTTP/1.0\r\n\r\n").expect("sent");
             let mut out = String::new();
             stream.read_to_string(&mut out).expect("answered");
             out
         };
-        let module = answer("GET /a.wasm");
-        let inner = answer("GET /inner/?scene=cubes");
-        let refused = ["/b", "/../secret", "//etc/passwd", "/%2e%2e/secret"]
-            .map(|target| answer(&format!("GET {target}")));
-        python.kill().expect("it ran");
-        python.wait().expect("it ended");
-        assert!(
-            module.contains("application/wasm") && module.contains("no-store"),
-            "{module}"
-        );
+        let module = get("/a.wasm");
+        assert!(module.contains("application/wasm"), "{module}");
+        assert!(module.contains("Cache-Control: no-store"), "{module}");
         assert!(module.ends_with("module"), "{module}");
+        let inner = get("/inner/?scene=cubes");
         assert!(inner.ends_with("<p>inside"), "{inner}");
-        for refused in refused {
-            assert!(refused.contains(" 404 "), "{refused}");
+        for outside in ["/b", "/../secret", "//etc/passwd", "/%2e%2e/secret"] {
+            let refused = get(outside);
+            assert!(refused.contains(" 404 "), "{outside}: {refused}");
         }
     }
 }

@@ -6,14 +6,18 @@ mod stage;
 
 use crate::{
     cli::SiteOptions,
-    run::{Usage, root, run},
-    serve::Port,
+    run::{Usage, root, run, target_folder},
+    serve::{Server, take_port},
     tools::Tool,
     web,
 };
 use anyhow::{Context as _, Result};
 use links::MarkdownPages;
-use std::{fs, path::Path, process::Command};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 /// Makes pages of Markdown, with a list of them and a search. It is built without what it serves and watches with.
 const MDBOOK: Tool<'_> = Tool {
@@ -25,22 +29,18 @@ const MDBOOK: Tool<'_> = Tool {
     options: &["--no-default-features", "--features", "search"],
 };
 
-/// Checks the links of the pages that were built, since mdBook names headings by its own rules. Nothing is looked for in the network.
-const LYCHEE: Tool<'_> = Tool {
-    package: "lychee",
-    program: "lychee",
-    version: "0.24.2",
-    reason: "it checks the links of the pages that were built",
-    minutes: 6,
-    options: &["--no-default-features"],
-};
+/// Checks the links of the pages that were built, since mdBook names headings by its own rules. It is a Python package, which installs
+/// in seconds.
+const LINK_CHECKER: &str = "LinkChecker==10.6.0";
+/// Headings are checked, too. The viewer's page is not read.
+const LINK_RULES: &str = "[AnchorCheck]\n[checking]\nmaxrequestspersecond=1000\n[filtering]\nnofollow=\n  /viewer/\n[output]\nstatus=0\n";
 
 /// Marks a folder that holds a site, so that the next one may take its place.
 const MARK: &str = ".umbrage-site";
 
 /// Builds the site and, unless told otherwise, serves it until it is stopped.
 pub(crate) fn site(options: &SiteOptions) -> Result<()> {
-    let target = web::target_folder()?;
+    let target = target_folder()?;
     let out = match &options.out {
         Some(folder) => std::path::absolute(folder)
             .with_context(|| format!("cannot find {}", folder.display()))?,
@@ -50,9 +50,13 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
     // Faults of pages and port are reported before minutes of building.
     let pages = MarkdownPages::read(root())?;
     pages.check(root())?;
-    let port = Port::of(&options.serve)?;
+    let port = take_port(if options.serve.no_serve {
+        0
+    } else {
+        options.serve.port
+    })?;
     let mdbook = MDBOOK.find_or_install(&target)?;
-    let lychee = LYCHEE.find_or_install(&target)?;
+    let link_checker = find_or_install_link_checker(&target)?;
     let has_viewer = !options.without_viewer;
     let staged = target.join("site-pages");
     empty(&staged)?;
@@ -68,17 +72,40 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
     if has_viewer {
         web::build_page(&target, &out.join(stage::VIEWER))?;
     }
-    let mut links = Command::new(lychee);
-    links.args(["--offline", "--include-fragments", "--no-progress"]);
-    // The page for addresses that do not exist names its files from the site's top.
-    links.arg("--root-dir").arg(&out);
-    links.args(["--exclude-path", &format!("/{}/", stage::VIEWER)]);
-    run(links.arg(&out)).context("links of the pages that were built are broken")?;
+    let server = Server::start(port, &out)?;
+    let rules = target.join("linkcheckerrc");
+    fs::write(&rules, LINK_RULES)?;
+    let mut check = Command::new(link_checker);
+    check.arg("--config").arg(&rules).arg(&server.address);
+    run(&mut check).context("links of the pages that were built are broken")?;
     println!(
         "the site is in {}: all links lead to something",
         out.display()
     );
-    port.map_or(Ok(()), |port| port.serve(&out))
+    match options.serve.no_serve {
+        true => Ok(()),
+        false => server.run(),
+    }
+}
+
+/// Returns LinkChecker of that version, in an environment of its own.
+fn find_or_install_link_checker(target: &Path) -> Result<PathBuf> {
+    let folder = target.join("tools").join(LINK_CHECKER);
+    let programs = folder.join(if cfg!(windows) { "Scripts" } else { "bin" });
+    let program = programs.join("linkchecker");
+    if Command::new(&program).arg("--version").output().is_ok() {
+        return Ok(program);
+    }
+    println!(
+        "installing {LINK_CHECKER} into {}, once: about 10 s; it checks the links of the pages that were built",
+        folder.display()
+    );
+    let mut environment = Command::new("python3");
+    run(environment.args(["-m", "venv"]).arg(&folder))
+        .context("install python3 with its module venv (Debian's package python3-venv)")?;
+    let mut install = Command::new(programs.join("pip"));
+    run(install.args(["install", "--quiet", LINK_CHECKER])).context("connect to pypi.org")?;
+    Ok(program)
 }
 
 /// Refuses a folder with files that are not an earlier site's, since those would be lost.

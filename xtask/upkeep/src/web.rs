@@ -3,8 +3,8 @@
 use crate::{
     ci::{BROWSER_TARGET, install_browser_target},
     cli::WebOptions,
-    run::{cargo, root, run},
-    serve::Port,
+    run::{cargo, root, run, target_folder},
+    serve::{Server, take_port},
     tools::Tool,
 };
 use anyhow::{Context as _, Result, bail};
@@ -43,10 +43,16 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
         None => target.join("web"),
     };
     // A port that is taken is reported before minutes of building.
-    let port = Port::of(&options.serve)?;
+    let serve = &options.serve;
+    let port = (!serve.no_serve)
+        .then(|| take_port(serve.port))
+        .transpose()?;
     build_page(&target, &out)?;
     println!("the page is in {}", out.display());
-    port.map_or(Ok(()), |port| port.serve(&out))
+    match port {
+        Some(port) => Server::start(port, &out)?.run(),
+        None => Ok(()),
+    }
 }
 
 /// Builds the page into a folder.
@@ -68,19 +74,6 @@ pub(crate) fn build_page(target: &Path, out: &Path) -> Result<()> {
         copy(&root().join(picture), &pictures)?;
     }
     print_sizes(out)
-}
-
-/// Returns cargo's target folder.
-pub(crate) fn target_folder() -> Result<PathBuf> {
-    let output = cargo()
-        .args(["metadata", "--format-version", "1", "--no-deps"])
-        .output()?;
-    let metadata: serde_json::Value =
-        serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
-    let folder = metadata["target_directory"].as_str();
-    Ok(PathBuf::from(
-        folder.context("cargo metadata names no target folder")?,
-    ))
 }
 
 /// Writes the module that browsers load, and the script that loads it.

@@ -67,15 +67,19 @@ impl<'a> FileBytes<'a> {
         Some(self.fetched[buffer].as_ref()?.slice())
     }
 
-    /// Returns the bytes of a view from `start` to its end, after a check that so many elements are in them.
+    /// Returns the bytes of so many elements of a view, from `start` on.
     pub(super) fn elements(
         &mut self,
         view: &View<'_>,
         start: usize,
-        stride: usize,
         size: usize,
         count: usize,
     ) -> Result<&[u8], Invalid> {
+        let stride = view.stride().unwrap_or(size);
+        if stride < size {
+            let why = format!("is {stride}, less than an element's {size} bytes");
+            return Err(broken("the stride of its view", why));
+        }
         let bytes = self.view(view)?;
         let Some(before_last) = count.checked_sub(1) else {
             return Ok(&[]);
