@@ -89,14 +89,14 @@ impl Stage {
     /// Panics if the scene is invalid: it is written in this crate, and a test builds each.
     pub(crate) fn shoot(
         self,
-        eye: Vec3,
-        target: Vec3,
+        eye: impl Into<Vec3>,
+        target: impl Into<Vec3>,
         fov_y_degrees: f32,
         size: [u32; 2],
     ) -> Scene {
         let shot = Shot {
-            eye,
-            target,
+            eye: eye.into(),
+            target: target.into(),
             up: Vec3::Y,
             fov_y: fov_y_degrees.to_radians(),
             size: UVec2::from(size),

@@ -2,7 +2,7 @@
 
 use crate::{
     cli::{CiOptions, DriverTests, TestOptions},
-    run::{cargo, root, run},
+    run::{cargo, metadata, root, run},
     test, tidy,
 };
 use anyhow::{Context as _, Result, bail};
@@ -213,11 +213,7 @@ pub(crate) struct Published {
 
 /// Returns all packages that don't say `publish = false`.
 pub(crate) fn published() -> Result<Vec<Published>> {
-    let output = cargo()
-        .args(["metadata", "--format-version", "1", "--no-deps"])
-        .output()?;
-    let metadata: serde_json::Value =
-        serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
+    let metadata = metadata()?;
     let packages = metadata["packages"]
         .as_array()
         .context("cargo metadata names no packages")?;

@@ -11,6 +11,7 @@ mod ci;
 mod cli;
 mod release;
 mod run;
+mod serve;
 mod site;
 mod swiftshader;
 mod test;

@@ -3,12 +3,12 @@
 use crate::{
     ci::{Step, published, run_all},
     cli::{ReleaseOptions, ReleaseStep},
-    run::{cargo, root, run},
-    web::{build_page, target_folder},
+    run::{cargo, root, run, target_folder},
+    web::build_page,
 };
 use anyhow::{Context as _, Result, bail};
 use clap::ValueEnum as _;
-use std::{fs, process::Command};
+use std::process::Command;
 
 /// For Miri:
 /// * tests read snapshots and tell the time;
@@ -52,20 +52,21 @@ pub(crate) fn release_check(options: &ReleaseOptions) -> Result<()> {
     run_all(steps)
 }
 
-/// Checks that the workspace compiles with the Rust that its manifest names as the oldest.
+/// The oldest Rust that the workspace's manifest names.
+const OLDEST_RUST: &str = env!("CARGO_PKG_RUST_VERSION");
+
+/// Checks that the workspace compiles with that Rust.
 fn oldest_rust() -> Result<()> {
-    let manifest = fs::read_to_string(root().join("Cargo.toml"))?;
-    let version = oldest(&manifest)?;
-    println!("the manifest names Rust {version}");
+    println!("the manifest names Rust {OLDEST_RUST}");
     let told = cargo().arg("--version").output()?.stdout;
-    let mut check = if is_of(&String::from_utf8_lossy(&told), version) {
+    let mut check = if is_of(&String::from_utf8_lossy(&told), OLDEST_RUST) {
         println!("it is the Rust that runs this");
         cargo()
     } else {
         // The cargo that runs this program is of one toolchain; rustup's chooses another.
         let mut rustup = Command::new("rustup");
         rustup.current_dir(root());
-        rustup.args(["run", "--install", version, "cargo"]);
+        rustup.args(["run", "--install", OLDEST_RUST, "cargo"]);
         rustup
     };
     check.args([
@@ -85,15 +86,6 @@ fn is_of(told: &str, version: &str) -> bool {
     let number = number.split_whitespace().next().unwrap_or_default();
     let rest = number.strip_prefix(version);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.')) && !number.contains('-')
-}
-
-/// Returns the `rust-version` that a manifest names.
-fn oldest(manifest: &str) -> Result<&str> {
-    let value = manifest
-        .lines()
-        .find_map(|line| line.strip_prefix("rust-version = "))
-        .context("the workspace's manifest names no rust-version")?;
-    Ok(value.trim().trim_matches('"'))
 }
 
 /// Checks licences, known vulnerabilities, sources and bans of all dependencies: see `deny.toml`.
@@ -205,14 +197,7 @@ fn needs(command: &str, package: &str) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_of, oldest};
-
-    #[test]
-    fn the_oldest_rust_is_the_manifests() {
-        let manifest = "[workspace.package]\nedition = \"2024\"\nrust-version = \"1.95\"\n";
-        assert_eq!(oldest(manifest).expect("named"), "1.95");
-        assert!(oldest("[workspace]").is_err());
-    }
+    use super::is_of;
 
     #[test]
     fn corrections_of_a_version_are_of_it() {

@@ -1,7 +1,11 @@
 //! Runs other programs.
 
 use anyhow::{Context as _, Result, bail};
-use std::{ffi::OsString, path::Path, process::Command};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 /// The user asked for something that doesn't exist; the program ends with code 2.
 #[derive(Debug)]
@@ -27,6 +31,21 @@ pub(crate) fn cargo() -> Command {
 pub(crate) fn root() -> &'static Path {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     package.ancestors().nth(2).unwrap_or(package)
+}
+
+/// Returns cargo's description of the workspace.
+pub(crate) fn metadata() -> Result<serde_json::Value> {
+    let arguments = ["metadata", "--format-version", "1", "--no-deps"];
+    let output = cargo().args(arguments).output()?;
+    serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")
+}
+
+/// Returns cargo's target folder.
+pub(crate) fn target_folder() -> Result<PathBuf> {
+    let metadata = metadata()?;
+    let folder = metadata["target_directory"].as_str();
+    let folder = folder.context("cargo metadata names no target folder")?;
+    Ok(PathBuf::from(folder))
 }
 
 /// A program of ours that cargo has built beside this one.

@@ -1,20 +1,23 @@
 //! The documentation as a site: the pages of `docs` by mdBook, with the viewer in a folder beside them.
 
-mod built;
 mod links;
-mod page;
 mod source;
 mod stage;
 
 use crate::{
     cli::SiteOptions,
-    run::{Usage, root, run},
+    run::{Usage, root, run, target_folder},
+    serve::{Server, take_port},
     tools::Tool,
-    web::{self, server},
+    web,
 };
 use anyhow::{Context as _, Result};
 use links::MarkdownPages;
-use std::{fs, path::Path, process::Command};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 /// Makes pages of Markdown, with a list of them and a search. It is built without what it serves and watches with.
 const MDBOOK: Tool<'_> = Tool {
@@ -22,26 +25,38 @@ const MDBOOK: Tool<'_> = Tool {
     program: "mdbook",
     version: "0.5.4",
     reason: "it makes the pages; another version may name headings otherwise",
+    minutes: 2,
     options: &["--no-default-features", "--features", "search"],
 };
+
+/// Checks the links of the pages that were built, since mdBook names headings by its own rules. It is a Python package, which installs
+/// in seconds.
+const LINK_CHECKER: &str = "LinkChecker==10.6.0";
+/// Headings are checked, too. The viewer's page is not read.
+const LINK_RULES: &str = "[AnchorCheck]\n[checking]\nmaxrequestspersecond=1000\n[filtering]\nnofollow=\n  /viewer/\n[output]\nstatus=0\n";
 
 /// Marks a folder that holds a site, so that the next one may take its place.
 const MARK: &str = ".umbrage-site";
 
 /// Builds the site and, unless told otherwise, serves it until it is stopped.
 pub(crate) fn site(options: &SiteOptions) -> Result<()> {
-    let target = web::target_folder()?;
+    let target = target_folder()?;
     let out = match &options.out {
         Some(folder) => std::path::absolute(folder)
             .with_context(|| format!("cannot find {}", folder.display()))?,
         None => target.join("site"),
     };
     check_out(&out)?;
-    // What is wrong with pages or port is told before minutes of building.
+    // Faults of pages and port are reported before minutes of building.
     let pages = MarkdownPages::read(root())?;
     pages.check(root())?;
-    let listener = server::listener(&options.serve)?;
+    let port = take_port(if options.serve.no_serve {
+        0
+    } else {
+        options.serve.port
+    })?;
     let mdbook = MDBOOK.find_or_install(&target)?;
+    let link_checker = find_or_install_link_checker(&target)?;
     let has_viewer = !options.without_viewer;
     let staged = target.join("site-pages");
     empty(&staged)?;
@@ -57,15 +72,40 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
     if has_viewer {
         web::build_page(&target, &out.join(stage::VIEWER))?;
     }
-    let count = built::check(&out, stage::VIEWER)?;
+    let server = Server::start(port, &out)?;
+    let rules = target.join("linkcheckerrc");
+    fs::write(&rules, LINK_RULES)?;
+    let mut check = Command::new(link_checker);
+    check.arg("--config").arg(&rules).arg(&server.address);
+    run(&mut check).context("links of the pages that were built are broken")?;
     println!(
-        "the site is in {}: {count} pages, all links lead to something",
+        "the site is in {}: all links lead to something",
         out.display()
     );
-    match listener {
-        Some(listener) => server::serve(&listener, &out),
-        None => Ok(()),
+    match options.serve.no_serve {
+        true => Ok(()),
+        false => server.run(),
     }
+}
+
+/// Returns LinkChecker of that version, in an environment of its own.
+fn find_or_install_link_checker(target: &Path) -> Result<PathBuf> {
+    let folder = target.join("tools").join(LINK_CHECKER);
+    let programs = folder.join(if cfg!(windows) { "Scripts" } else { "bin" });
+    let program = programs.join("linkchecker");
+    if Command::new(&program).arg("--version").output().is_ok() {
+        return Ok(program);
+    }
+    println!(
+        "installing {LINK_CHECKER} into {}, once: about 10 s; it checks the links of the pages that were built",
+        folder.display()
+    );
+    let mut environment = Command::new("python3");
+    run(environment.args(["-m", "venv"]).arg(&folder))
+        .context("install python3 with its module venv (Debian's package python3-venv)")?;
+    let mut install = Command::new(programs.join("pip"));
+    run(install.args(["install", "--quiet", LINK_CHECKER])).context("connect to pypi.org")?;
+    Ok(program)
 }
 
 /// Refuses a folder with files that are not an earlier site's, since those would be lost.

@@ -3,7 +3,10 @@
 //! Debian's package of Chromium's common files holds it. The browser isn't needed: the driver's library is taken out of the
 //! package and put into cargo's target folder. Nothing is installed.
 
-use crate::{adapter, run::run};
+use crate::{
+    adapter,
+    run::{run, target_folder},
+};
 use anyhow::{Context as _, Result, bail, ensure};
 use std::{
     ffi::OsStr,
@@ -93,14 +96,9 @@ fn is_ours(adapter: &str) -> bool {
     adapter.contains(ADAPTER)
 }
 
-/// Returns the driver's folder: beside the folder of this program, in cargo's target folder.
+/// Returns the driver's folder, in cargo's target folder.
 fn folder() -> Result<PathBuf> {
-    let program = std::env::current_exe().context("this program does not know where it is")?;
-    let target = program
-        .parent()
-        .and_then(Path::parent)
-        .context("this program is not in cargo's target folder")?;
-    Ok(target.join("swiftshader"))
+    Ok(target_folder()?.join("swiftshader"))
 }
 
 /// Returns the text of the manifest. Vulkan's loader takes the library's path as it is here.

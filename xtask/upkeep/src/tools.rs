@@ -1,4 +1,5 @@
-//! Programs of others that commands need, each of one version, kept in cargo's target folder.
+//! Third-party programs that commands need: each of one version, installed into cargo's target folder when it is first used. CI
+//! uses none of them.
 
 use crate::run::{cargo, run};
 use anyhow::{Context as _, Result};
@@ -16,6 +17,8 @@ pub(crate) struct Tool<'a> {
     pub(crate) version: &'a str,
     /// What it is needed for, and why in that version, for the one who waits.
     pub(crate) reason: &'a str,
+    /// Minutes that installing takes on two cores.
+    pub(crate) minutes: u32,
     /// Further options of `cargo install`.
     pub(crate) options: &'a [&'a str],
 }
@@ -32,12 +35,15 @@ impl Tool<'_> {
             }
         }
         let Self {
-            program, version, ..
+            program,
+            version,
+            minutes,
+            reason,
+            ..
         } = self;
         println!(
-            "installing {program} {version} into {}: {}",
-            tools.display(),
-            self.reason
+            "installing {program} {version} into {}, once: about {minutes} min on two cores; {reason}",
+            tools.display()
         );
         let install = |how: &[&str]| {
             let mut install = cargo();

@@ -1,11 +1,10 @@
 //! The viewer as a page: built, made small, and served.
 
-pub(crate) mod server;
-
 use crate::{
     ci::{BROWSER_TARGET, install_browser_target},
     cli::WebOptions,
-    run::{cargo, root, run},
+    run::{cargo, root, run, target_folder},
+    serve::{Server, take_port},
     tools::Tool,
 };
 use anyhow::{Context as _, Result, bail};
@@ -43,12 +42,15 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
         Some(folder) => folder.clone(),
         None => target.join("web"),
     };
-    // A port that is taken is told before minutes of building.
-    let listener = server::listener(&options.serve)?;
+    // A port that is taken is reported before minutes of building.
+    let serve = &options.serve;
+    let port = (!serve.no_serve)
+        .then(|| take_port(serve.port))
+        .transpose()?;
     build_page(&target, &out)?;
     println!("the page is in {}", out.display());
-    match listener {
-        Some(listener) => server::serve(&listener, &out),
+    match port {
+        Some(port) => Server::start(port, &out)?.run(),
         None => Ok(()),
     }
 }
@@ -74,19 +76,6 @@ pub(crate) fn build_page(target: &Path, out: &Path) -> Result<()> {
     print_sizes(out)
 }
 
-/// Returns cargo's target folder.
-pub(crate) fn target_folder() -> Result<PathBuf> {
-    let output = cargo()
-        .args(["metadata", "--format-version", "1", "--no-deps"])
-        .output()?;
-    let metadata: serde_json::Value =
-        serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
-    let folder = metadata["target_directory"].as_str();
-    Ok(PathBuf::from(
-        folder.context("cargo metadata names no target folder")?,
-    ))
-}
-
 /// Writes the module that browsers load, and the script that loads it.
 fn bind(target: &Path, wasm: &Path, out: &Path) -> Result<()> {
     let mut command = Command::new(bindgen(target)?);
@@ -104,6 +93,7 @@ fn bindgen(target: &Path) -> Result<PathBuf> {
         program: "wasm-bindgen",
         version: &version,
         reason: "it writes the script that loads the viewer, and must be of the version in Cargo.lock",
+        minutes: 3,
         options: &[],
     };
     tool.find_or_install(target)

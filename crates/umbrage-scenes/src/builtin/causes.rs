@@ -14,21 +14,16 @@ pub(crate) fn acne() -> Scene {
     Stage::new("cause-acne")
         .put(floor(5.0))
         .light(sun(1.0, -0.8, 0.3))
-        .shoot(Vec3::new(0.5, 3.0, 3.5), Vec3::ZERO, 36.0, SIZE)
+        .shoot([0.5, 3.0, 3.5], Vec3::ZERO, 36.0, SIZE)
 }
 
 /// The foot of a plate 1 cm thick, seen from its dark side; where its shadow ends is out of view.
 pub(crate) fn gap() -> Scene {
     Stage::new("cause-gap")
         .put(floor(4.0))
-        .put(block(Vec3::new(-0.01, 0.0, -3.0), Vec3::new(0.0, 2.0, 3.0)))
+        .put(block([-0.01, 0.0, -3.0], [0.0, 2.0, 3.0]))
         .light(sun(1.0, -1.0, 0.1))
-        .shoot(
-            Vec3::new(1.1, 0.9, 0.0),
-            Vec3::new(0.3, 0.0, 0.0),
-            30.0,
-            SIZE,
-        )
+        .shoot([1.1, 0.9, 0.0], [0.3, 0.0, 0.0], 30.0, SIZE)
 }
 
 /// A floor wholly in the shadow of a sheet high above it.
@@ -37,7 +32,7 @@ pub(crate) fn leak() -> Scene {
         .put(floor(6.0))
         .put(sheet([-5.0, 5.0], [-5.0, 5.0], 2.0))
         .light(sun(0.2, -1.0, 0.1))
-        .shoot(Vec3::new(0.5, 1.5, 2.5), Vec3::ZERO, 30.0, SIZE)
+        .shoot([0.5, 1.5, 2.5], Vec3::ZERO, 30.0, SIZE)
 }
 
 /// The edge of a sheet's hard shadow.
@@ -62,10 +57,5 @@ fn under_sheet(name: &str, light: Light) -> Scene {
         .put(floor(4.0))
         .put(sheet([-1.5, 0.0], [-1.5, 1.5], 1.0))
         .light(light)
-        .shoot(
-            Vec3::new(2.2, 0.8, 0.6),
-            Vec3::new(0.2, 0.0, 0.0),
-            32.0,
-            SIZE,
-        )
+        .shoot([2.2, 0.8, 0.6], [0.2, 0.0, 0.0], 32.0, SIZE)
 }

@@ -27,12 +27,7 @@ pub(crate) fn figure() -> Scene {
             outer,
             radius: 0.0,
         })
-        .shoot(
-            Vec3::new(1.6, 1.9, 4.2),
-            Vec3::new(0.5, 0.75, -0.2),
-            40.0,
-            SIZE,
-        )
+        .shoot([1.6, 1.9, 4.2], [0.5, 0.75, -0.2], 40.0, SIZE)
 }
 
 const SHIRT: [f32; 3] = [0.09, 0.25, 0.48];
@@ -56,17 +51,14 @@ fn limb(points: &[[f32; 3]], radii: [f32; 2]) -> Mesh {
 }
 
 fn foot(x: f32) -> Mesh {
-    block(
-        Vec3::new(x - 0.05, 0.0, -0.08),
-        Vec3::new(x + 0.05, 0.07, 0.18),
-    )
+    block([x - 0.05, 0.0, -0.08], [x + 0.05, 0.07, 0.18])
 }
 
 /// Returns the parts of a body, 1.8 m tall, facing +z, one arm raised.
 fn body() -> [Mesh; CLOTHES.len()] {
     [
         torso(),
-        icosphere(Vec3::new(0.0, 1.66, 0.02), 0.13, 3),
+        icosphere([0.0, 1.66, 0.02], 0.13, 3),
         limb(&[[0.0, 1.4, 0.0], [0.0, 1.6, 0.01]], [0.06, 0.055]),
         limb(
             &[[-0.1, 0.86, 0.0], [-0.12, 0.47, 0.03], [-0.13, 0.05, 0.0]],
@@ -84,8 +76,8 @@ fn body() -> [Mesh; CLOTHES.len()] {
             &[[0.2, 1.42, 0.0], [0.42, 1.5, 0.04], [0.52, 1.8, 0.08]],
             [0.055, 0.035],
         ),
-        icosphere(Vec3::new(-0.275, 0.82, 0.13), 0.05, 2),
-        icosphere(Vec3::new(0.535, 1.85, 0.085), 0.05, 2),
+        icosphere([-0.275, 0.82, 0.13], 0.05, 2),
+        icosphere([0.535, 1.85, 0.085], 0.05, 2),
         foot(-0.13),
         foot(0.13),
     ]

@@ -21,12 +21,7 @@ pub(crate) fn teapot_lamp() -> Scene {
         .into_iter()
         .fold(stage, glazed)
         .light(light)
-        .shoot(
-            Vec3::new(5.0, 5.2, 9.0),
-            Vec3::new(0.0, 1.0, 0.0),
-            36.0,
-            [320, 240],
-        )
+        .shoot([5.0, 5.2, 9.0], [0.0, 1.0, 0.0], 36.0, [320, 240])
 }
 
 fn body() -> Mesh {

@@ -45,12 +45,7 @@ pub(crate) fn textbook_room() -> Scene {
         .put_many(block(Vec3::NEG_ONE, Vec3::ONE), places)
         .look(wood())
         .light(bulb(0.0, 0.0, 0.0))
-        .shoot(
-            Vec3::new(0.6, 0.9, 4.8),
-            Vec3::new(-0.1, 0.0, 0.0),
-            72.0,
-            SIZE,
-        )
+        .shoot([0.6, 0.9, 4.8], [-0.1, 0.0, 0.0], 72.0, SIZE)
 }
 
 /// A brick wall with a normal map, the lamp half a metre before it: the wall's relief shows by shading alone, while a shelf
@@ -72,16 +67,11 @@ pub(crate) fn textbook_wall() -> Scene {
             Vec2::new(3.0, 1.6),
         ))
         .look(wood())
-        .put(block(Vec3::new(0.4, 1.0, 0.0), Vec3::new(1.5, 1.06, 0.3)))
+        .put(block([0.4, 1.0, 0.0], [1.5, 1.06, 0.3]))
         .put_many(
             pillar(0.05, 1.2, 24),
             [Affine3A::from_translation(Vec3::new(-0.8, 0.0, 0.3))],
         )
         .light(bulb(-0.2, 1.7, 0.5))
-        .shoot(
-            Vec3::new(0.8, 1.6, 3.6),
-            Vec3::new(0.0, 1.1, 0.0),
-            46.0,
-            SIZE,
-        )
+        .shoot([0.8, 1.6, 3.6], [0.0, 1.1, 0.0], 46.0, SIZE)
 }

@@ -7,7 +7,7 @@ use crate::{
     lone_model::{FOV_Y_DEGREES, SIZE},
 };
 use umbrage_core::glam::{UVec2, Vec3};
-use umbrage_core::{Anchor, Camera, Geometry, invalid};
+use umbrage_core::{Anchor, Camera, Geometry, MAX_SIDE, invalid};
 
 const KEYS: &[&str] = &[
     "eye",
@@ -78,7 +78,7 @@ fn size(table: &Table<'_>) -> Result<UVec2, SceneError> {
     let sides: Vec<u32> = item
         .list(2, "[width, height]")?
         .iter()
-        .map(|side| side.pixels())
+        .map(|side| side.whole(1..=MAX_SIDE))
         .collect::<Result<_, _>>()?;
     Ok(UVec2::from_slice(&sides))
 }

@@ -46,7 +46,7 @@ fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, Sc
     root.only(&["anchor", "camera", "between"])?;
     let anchor = root.anchor()?;
     let between = match root.get("between") {
-        Some(item) => item.whole(MAX_BETWEEN)?,
+        Some(item) => item.whole(0..=MAX_BETWEEN)?,
         None => 0,
     };
     let poses = root

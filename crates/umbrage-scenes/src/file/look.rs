@@ -163,7 +163,8 @@ fn displacement(
             "add height_map = \"heights.png\"",
         )),
         (Some(texture), [_, Some(metres), subdivisions]) => {
-            let subdivisions = subdivisions.map_or(Ok(0), |item| item.whole(MAX_SUBDIVISIONS))?;
+            let subdivisions =
+                subdivisions.map_or(Ok(0), |item| item.whole(0..=MAX_SUBDIVISIONS))?;
             Ok(Some(Displacement {
                 texture,
                 lambda: metres.number()?,
@@ -224,7 +225,7 @@ fn shininess(table: &Table<'_>) -> Result<Option<u32>, SceneError> {
         return Ok(None);
     };
     let most = 1 << MAX_SHININESS_LOG2;
-    let power = item.whole(most)?;
+    let power = item.whole(0..=most)?;
     let help = format!("use a power of two: 1, 2, 4, 8 and so on to {most}");
     item.require(power.is_power_of_two(), &format!("is {power}"), &help)?;
     Ok(Some(power.trailing_zeros()))

@@ -166,7 +166,7 @@ fn faults_name_the_line_and_the_key() {
         ),
         (
             "shininess = 8192",
-            "`object.shininess`: is 8192; use a whole number from 0 to 4096",
+            "`object.shininess`: holds 8192; use a whole number from 0 to 4096",
         ),
         (
             "shininess = 0",
@@ -215,11 +215,9 @@ fn faults_name_the_line_and_the_key() {
             .contains("can't be read as a PNG image")
     );
     let deep = "shape = \"box\"\nheight_map = \"heights.png\"\ndisplacement = 1\nsubdivisions = 9";
-    assert!(
-        message(deep).starts_with(
-            "scene.toml:8: `object.subdivisions`: is 9; use a whole number from 0 to 8"
-        )
-    );
+    assert!(message(deep).starts_with(
+        "scene.toml:8: `object.subdivisions`: holds 9; use a whole number from 0 to 8"
+    ));
     let beyond = "shape = \"box\"\nalpha_map = \"heights.png\"\nalpha_cutoff = 2";
     assert!(message(beyond).starts_with("scene.toml:7: `object.alpha_cutoff`: is 2; use 0 to 1"));
     let unknown = "shape = \"box\"\nalpha_map = \"heights.png\"\nalpha_filter = \"hash\"";

@@ -2,7 +2,7 @@
 
 use super::table::{Item, Table};
 use crate::SceneError;
-use std::str::FromStr;
+use std::{ops::RangeInclusive, str::FromStr};
 use toml::de::DeValue;
 use umbrage_core::glam::{DVec3, Vec3};
 use umbrage_core::{Anchor, Invalid, invalid};
@@ -43,47 +43,35 @@ impl Item<'_> {
         Ok(number)
     }
 
-    /// A whole number of pixels.
-    pub(super) fn pixels(&self) -> Result<u32, SceneError> {
-        let most = umbrage_core::MAX_SIDE;
-        let help = format!("use whole numbers from 1 to {most}");
+    /// A whole number in a range.
+    pub(super) fn whole(&self, range: RangeInclusive<u32>) -> Result<u32, SceneError> {
+        let help = format!(
+            "use a whole number from {} to {}",
+            range.start(),
+            range.end()
+        );
         let DeValue::Integer(i) = self.value else {
             return Err(self.wrong_type("a whole number", &help));
         };
-        let number = u32::from_str_radix(i.as_str(), i.radix())
-            .ok()
-            .filter(|n| (1..=most).contains(n));
+        let number = u32::from_str_radix(i.as_str(), i.radix());
+        let number = number.ok().filter(|n| range.contains(n));
         number.ok_or_else(|| self.fault(&format!("holds {i}"), &help))
     }
 
-    /// A whole number of 0 to `most`.
-    pub(super) fn whole(&self, most: u32) -> Result<u32, SceneError> {
-        let help = format!("use a whole number from 0 to {most}");
-        let DeValue::Integer(i) = self.value else {
-            return Err(self.wrong_type("a whole number", &help));
-        };
-        let number = u32::from_str_radix(i.as_str(), i.radix())
-            .ok()
-            .filter(|n| *n <= most);
-        number.ok_or_else(|| self.fault(&format!("is {i}"), &help))
-    }
-
     pub(super) fn vec3(&self) -> Result<Vec3, SceneError> {
-        let numbers: Vec<f32> = self
-            .list(3, TRIPLE)?
-            .iter()
-            .map(Item::number)
-            .collect::<Result<_, _>>()?;
-        Ok(Vec3::from_slice(&numbers))
+        self.triple(Item::number).map(Vec3::from_array)
     }
 
     fn wide_vec3(&self) -> Result<DVec3, SceneError> {
-        let numbers: Vec<f64> = self
-            .list(3, TRIPLE)?
-            .iter()
-            .map(Item::wide_number)
-            .collect::<Result<_, _>>()?;
-        Ok(DVec3::from_slice(&numbers))
+        self.triple(Item::wide_number).map(DVec3::from_array)
+    }
+
+    fn triple<T>(
+        &self,
+        number: impl Fn(&Self) -> Result<T, SceneError>,
+    ) -> Result<[T; 3], SceneError> {
+        let items = self.list(3, TRIPLE)?;
+        Ok([number(&items[0])?, number(&items[1])?, number(&items[2])?])
     }
 
     /// A position in world space, relative to an anchor.

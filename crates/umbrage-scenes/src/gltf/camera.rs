@@ -6,82 +6,67 @@ use gltf::{
     Camera as FileCamera,
     camera::{Orthographic, Perspective, Projection},
 };
-use umbrage_core::glam::{Affine3A, DVec3, Mat4, UVec2, Vec3, Vec4};
+use umbrage_core::glam::{Affine3A, DVec3, Mat4, UVec2, Vec4};
 use umbrage_core::light_space::{Extents, look_along, orthographic, perspective};
 use umbrage_core::{Camera, Invalid, MAX_SIDE, invalid};
 
-/// Returns the camera that a node holds. The picture is as high as that of a model without a camera, and as wide as the camera's sides ask
-/// for.
+/// Returns the camera that a node holds. Its image has the height of that of a model without a camera, and the camera's aspect ratio.
 pub(super) fn camera(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {
-    made(camera, node).map_err(|e| e.within(told("camera", camera.index(), camera.name())))
+    read(camera, node).map_err(|e| e.within(told("camera", camera.index(), camera.name())))
 }
 
-fn made(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {
-    let pose = Pose {
-        eye: node.position()?,
-        forward: node.direction(DVec3::NEG_Z)?,
-        up: node.direction(DVec3::Y)?,
-    };
+fn read(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {
+    let eye = node.position()?;
+    let forward = node.direction(DVec3::NEG_Z)?;
+    let up = node.direction(DVec3::Y)?;
     // The document was checked to have the projection that the camera's type names.
-    match camera.projection() {
-        Projection::Perspective(file) => pose.perspective(&file),
-        Projection::Orthographic(file) => pose.orthographic(&file),
-    }
+    let (clip_from_view, size) = match camera.projection() {
+        Projection::Perspective(file) => perspective_of(&file)?,
+        Projection::Orthographic(file) => orthographic_of(&file)?,
+    };
+    let view_from_world = look_along(eye, forward, up)?;
+    let world_from_view = view_from_world.as_dmat4().inverse().as_mat4();
+    let camera = Camera {
+        world_from_view: Affine3A::from_mat4(world_from_view),
+        clip_from_view,
+        size,
+    };
+    camera.validate()?;
+    Ok(camera)
 }
 
-/// Where a camera stands and looks.
-struct Pose {
-    eye: Vec3,
-    forward: Vec3,
-    up: Vec3,
+fn perspective_of(file: &Perspective<'_>) -> Result<(Mat4, UVec2), Invalid> {
+    let size = match file.aspect_ratio() {
+        Some(aspect) => size_of(aspect)?,
+        None => SIZE,
+    };
+    let near = file.znear();
+    invalid::positive("znear", near)?;
+    // Without a far plane any will do for now.
+    let far = file.zfar().unwrap_or(2.0 * near);
+    let aspect = size.x as f32 / size.y as f32;
+    let mut clip_from_view = perspective(file.yfov(), aspect, near, far)?;
+    if file.zfar().is_none() {
+        // The limit of the usual rows for depth as far grows: depth is 1 - near / distance.
+        clip_from_view.z_axis = Vec4::new(0.0, 0.0, -1.0, -1.0);
+        clip_from_view.w_axis = Vec4::new(0.0, 0.0, -near, 0.0);
+    }
+    Ok((clip_from_view, size))
 }
 
-impl Pose {
-    fn perspective(&self, file: &Perspective<'_>) -> Result<Camera, Invalid> {
-        let size = match file.aspect_ratio() {
-            Some(aspect) => size_of(aspect)?,
-            None => SIZE,
-        };
-        let near = file.znear();
-        invalid::positive("znear", near)?;
-        // Without a far plane any will do for now.
-        let far = file.zfar().unwrap_or(2.0 * near);
-        let aspect = size.x as f32 / size.y as f32;
-        let mut clip_from_view = perspective(file.yfov(), aspect, near, far)?;
-        if file.zfar().is_none() {
-            // The limit of the usual rows for depth as far grows: depth is 1 - near / distance.
-            clip_from_view.z_axis = Vec4::new(0.0, 0.0, -1.0, -1.0);
-            clip_from_view.w_axis = Vec4::new(0.0, 0.0, -near, 0.0);
-        }
-        self.camera(clip_from_view, size)
-    }
-
-    fn orthographic(&self, file: &Orthographic<'_>) -> Result<Camera, Invalid> {
-        invalid::positive("xmag", file.xmag())?;
-        invalid::positive("ymag", file.ymag())?;
-        let extents = Extents {
-            left: -file.xmag(),
-            right: file.xmag(),
-            bottom: -file.ymag(),
-            top: file.ymag(),
-            near: file.znear(),
-            far: file.zfar(),
-        };
-        let size = size_of(file.xmag() / file.ymag())?;
-        self.camera(orthographic(extents)?, size)
-    }
-
-    fn camera(&self, clip_from_view: Mat4, size: UVec2) -> Result<Camera, Invalid> {
-        let view_from_world = look_along(self.eye, self.forward, self.up)?;
-        let world_from_view = view_from_world.as_dmat4().inverse().as_mat4();
-        let camera = Camera {
-            world_from_view: Affine3A::from_mat4(world_from_view),
-            clip_from_view,
-            size,
-        };
-        camera.validate()?;
-        Ok(camera)
-    }
+fn orthographic_of(file: &Orthographic<'_>) -> Result<(Mat4, UVec2), Invalid> {
+    invalid::positive("xmag", file.xmag())?;
+    invalid::positive("ymag", file.ymag())?;
+    let extents = Extents {
+        left: -file.xmag(),
+        right: file.xmag(),
+        bottom: -file.ymag(),
+        top: file.ymag(),
+        near: file.znear(),
+        far: file.zfar(),
+    };
+    let size = size_of(file.xmag() / file.ymag())?;
+    Ok((orthographic(extents)?, size))
 }
 
 /// Returns the picture whose sides have this ratio, width over height.

@@ -3,11 +3,7 @@
 use super::broken;
 use umbrage_core::Invalid;
 
-/// Length of the header, and of the header of each chunk.
-const HEADER: usize = 12;
-const CHUNK_HEADER: usize = 8;
-
-/// A file's parts.
+/// The parts of a file.
 #[derive(Debug)]
 pub(super) struct Container<'a> {
     pub(super) json: &'a [u8],
@@ -15,24 +11,19 @@ pub(super) struct Container<'a> {
     pub(super) binary: Option<&'a [u8]>,
 }
 
-/// Parts a file by what it holds, whatever it is called.
+/// Splits a file by content, ignoring its extension.
+///
+/// [`gltf::Glb`] refuses chunks of unknown types, which readers must skip, and panics if the header's length is too small.
 pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
     if bytes.is_empty() {
-        return Err(Invalid::new(
-            "file",
-            "is empty",
-            "copy or download it again",
-        ));
+        return Err(damaged("is empty".to_owned()));
     }
     if !bytes.starts_with(b"glTF") {
-        // Some editors put a mark of byte order in front.
+        // Some editors write a byte order mark.
         let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         return Ok(Container { json, binary: None });
     }
-    let header = bytes
-        .get(..HEADER)
-        .ok_or_else(|| cut("the header", HEADER as u64, bytes.len()))?;
-    let version = word(&header[4..8]);
+    let [_, version, length] = take_words("the header", &mut &*bytes)?;
     if version != 2 {
         return Err(Invalid::new(
             "header",
@@ -40,59 +31,45 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
             "export the model as glTF 2.0",
         ));
     }
-    let length = word(&header[8..12]);
-    if u64::from(length) > bytes.len() as u64 {
-        return Err(cut("the header", u64::from(length), bytes.len()));
-    }
-    // What stands behind the end that the header tells is no part of the model.
-    let mut rest = bytes[..length as usize].get(HEADER..).unwrap_or(&[]);
-    let json = match next_chunk(&mut rest)? {
-        Some(chunk) if chunk.kind == *b"JSON" => chunk.bytes,
-        _ => return Err(broken("first chunk", "is not JSON")),
-    };
+    // Bytes after the end that the header states are not part of the model.
+    let mut rest = bytes
+        .get(..length as usize)
+        .ok_or_else(|| cut_off("the header", length as usize, bytes.len()))?
+        .get(12..)
+        .unwrap_or(&[]);
+    let mut json = None;
     let mut binary = None;
-    // Chunks of other kinds are to be passed over.
-    while let Some(chunk) = next_chunk(&mut rest)? {
-        if chunk.kind == *b"BIN\0" && binary.is_none() {
-            binary = Some(chunk.bytes);
+    while !rest.is_empty() {
+        let [length, kind] = take_words("the header of a chunk", &mut rest)?;
+        let (chunk, after) = rest
+            .split_at_checked(length as usize)
+            .ok_or_else(|| cut_off("a chunk", length as usize, rest.len()))?;
+        rest = after;
+        match &kind.to_le_bytes() {
+            b"JSON" if json.is_none() => json = Some(chunk),
+            _ if json.is_none() => break,
+            b"BIN\0" => binary = binary.or(Some(chunk)),
+            _ => {}
         }
     }
+    let json = json.ok_or_else(|| broken("first chunk", "is not JSON"))?;
     Ok(Container { json, binary })
 }
 
-/// A part of a `.glb` file.
-struct Chunk<'a> {
-    kind: [u8; 4],
-    bytes: &'a [u8],
+/// Takes little-endian words off the front.
+fn take_words<const N: usize>(what: &str, bytes: &mut &[u8]) -> Result<[u32; N], Invalid> {
+    let words = bytes.as_chunks::<4>().0.first_chunk::<N>();
+    let words = words.ok_or_else(|| cut_off(what, 4 * N, bytes.len()))?;
+    *bytes = &bytes[4 * N..];
+    Ok(words.map(u32::from_le_bytes))
 }
 
-/// Takes the next chunk off; none at the end.
-fn next_chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<Chunk<'a>>, Invalid> {
-    if rest.is_empty() {
-        return Ok(None);
-    }
-    let header = rest
-        .get(..CHUNK_HEADER)
-        .ok_or_else(|| cut("the header of a chunk", CHUNK_HEADER as u64, rest.len()))?;
-    let length = word(&header[..4]) as usize;
-    let kind = [header[4], header[5], header[6], header[7]];
-    let after = &rest[CHUNK_HEADER..];
-    let bytes = after
-        .get(..length)
-        .ok_or_else(|| cut("a chunk", length as u64, after.len()))?;
-    *rest = &after[length..];
-    Ok(Some(Chunk { kind, bytes }))
+fn cut_off(what: &str, needed: usize, there: usize) -> Invalid {
+    damaged(format!(
+        "is cut off: {what} tells {needed} bytes, and there are {there}"
+    ))
 }
 
-/// The error of a file that ends too early.
-fn cut(what: &str, needed: u64, there: usize) -> Invalid {
-    Invalid::new(
-        "file",
-        format!("is cut off: {what} tells {needed} bytes, and there are {there}"),
-        "copy or download it again",
-    )
-}
-
-fn word(bytes: &[u8]) -> u32 {
-    u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
+fn damaged(why: String) -> Invalid {
+    Invalid::new("file", why, "copy or download it again")
 }

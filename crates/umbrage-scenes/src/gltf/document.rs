@@ -10,6 +10,7 @@ use gltf::{
         validation::{Checked, Error, Validate as _},
     },
 };
+use serde_json::Value;
 use umbrage_core::Invalid;
 
 /// Extensions that a file may require: those that are read.
@@ -30,17 +31,18 @@ pub(super) fn parse(json: &[u8]) -> Result<Document, Invalid> {
     check_version(&root)?;
     check_extensions(&root)?;
     strip(&mut root);
-    check_indices(&root)?;
+    check_indices(&root).map_err(|(path, why)| {
+        let name = name_on(json, &path).map_or_else(String::new, |name| format!(" of `{name}`"));
+        broken(format!("`{path}`{name}"), why)
+    })?;
     Ok(Document::from_json_without_validation(root))
 }
 
-/// The error of text that is no document of version 2. One of version 1 is told as such: its lists are written in another way.
+/// The error of text that is not a document of version 2. Version 1 is named, since its lists are written in another way.
 fn unparsed(json: &[u8], error: &serde_json::Error) -> Invalid {
-    let version = serde_json::from_slice::<serde_json::Value>(json)
-        .ok()
-        .and_then(|value| Some(value.get("asset")?.get("version")?.as_str()?.to_owned()));
-    match version {
-        Some(version) if !version.starts_with("2.") => other_version(&version),
+    let document: Value = serde_json::from_slice(json).unwrap_or_default();
+    match document["asset"]["version"].as_str() {
+        Some(version) if !version.starts_with("2.") => other_version(version),
         _ => broken("its JSON", format!("can't be read: {error}")),
     }
 }
@@ -114,14 +116,18 @@ fn strip(root: &mut Root) {
     for view in &mut root.buffer_views {
         view.target = None;
     }
+    for accessor in &mut root.accessors {
+        // The crate can't read empty lists.
+        accessor.sparse = accessor.sparse.take().filter(|sparse| sparse.count.0 > 0);
+    }
     for material in &mut root.materials {
         material.occlusion_texture = None;
         material.pbr_metallic_roughness.metallic_roughness_texture = None;
     }
 }
 
-/// Errors if an index points beyond its list, or a word is none of those that may stand in its place.
-fn check_indices(root: &Root) -> Result<(), Invalid> {
+/// Errors, with its path, if an index is beyond the end of its list, or a word is not in the format.
+fn check_indices(root: &Root) -> Result<(), (String, &'static str)> {
     // The crate's own check takes these two for granted.
     for (i, mesh) in root.meshes.iter().enumerate() {
         for (j, primitive) in mesh.primitives.iter().enumerate() {
@@ -129,8 +135,8 @@ fn check_indices(root: &Root) -> Result<(), Invalid> {
                 .attributes
                 .get(&Checked::Valid(Semantic::Positions));
             if positions.is_some_and(|index| index.value() >= root.accessors.len()) {
-                let what = format!("meshes[{i}].primitives[{j}].attributes[\"POSITION\"]");
-                return Err(fault(root, &what, Error::IndexOutOfBounds));
+                let path = format!("meshes[{i}].primitives[{j}].attributes[\"POSITION\"]");
+                return Err((path, reason(Error::IndexOutOfBounds)));
             }
         }
     }
@@ -142,9 +148,8 @@ fn check_indices(root: &Root) -> Result<(), Invalid> {
             Checked::Invalid => true,
         };
         if !is_there {
-            let what = format!("cameras[{i}].type");
             let why = "names a projection that the camera doesn't have";
-            return Err(broken_at(root, &what, why));
+            return Err((format!("cameras[{i}].type"), why));
         }
     }
     let mut first = None;
@@ -152,7 +157,7 @@ fn check_indices(root: &Root) -> Result<(), Invalid> {
         if first.is_none() {
             let path = path();
             if is_fault(path.as_str(), error) {
-                first = Some(fault(root, path.as_str(), error));
+                first = Some((path.as_str().to_owned(), reason(error)));
             }
         }
     });
@@ -170,39 +175,21 @@ fn is_fault(path: &str, error: Error) -> bool {
     !is_unread && !holds_zeros && error != Error::Unsupported
 }
 
-fn fault(root: &Root, path: &str, error: Error) -> Invalid {
-    let why = match error {
+fn reason(error: Error) -> &'static str {
+    match error {
         Error::IndexOutOfBounds => "points to what is not in the file",
         Error::Missing => "is missing",
         Error::Oversize => "is too large",
         Error::Invalid | Error::Unsupported => "is not among the values that the format knows",
-    };
-    broken_at(root, path, why)
+    }
 }
 
-fn broken_at(root: &Root, path: &str, why: &str) -> Invalid {
-    broken(format!("`{path}`{}", name_on(root, path)), why)
-}
-
-/// Returns the name of the thing that a path such as `nodes[3].mesh` begins with, if it has one.
-fn name_on(root: &Root, path: &str) -> String {
-    let find = || {
-        let (list, rest) = path.split_once('[')?;
-        let index: usize = rest.split_once(']')?.0.parse().ok()?;
-        match list {
-            "nodes" => root.nodes.get(index)?.name.as_deref(),
-            "meshes" => root.meshes.get(index)?.name.as_deref(),
-            "materials" => root.materials.get(index)?.name.as_deref(),
-            "accessors" => root.accessors.get(index)?.name.as_deref(),
-            "bufferViews" => root.buffer_views.get(index)?.name.as_deref(),
-            "textures" => root.textures.get(index)?.name.as_deref(),
-            "images" => root.images.get(index)?.name.as_deref(),
-            "cameras" => root.cameras.get(index)?.name.as_deref(),
-            "scenes" => root.scenes.get(index)?.name.as_deref(),
-            _ => None,
-        }
-    };
-    find().map_or_else(String::new, |name| format!(" of `{name}`"))
+/// Returns the name of the element that a path such as `nodes[3].mesh` begins with, if it has one.
+fn name_on(json: &[u8], path: &str) -> Option<String> {
+    let (list, rest) = path.split_once('[')?;
+    let index: usize = rest.split_once(']')?.0.parse().ok()?;
+    let document: Value = serde_json::from_slice(json).ok()?;
+    Some(document[list][index]["name"].as_str()?.to_owned())
 }
 
 /// Returns the scene that is asked for by its name or number, else the default one, else the first.

@@ -1,26 +1,14 @@
-//! Looks: base colours, normal maps, and what is cut out.
+//! Looks: base colours, normal maps, and alpha tests.
 
-use super::{
-    broken,
-    budget::ReadBudget,
-    buffers::Buffers,
-    picture::{self, Pictures},
-    told,
-    wrap::Wraps,
-};
+use super::{broken, file_bytes::FileBytes, picture::Pictures, told, wrap::Wraps};
 use crate::detail::{Meaning, USUAL_CUTOFF};
 use gltf::{
-    Document, Material as FileMaterial, Primitive, Semantic, Texture as FileTexture,
-    json::extensions::texture::TextureTransform,
-    material::{AlphaMode, NormalTexture},
-    texture::{Info, WrappingMode},
+    Document, Material as FileMaterial, Primitive, Semantic,
+    json::extensions::texture::TextureTransform, material::AlphaMode, texture::WrappingMode,
 };
 use std::collections::HashMap;
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{AlphaCutout, AlphaFilter, Invalid, Material, Scene};
-
-/// What textures do unless a file says otherwise.
-const REPEATED: Wraps = [WrappingMode::Repeat; 2];
 
 /// The materials of a file that were read.
 #[derive(Debug)]
@@ -28,34 +16,29 @@ pub(super) struct Materials<'a> {
     /// Whether they are read at all.
     has_looks: bool,
     pictures: Pictures<'a>,
-    known: HashMap<Mapped, SurfaceLook>,
+    /// By number, and by whether the primitive has coordinates for the base colour and for the normal map.
+    known: HashMap<(usize, [bool; 2]), Option<SurfaceLook>>,
 }
 
-/// A material by its number, and which of its textures a primitive has coordinates for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Mapped {
-    material: usize,
-    color: bool,
-    normals: bool,
-}
-
-/// How a primitive looks.
+/// The look of a primitive of which at least a part is visible.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum SurfaceLook {
-    /// All of it is cut out.
-    CutAway,
-    /// Some of it is there.
-    Visible {
-        /// Index of a material of the scene.
-        material: Option<usize>,
-        /// Where its textures lie, if it has any.
-        coordinates: Option<Coordinates>,
-        /// Whether it throws shadows.
-        casts: bool,
-        /// How the texture of its colours, and so of its holes, goes on beyond its edges.
-        wraps: Wraps,
-    },
+pub(super) struct SurfaceLook {
+    /// Index of a material of the scene.
+    pub(super) material: Option<usize>,
+    /// The texture coordinates, if it has textures.
+    pub(super) coordinates: Option<Coordinates>,
+    pub(super) casts: bool,
+    /// The wrapping of the base colour's texture, and so of its alpha test.
+    pub(super) wraps: Wraps,
 }
+
+/// The look of primitives without a material.
+const PLAIN: SurfaceLook = SurfaceLook {
+    material: None,
+    coordinates: None,
+    casts: true,
+    wraps: [WrappingMode::Repeat; 2],
+};
 
 impl<'a> Materials<'a> {
     pub(super) fn new(document: &'a Document, has_looks: bool) -> Self {
@@ -66,161 +49,138 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// Returns how a primitive looks.
+    /// Returns the look of a primitive; `None` if the alpha test removes all of it.
     pub(super) fn look_of(
         &mut self,
         primitive: &Primitive<'_>,
-        buffers: &mut Buffers<'_>,
-        budget: &mut ReadBudget,
+        data: &mut FileBytes<'_>,
         scene: &mut Scene,
-    ) -> Result<SurfaceLook, Invalid> {
+    ) -> Result<Option<SurfaceLook>, Invalid> {
         if !self.has_looks {
-            let first = Coordinates::new(0, None);
-            return Ok(SurfaceLook::Visible {
-                material: None,
-                coordinates: Some(first).filter(|at| at.has(primitive)),
-                casts: true,
-                wraps: REPEATED,
-            });
+            let first = Some(Coordinates::new(0, None)).filter(|at| at.has(primitive));
+            return Ok(Some(SurfaceLook {
+                coordinates: first,
+                ..PLAIN
+            }));
         }
         let material = primitive.material();
         let Some(index) = material.index() else {
-            return Ok(SurfaceLook::Visible {
-                material: None,
-                coordinates: None,
-                casts: true,
-                wraps: REPEATED,
-            });
+            return Ok(Some(PLAIN));
         };
-        let color = color_map(&material).filter(|map| map.coordinates.has(primitive));
-        let normals = normal_map(&material)?.filter(|map| map.coordinates.has(primitive));
-        let mapped = Mapped {
-            material: index,
-            color: color.is_some(),
-            normals: normals.is_some(),
-        };
-        if let Some(known) = self.known.get(&mapped) {
+        let maps = [color_map(&material), normal_map(&material)?]
+            .map(|map| map.filter(|map| map.coordinates.has(primitive)));
+        let key = (index, maps.map(|map| map.is_some()));
+        if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
         let look = self
-            .read(&material, color, normals, buffers, budget, scene)
+            .read(&material, maps, data, scene)
             .map_err(|e| e.within(told("material", index, material.name())))?;
-        self.known.insert(mapped, look);
+        self.known.insert(key, look);
         Ok(look)
     }
 
     fn read(
         &mut self,
         file: &FileMaterial<'_>,
-        color: Option<TextureMap>,
-        normals: Option<TextureMap>,
-        buffers: &mut Buffers<'_>,
-        budget: &mut ReadBudget,
+        maps: [Option<TextureMap>; 2],
+        data: &mut FileBytes<'_>,
         scene: &mut Scene,
-    ) -> Result<SurfaceLook, Invalid> {
+    ) -> Result<Option<SurfaceLook>, Invalid> {
         let mut load = |map: Option<TextureMap>, meaning| match map {
             Some(map) => {
-                let textures = &mut scene.textures;
                 let texture =
                     self.pictures
-                        .texture(map.picture, meaning, buffers, budget, textures)?;
-                Ok::<_, Invalid>(texture.map(|texture| (texture, map.coordinates)))
+                        .texture(map.picture, meaning, data, &mut scene.textures)?;
+                Ok(texture.map(|texture| (texture, map.coordinates)))
             }
             None => Ok(None),
         };
-        let color = load(color, Meaning::Color)?;
-        let normals = load(normals, Meaning::Data)?;
+        let color = load(maps[0], Meaning::Color)?;
+        let normals = load(maps[1], Meaning::Data)?;
         let coordinates = color.or(normals).map(|(_, coordinates)| coordinates);
-        let factor = file.pbr_metallic_roughness().base_color_factor();
-        let (holes, casts) = match cut_out(file, color.map(|(texture, _)| texture))? {
-            Cut::Nothing => (None, true),
-            Cut::Holes(holes) => (Some(holes), true),
-            Cut::Everything if file.alpha_mode() == AlphaMode::Mask => {
-                return Ok(SurfaceLook::CutAway);
-            }
-            // Panes of glass: they are seen, and shadows fall on them.
-            Cut::Everything => (None, false),
+        let color = color.map(|(texture, _)| texture);
+        let (alpha, casts) = match alpha_test(file, color)? {
+            AlphaTest::Nothing => (None, true),
+            AlphaTest::Some(cutout) => (Some(cutout), true),
+            AlphaTest::Everything if file.alpha_mode() == AlphaMode::Mask => return Ok(None),
+            // Panes of glass: they are visible, and receive shadows.
+            AlphaTest::Everything => (None, false),
         };
-        let [red, green, blue, _] = factor;
-        let glows_evenly = file.emissive_texture().is_none();
+        let surface = file.pbr_metallic_roughness();
+        let [red, green, blue, _] = surface.base_color_factor();
+        // A texture that is not read restricts emission to a part of the surface.
+        let emits_evenly = file.emissive_texture().is_none();
         scene.materials.push(Material {
-            diffuse: colour(Vec3::new(red, green, blue)),
-            diffuse_texture: color.map(|(texture, _)| texture),
-            emissive: match glows_evenly {
-                true => colour(Vec3::from_array(file.emissive_factor())),
-                // Which part of the surface glows, is told by a texture that is not read.
+            diffuse: clamped(Vec3::new(red, green, blue)),
+            diffuse_texture: color,
+            emissive: match emits_evenly {
+                true => clamped(Vec3::from_array(file.emissive_factor())),
                 false => Vec3::ZERO,
             },
             // A mesh has one set of coordinates here.
             normal_map: normals
                 .filter(|(_, at)| Some(*at) == coordinates)
                 .map(|(texture, _)| texture),
-            alpha: holes,
+            alpha,
             ..Material::default()
         });
-        Ok(SurfaceLook::Visible {
+        let sampler = surface
+            .base_color_texture()
+            .map(|info| info.texture().sampler());
+        Ok(Some(SurfaceLook {
             material: Some(scene.materials.len() - 1),
             coordinates,
             casts,
-            wraps: file
-                .pbr_metallic_roughness()
-                .base_color_texture()
-                .map_or(REPEATED, |info| {
-                    let sampler = info.texture().sampler();
-                    [sampler.wrap_s(), sampler.wrap_t()]
-                }),
-        })
+            wraps: sampler.map_or(PLAIN.wraps, |sampler| [sampler.wrap_s(), sampler.wrap_t()]),
+        }))
     }
 }
 
-/// Cuts a colour off at 0 and 1.
-fn colour(v: Vec3) -> Vec3 {
+/// Clamps a colour to 0 to 1.
+fn clamped(v: Vec3) -> Vec3 {
     v.clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// What of a surface is cut out.
-enum Cut {
+/// The part of a surface that an alpha test removes.
+enum AlphaTest {
     Nothing,
-    Holes(AlphaCutout),
+    Some(AlphaCutout),
     Everything,
 }
 
-/// Returns what a material cuts out, given its texture of colours. Alpha is the texture's times the factor's.
-fn cut_out(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<Cut, Invalid> {
+/// Returns the alpha test of a material, given its texture of base colours. Alpha is the texture's times the factor's.
+fn alpha_test(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<AlphaTest, Invalid> {
+    let is_mask = file.alpha_mode() == AlphaMode::Mask;
     let cutoff = match file.alpha_mode() {
-        AlphaMode::Opaque => return Ok(Cut::Nothing),
+        AlphaMode::Opaque => return Ok(AlphaTest::Nothing),
         AlphaMode::Mask => file.alpha_cutoff().unwrap_or(USUAL_CUTOFF),
-        // What is more than half there casts.
+        // Surfaces that are more opaque than this cast.
         AlphaMode::Blend => USUAL_CUTOFF,
     };
-    let named = file.pbr_metallic_roughness().base_color_texture();
-    if texture.is_none() && named.is_some() && file.alpha_mode() == AlphaMode::Mask {
+    let surface = file.pbr_metallic_roughness();
+    if texture.is_none() && surface.base_color_texture().is_some() && is_mask {
         return Err(Invalid::new(
             "alpha mask",
             "needs the texture of its colours, which is missing, unknown or without coordinates",
             "give the picture as PNG or JPEG together with the model, and export texture coordinates",
         ));
     }
-    let factor = file.pbr_metallic_roughness().base_color_factor()[3];
-    if cutoff <= 0.0 {
-        return Ok(Cut::Nothing);
-    }
-    let least = match texture {
-        Some(_) => cutoff / factor.max(0.0),
-        None if factor >= cutoff => return Ok(Cut::Nothing),
-        None => return Ok(Cut::Everything),
-    };
-    match texture {
-        Some(texture) if least <= 1.0 => Ok(Cut::Holes(AlphaCutout {
+    let factor = surface.base_color_factor()[3];
+    let cutoff_of_texture = cutoff / factor.max(0.0);
+    Ok(match texture {
+        _ if cutoff <= 0.0 => AlphaTest::Nothing,
+        None if factor >= cutoff => AlphaTest::Nothing,
+        Some(texture) if cutoff_of_texture <= 1.0 => AlphaTest::Some(AlphaCutout {
             texture,
-            cutoff: least,
+            cutoff: cutoff_of_texture,
             filter: AlphaFilter::Nearest,
-        })),
-        _ => Ok(Cut::Everything),
-    }
+        }),
+        _ => AlphaTest::Everything,
+    })
 }
 
-/// A picture of the file, and where it lies on a mesh.
+/// A picture of the file, and its coordinates on a mesh.
 #[derive(Clone, Copy, Debug)]
 struct TextureMap {
     /// Number of the picture.
@@ -228,7 +188,7 @@ struct TextureMap {
     coordinates: Coordinates,
 }
 
-/// Which texture coordinates a texture has, and how they are moved: the extension `KHR_texture_transform`.
+/// A set of texture coordinates, and the transform that `KHR_texture_transform` applies to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Coordinates {
     pub(super) set: u32,
@@ -240,18 +200,11 @@ pub(super) struct Coordinates {
 
 impl Coordinates {
     fn new(set: u32, transform: Option<&TextureTransform>) -> Self {
-        let Some(transform) = transform else {
-            return Self {
-                set,
-                is_transformed: false,
-                offset: Vec2::ZERO,
-                rotation: 0.0,
-                scale: Vec2::ONE,
-            };
-        };
+        let is_transformed = transform.is_some();
+        let transform = transform.cloned().unwrap_or_default();
         Self {
             set: transform.tex_coord.unwrap_or(set),
-            is_transformed: true,
+            is_transformed,
             offset: Vec2::from_array(transform.offset.0),
             rotation: transform.rotation.0,
             scale: Vec2::from_array(transform.scale.0),
@@ -281,46 +234,38 @@ impl Coordinates {
 
 fn color_map(material: &FileMaterial<'_>) -> Option<TextureMap> {
     let info = material.pbr_metallic_roughness().base_color_texture()?;
+    // The crate's view of a transform has no access to the data behind it.
+    let transform = info.texture_transform().map(|view| {
+        let mut transform = TextureTransform {
+            tex_coord: view.tex_coord(),
+            ..TextureTransform::default()
+        };
+        transform.offset.0 = view.offset();
+        transform.rotation.0 = view.rotation();
+        transform.scale.0 = view.scale();
+        transform
+    });
     Some(TextureMap {
-        picture: picture::of_texture(&info.texture())?,
-        coordinates: Coordinates::new(info.tex_coord(), transform_of(&info).as_ref()),
+        picture: info.texture().source()?.index(),
+        coordinates: Coordinates::new(info.tex_coord(), transform.as_ref()),
     })
-}
-
-/// Returns the transform of a texture. The crate has a view of it alone, without the data.
-fn transform_of(info: &Info<'_>) -> Option<TextureTransform> {
-    let view = info.texture_transform()?;
-    let mut transform = TextureTransform {
-        tex_coord: view.tex_coord(),
-        ..TextureTransform::default()
-    };
-    transform.offset.0 = view.offset();
-    transform.rotation.0 = view.rotation();
-    transform.scale.0 = view.scale();
-    Some(transform)
 }
 
 fn normal_map(material: &FileMaterial<'_>) -> Result<Option<TextureMap>, Invalid> {
     let Some(map) = material.normal_texture() else {
         return Ok(None);
     };
-    let Some(picture) = picture::of_texture(&map.texture() as &FileTexture<'_>) else {
+    let Some(picture) = map.texture().source() else {
         return Ok(None);
     };
-    let transform = normal_transform(&map)?;
+    // The crate leaves this transform as JSON.
+    let transform = map.extension_value("KHR_texture_transform");
+    let transform: Option<TextureTransform> = transform
+        .map(|value| serde_json::from_value(value.clone()))
+        .transpose()
+        .map_err(|e| broken("transform of the normal map", format!("can't be read: {e}")))?;
     Ok(Some(TextureMap {
-        picture,
+        picture: picture.index(),
         coordinates: Coordinates::new(map.tex_coord(), transform.as_ref()),
     }))
-}
-
-/// Returns the transform of a normal map, which the crate leaves as text.
-fn normal_transform(map: &NormalTexture<'_>) -> Result<Option<TextureTransform>, Invalid> {
-    let Some(value) = map.extension_value("KHR_texture_transform") else {
-        return Ok(None);
-    };
-    let transform = serde_json::from_value(value.clone());
-    transform
-        .map(Some)
-        .map_err(|e| broken("transform of the normal map", format!("can't be read: {e}")))
 }

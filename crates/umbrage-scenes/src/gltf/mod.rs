@@ -1,20 +1,19 @@
 //! glTF 2.0 models: `.gltf`, and `.glb` with all in one file. The specification is by the Khronos Group, <https://registry.khronos.org/glTF>.
 //!
-//! The crate `gltf` reads the JSON; everything that it refers to is checked here before it is followed, since the crate's own checks
-//! and readers panic on some files. Numbers are read by [`accessor`], which knows how many bytes there are.
+//! The crate `gltf` reads the JSON and the numbers of accessors. All references, lengths and counts are checked here first, since the
+//! crate panics on some files.
 
 mod accessor;
 mod budget;
-mod buffers;
 mod camera;
 mod container;
 mod document;
+mod file_bytes;
 mod light;
 mod material;
 mod nodes;
 mod picture;
 mod primitive;
-mod sparse;
 #[cfg(test)]
 pub(crate) mod tests;
 mod wrap;
@@ -24,25 +23,20 @@ use crate::{
     scene_of_file::SceneOfFile,
 };
 use budget::ReadBudget;
-use buffers::Buffers;
+use file_bytes::FileBytes;
 use material::Materials;
 use nodes::PlacedNode;
 use primitive::FileMeshes;
-use std::{io::Read as _, path::Path};
+use std::io::Read as _;
 use umbrage_core::{Geometry, Invalid, Scene};
 
 /// Reads one scene of a file. Cameras and lights that it lacks are found as for any model alone: see [`lone_model`].
 pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, SceneError> {
-    let bytes = bytes_of(&wanted.file, files)?;
-    let file = wanted.file.display().to_string();
-    let invalid = |fault| SceneError::Invalid {
-        file: file.clone(),
-        fault,
-    };
-    let mut scene = read(&bytes, wanted, files).map_err(invalid)?;
-    let geometry = Geometry::bake(&scene).map_err(invalid)?;
+    let bytes = bytes_of(wanted, files)?;
+    let mut scene = read(&bytes, wanted, files).map_err(|fault| invalid(wanted, fault))?;
+    let geometry = Geometry::bake(&scene).map_err(|fault| invalid(wanted, fault))?;
     let place = Place {
-        file,
+        file: wanted.file.display().to_string(),
         line: None,
         key: None,
     };
@@ -51,35 +45,26 @@ pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scen
 }
 
 /// Adds the meshes of one scene of a file to another scene, with their materials if the model `has_looks`. The file's cameras and
-/// lights are left aside.
+/// lights are ignored.
 pub(crate) fn add(
     wanted: &SceneOfFile,
     files: &dyn Files,
     has_looks: bool,
     scene: &mut Scene,
 ) -> Result<Vec<ModelPart>, SceneError> {
-    let bytes = bytes_of(&wanted.file, files)?;
-    let left_aside = |_: &PlacedNode<'_>, _: &mut Scene| Ok(());
-    parts(&bytes, wanted, files, has_looks, left_aside, scene).map_err(|fault| {
-        SceneError::Invalid {
-            file: wanted.file.display().to_string(),
-            fault,
-        }
-    })
+    let bytes = bytes_of(wanted, files)?;
+    let ignore = |_: &PlacedNode<'_>, _: &mut Scene| Ok(());
+    parts(&bytes, wanted, files, has_looks, ignore, scene).map_err(|fault| invalid(wanted, fault))
 }
 
 /// Returns whether one scene of a file has a light that is on. Its meshes are not read.
 pub(crate) fn brings_light(wanted: &SceneOfFile, files: &dyn Files) -> Result<bool, SceneError> {
-    let bytes = bytes_of(&wanted.file, files)?;
-    has_light(&bytes, wanted).map_err(|fault| SceneError::Invalid {
-        file: wanted.file.display().to_string(),
-        fault,
-    })
+    let bytes = bytes_of(wanted, files)?;
+    has_light(&bytes, wanted).map_err(|fault| invalid(wanted, fault))
 }
 
 fn has_light(bytes: &[u8], wanted: &SceneOfFile) -> Result<bool, Invalid> {
-    let container = container::split(bytes)?;
-    let document = document::parse(container.json)?;
+    let document = document::parse(container::split(bytes)?.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
     let mut lights = Scene::default();
     for node in nodes::placed(&document, chosen)? {
@@ -88,33 +73,34 @@ fn has_light(bytes: &[u8], wanted: &SceneOfFile) -> Result<bool, Invalid> {
     Ok(!lights.lights.is_empty())
 }
 
-fn bytes_of(path: &Path, files: &dyn Files) -> Result<Vec<u8>, SceneError> {
+fn bytes_of(wanted: &SceneOfFile, files: &dyn Files) -> Result<Vec<u8>, SceneError> {
     let mut bytes = Vec::new();
     files
-        .open(path)
+        .open(&wanted.file)
         .and_then(|mut source| source.read_to_end(&mut bytes))
-        .map_err(|e| SceneError::unreadable(path, &e, files))?;
+        .map_err(|e| SceneError::unreadable(&wanted.file, &e, files))?;
     Ok(bytes)
 }
 
-/// Reads what the file itself says.
+fn invalid(wanted: &SceneOfFile, fault: Invalid) -> SceneError {
+    SceneError::Invalid {
+        file: wanted.file.display().to_string(),
+        fault,
+    }
+}
+
+/// Reads a scene without what a model alone gets.
 fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, Invalid> {
-    let name = match &wanted.scene {
-        Some(chosen) => format!("{}-{chosen}", name_of(&wanted.file)),
-        None => name_of(&wanted.file),
-    };
+    let file = name_of(&wanted.file);
     let mut scene = Scene {
-        name,
+        name: match &wanted.scene {
+            Some(chosen) => format!("{file}-{chosen}"),
+            None => file,
+        },
         ..Scene::default()
     };
-    let parts = parts(
-        bytes,
-        wanted,
-        files,
-        true,
-        add_cameras_and_lights,
-        &mut scene,
-    )?;
+    let others = add_cameras_and_lights;
+    let parts = parts(bytes, wanted, files, true, others, &mut scene)?;
     scene
         .instances
         .extend(parts.iter().map(ModelPart::instance));
@@ -133,11 +119,11 @@ fn parts(
     let container = container::split(bytes)?;
     let document = document::parse(container.json)?;
     let chosen = document::scene(&document, wanted.scene.as_deref())?;
+    let budget = ReadBudget::new(bytes.len());
     let mut reader = Reader {
-        buffers: Buffers::new(&document, container.binary, &wanted.file, files),
+        data: FileBytes::new(&document, container.binary, budget, &wanted.file, files),
         materials: Materials::new(&document, has_looks),
         meshes: FileMeshes::default(),
-        budget: ReadBudget::new(bytes.len()),
         parts: Vec::new(),
     };
     for node in nodes::placed(&document, chosen)? {
@@ -155,40 +141,32 @@ fn parts(
     Ok(reader.parts)
 }
 
-/// What was read of a file.
+/// The parts of a file that were read.
 struct Reader<'a> {
-    buffers: Buffers<'a>,
+    data: FileBytes<'a>,
     materials: Materials<'a>,
     meshes: FileMeshes,
-    budget: ReadBudget,
     parts: Vec<ModelPart>,
 }
 
 impl Reader<'_> {
-    /// Adds a node's mesh.
+    /// Adds a node's mesh, unless the node is scaled to nothing.
     fn add(&mut self, node: &PlacedNode<'_>, scene: &mut Scene) -> Result<(), Invalid> {
         let Some(mesh) = node.node.mesh() else {
             return Ok(());
         };
-        // None: nodes that are scaled to nothing are hidden.
         let Some(model_from_mesh) = node.placement()? else {
             return Ok(());
         };
-        let primitives = self.meshes.parts(
-            &mesh,
-            &mut self.buffers,
-            &mut self.materials,
-            &mut self.budget,
-            scene,
-        )?;
+        let primitives = self
+            .meshes
+            .parts(&mesh, &mut self.data, &mut self.materials, scene)?;
         for primitive in primitives {
-            self.budget
-                .place(scene.meshes[primitive.mesh].triangles.len())?;
+            let triangles = scene.meshes[primitive.mesh].triangles.len();
+            self.data.budget.place(triangles)?;
             self.parts.push(ModelPart {
-                mesh: primitive.mesh,
-                material: primitive.material,
-                casts: primitive.casts,
                 model_from_mesh,
+                ..*primitive
             });
         }
         Ok(())
@@ -211,7 +189,7 @@ fn broken(what: impl Into<String>, why: impl Into<String>) -> Invalid {
     Invalid::new(what, why, help)
 }
 
-/// Tells a thing of a document in errors: ``node 3 `lamp` ``.
+/// Names a thing of a document in errors: ``node 3 `lamp` ``.
 fn told(kind: &str, index: usize, name: Option<&str>) -> String {
     match name {
         Some(name) if !name.is_empty() => format!("{kind} {index} `{name}`"),

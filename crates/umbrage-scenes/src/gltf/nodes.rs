@@ -2,6 +2,7 @@
 
 use super::{broken, told};
 use gltf::{Document, Node, Scene, scene::Transform};
+use std::collections::HashMap;
 use umbrage_core::glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Mat3A, Vec3};
 use umbrage_core::{Invalid, invalid::finite};
 
@@ -21,15 +22,7 @@ impl PlacedNode<'_> {
 
     /// Returns where the node's mesh stands; none if the node hides it by a size of zero along all axes.
     pub(super) fn placement(&self) -> Result<Option<Affine3A>, Invalid> {
-        let rounded = |v: DVec3| v.as_vec3().into();
-        let place = Affine3A {
-            matrix3: Mat3A::from_cols(
-                rounded(self.world_from_node.matrix3.x_axis),
-                rounded(self.world_from_node.matrix3.y_axis),
-                rounded(self.world_from_node.matrix3.z_axis),
-            ),
-            translation: rounded(self.world_from_node.translation),
-        };
+        let place = self.world_from_node.as_affine3a();
         if place.matrix3 == Mat3A::ZERO {
             return Ok(None);
         }
@@ -72,30 +65,25 @@ pub(super) fn placed<'a>(
     document: &'a Document,
     scene: Scene<'a>,
 ) -> Result<Vec<PlacedNode<'a>>, Invalid> {
-    let count = document.nodes().len();
-    let mut parents: Vec<Reached> = vec![Reached::Not; count];
+    // `None` for the scene.
+    let mut parents: HashMap<usize, Option<usize>> = HashMap::new();
     let mut out = Vec::new();
     // The next node is the last one.
-    let mut open: Vec<(Node<'a>, DAffine3, Reached)> = Vec::new();
-    open.extend(
-        scene
-            .nodes()
-            .map(|node| (node, DAffine3::IDENTITY, Reached::FromScene)),
-    );
+    let roots = scene.nodes().map(|node| (node, DAffine3::IDENTITY, None));
+    let mut open: Vec<(Node<'a>, DAffine3, Option<usize>)> = roots.collect();
     open.reverse();
-    while let Some((node, world_from_parent, from)) = open.pop() {
+    while let Some((node, world_from_parent, parent)) = open.pop() {
         let index = node.index();
-        if parents[index] != Reached::Not {
-            return Err(reached_again(document, &parents, &node, from));
+        if parents.contains_key(&index) {
+            return Err(reached_again(document, &parents, &node, parent));
         }
-        parents[index] = from;
+        parents.insert(index, parent);
         let parent_from_node =
             transform(&node).map_err(|e| e.within(told("node", index, node.name())))?;
         let world_from_node = world_from_parent * parent_from_node;
         let first = open.len();
-        for child in node.children() {
-            open.push((child, world_from_node, Reached::From(index)));
-        }
+        let children = node.children();
+        open.extend(children.map(|child| (child, world_from_node, Some(index))));
         open[first..].reverse();
         out.push(PlacedNode {
             node,
@@ -105,44 +93,29 @@ pub(super) fn placed<'a>(
     Ok(out)
 }
 
-/// From where the walk came to a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reached {
-    Not,
-    FromScene,
-    From(usize),
-}
-
 /// The error of a node that is reached a second time, from another parent or from below.
 fn reached_again(
     document: &Document,
-    parents: &[Reached],
+    parents: &HashMap<usize, Option<usize>>,
     node: &Node<'_>,
-    from: Reached,
+    second: Option<usize>,
 ) -> Invalid {
-    let tell = |reached| match reached {
-        Reached::From(parent) => {
+    let name = |parent: Option<usize>| match parent {
+        Some(parent) => {
             let name = document.nodes().nth(parent).and_then(|node| node.name());
             told("node", parent, name)
         }
-        _ => "the scene".to_owned(),
+        None => "the scene".to_owned(),
     };
-    let mut above = from;
+    let first = parents[&node.index()];
     // Parents were reached before their children, so this ends.
-    let why = loop {
-        match above {
-            Reached::From(parent) if parent == node.index() => {
-                break format!("is below itself: it is a child of {}", tell(from));
-            }
-            Reached::From(parent) => above = parents[parent],
-            _ => {
-                let first = parents[node.index()];
-                if first == from {
-                    break format!("is listed twice by {}", tell(from));
-                }
-                break format!("has two parents: {} and {}", tell(first), tell(from));
-            }
-        }
+    let mut ancestors = std::iter::successors(second, |parent| parents[parent]);
+    let why = if ancestors.any(|ancestor| ancestor == node.index()) {
+        format!("is below itself: it is a child of {}", name(second))
+    } else if first == second {
+        format!("is listed twice by {}", name(second))
+    } else {
+        format!("has two parents: {} and {}", name(first), name(second))
     };
     let what = told("node", node.index(), node.name());
     Invalid::new(
@@ -157,8 +130,7 @@ fn transform(node: &Node<'_>) -> Result<DAffine3, Invalid> {
     match node.transform() {
         Transform::Matrix { matrix } => {
             finite("matrix", matrix.as_flattened())?;
-            let columns = matrix.map(|column| DVec4::from_array(column.map(f64::from)));
-            let matrix = DMat4::from_cols(columns[0], columns[1], columns[2], columns[3]);
+            let matrix = DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)));
             if matrix.row(3) != DVec4::W {
                 return Err(broken(
                     "matrix",

@@ -1,10 +1,15 @@
 //! Pictures: PNG and JPEG, of bytes in the file or beside it.
 
-use super::{broken, budget::ReadBudget, buffers::Buffers, told};
+use super::{
+    broken,
+    budget::ReadBudget,
+    file_bytes::{Fetched, FileBytes},
+    told,
+};
 use crate::detail::{Meaning, PICTURE_SIDE, decode_picture, texture_of};
-use gltf::{Document, Texture as FileTexture, json::image::Image};
+use gltf::{Document, json::image::Image};
 use image::{ImageFormat, ImageReader};
-use std::{collections::HashMap, io::Cursor, path::Path};
+use std::{collections::HashMap, io::Cursor, path::Path, rc::Rc};
 use umbrage_core::{Invalid, Texture};
 
 /// The pictures of a file, each read once for each meaning.
@@ -12,11 +17,6 @@ use umbrage_core::{Invalid, Texture};
 pub(super) struct Pictures<'a> {
     document: &'a Document,
     known: HashMap<(usize, Meaning), Option<usize>>,
-}
-
-/// Returns the number of the picture that a texture shows; none if it has only one of a kind that an extension tells.
-pub(super) fn of_texture(texture: &FileTexture<'_>) -> Option<usize> {
-    texture.source().map(|image| image.index())
 }
 
 impl<'a> Pictures<'a> {
@@ -27,13 +27,13 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// Returns the index among `textures` of a picture; none if it isn't there or of another kind. No shadow needs it, but those of masks.
+    /// Returns the index among `textures` of a picture; `None` if it is missing or of another kind. Only alpha tests need it
+    /// for shadows.
     pub(super) fn texture(
         &mut self,
         index: usize,
         meaning: Meaning,
-        buffers: &mut Buffers<'_>,
-        budget: &mut ReadBudget,
+        data: &mut FileBytes<'_>,
         textures: &mut Vec<Texture>,
     ) -> Result<Option<usize>, Invalid> {
         if let Some(known) = self.known.get(&(index, meaning)) {
@@ -42,7 +42,7 @@ impl<'a> Pictures<'a> {
         let image = &self.document.as_json().images[index];
         let name = told("image", index, image.name.as_deref());
         let texture = self
-            .read(image, &name, meaning, buffers, budget)
+            .read(image, &name, meaning, data)
             .map_err(|e| e.within(&name))?;
         let place = texture.map(|texture| {
             textures.push(texture);
@@ -57,31 +57,26 @@ impl<'a> Pictures<'a> {
         image: &Image,
         name: &str,
         meaning: Meaning,
-        buffers: &mut Buffers<'_>,
-        budget: &mut ReadBudget,
+        data: &mut FileBytes<'_>,
     ) -> Result<Option<Texture>, Invalid> {
         let own = image
             .buffer_view
             .and_then(|view| self.document.views().nth(view.value()));
-        if let Some(view) = own {
-            let view = buffers.view(&view, budget)?;
-            return decode(view.slice(), image, name, meaning, budget);
-        }
-        let Some(uri) = &image.uri else {
-            return Err(broken(
-                "its bytes",
-                "are nowhere: it has neither a URI nor a buffer view",
-            ));
-        };
-        if !uri.starts_with("data:") {
-            let path = buffers.path(uri)?;
-            if !buffers.files.has(&path) {
-                return Ok(None);
+        let bytes = match (own, &image.uri) {
+            (Some(view), _) => Fetched::Apart(Rc::new(data.view(&view)?.to_vec())),
+            (None, Some(uri)) => {
+                if !uri.starts_with("data:") && !data.files.has(&data.path(uri)?) {
+                    return Ok(None);
+                }
+                // The document doesn't state its length.
+                data.fetch(uri, u64::MAX)?
             }
-        }
-        // No number says how long it is.
-        let bytes = buffers.fetch(uri, u64::MAX, budget)?;
-        decode(bytes.slice(), image, name, meaning, budget)
+            (None, None) => {
+                let why = "are nowhere: it has neither a URI nor a buffer view";
+                return Err(broken("its bytes", why));
+            }
+        };
+        decode(bytes.slice(), image, name, meaning, &mut data.budget)
     }
 }
 

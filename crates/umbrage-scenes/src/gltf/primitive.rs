@@ -3,45 +3,31 @@
 use super::{
     accessor::AccessorNumbers,
     broken,
-    budget::ReadBudget,
-    buffers::Buffers,
+    file_bytes::FileBytes,
     material::{Materials, SurfaceLook},
     told, wrap,
 };
-use crate::detail::with_tangents;
+use crate::{detail::with_tangents, model_part::ModelPart};
 use gltf::{Mesh as FileMesh, Primitive, Semantic, mesh::Mode};
 use std::collections::{HashMap, hash_map::Entry};
 use umbrage_core::glam::{Vec3, Vec4};
 use umbrage_core::{Invalid, Mesh, Scene};
 
-/// Vertices are read whole if there are at most so many for each index. Files that give many primitives one long list of vertices would take
-/// as long for each as for all, so there only those are read that are used.
-const VERTICES_AN_INDEX: usize = 4;
-
-/// A mesh of the scene, and what it wears.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PrimitiveMesh {
-    pub(super) mesh: usize,
-    pub(super) material: Option<usize>,
-    pub(super) casts: bool,
-}
-
 /// The meshes of a file that were read, by their number.
 #[derive(Debug, Default)]
 pub(super) struct FileMeshes {
-    known: HashMap<usize, Vec<PrimitiveMesh>>,
+    known: HashMap<usize, Vec<ModelPart>>,
 }
 
 impl FileMeshes {
-    /// Returns a mesh's parts: those of its primitives that have triangles and are not cut out altogether.
+    /// Returns a mesh's parts: its primitives that have triangles, unless an alpha test removes all of them.
     pub(super) fn parts(
         &mut self,
         mesh: &FileMesh<'_>,
-        buffers: &mut Buffers<'_>,
+        data: &mut FileBytes<'_>,
         materials: &mut Materials<'_>,
-        budget: &mut ReadBudget,
         scene: &mut Scene,
-    ) -> Result<&[PrimitiveMesh], Invalid> {
+    ) -> Result<&[ModelPart], Invalid> {
         let index = mesh.index();
         let place = match self.known.entry(index) {
             Entry::Occupied(known) => return Ok(known.into_mut()),
@@ -53,7 +39,7 @@ impl FileMeshes {
                 let mesh = told("mesh", index, mesh.name());
                 e.within(format!("{mesh}, primitive {}", primitive.index()))
             };
-            let part = part(&primitive, buffers, materials, budget, scene).map_err(within)?;
+            let part = part(&primitive, data, materials, scene).map_err(within)?;
             if let Some(part) = part {
                 scene.meshes[part.mesh].name = name_of_part(mesh, &primitive);
                 parts.push(part);
@@ -65,53 +51,56 @@ impl FileMeshes {
 
 fn part(
     primitive: &Primitive<'_>,
-    buffers: &mut Buffers<'_>,
+    data: &mut FileBytes<'_>,
     materials: &mut Materials<'_>,
-    budget: &mut ReadBudget,
     scene: &mut Scene,
-) -> Result<Option<PrimitiveMesh>, Invalid> {
-    let Some((corners, positions)) = shape(primitive, buffers, budget)? else {
+) -> Result<Option<ModelPart>, Invalid> {
+    let Some(shape) = PrimitiveShape::read(primitive, data)? else {
         return Ok(None);
     };
-    let look = materials.look_of(primitive, buffers, budget, scene)?;
-    let SurfaceLook::Visible {
+    let Some(look) = materials.look_of(primitive, data, scene)? else {
+        return Ok(None);
+    };
+    let SurfaceLook {
         material,
         coordinates,
         casts,
         wraps,
-    } = look
-    else {
-        return Ok(None);
-    };
-    let needs_tangents = material.is_some_and(|i| scene.materials[i].normal_map.is_some());
-    let mut read = Attributes {
-        corners: &corners,
-        buffers,
-        budget,
-    };
+    } = look;
+    let material_of_scene = material.map(|i| scene.materials[i]);
+    let needs_tangents = material_of_scene.is_some_and(|m| m.normal_map.is_some());
+    let normals: Vec<[f32; 3]> = shape.attribute(primitive, &Semantic::Normals, data)?;
     let mut mesh = Mesh {
-        positions,
-        normals: read.normals(primitive)?,
+        normals: normals.into_iter().map(Vec3::from_array).collect(),
         ..Mesh::default()
     };
     if let Some(coordinates) = coordinates {
-        let uvs: Vec<[f32; 2]> = read.vectors(primitive, &Semantic::TexCoords(coordinates.set))?;
+        let set = Semantic::TexCoords(coordinates.set);
+        let uvs: Vec<[f32; 2]> = shape.attribute(primitive, &set, data)?;
         mesh.uvs = uvs.into_iter().map(|uv| coordinates.at(uv)).collect();
         if mesh.uvs.iter().any(|uv| !uv.is_finite()) {
-            return Err(broken(
-                "texture transform",
-                "leaves the range of 32-bit floats",
-            ));
+            let why = "leaves the range of 32-bit floats";
+            return Err(broken("texture transform", why));
         }
-        if let Some(alpha) = material.and_then(|i| scene.materials[i].alpha) {
+        if let Some(alpha) = material_of_scene.and_then(|m| m.alpha) {
             let texture = &scene.textures[alpha.texture];
-            wrap::check(&mesh.uvs, wraps, texture, &alpha, read.budget)?;
+            wrap::check(&mesh.uvs, wraps, texture, &alpha, &mut data.budget)?;
         }
         if needs_tangents && !coordinates.is_transformed {
-            mesh.tangents = read.tangents(primitive)?;
+            let tangents: Vec<[f32; 4]> = shape.attribute(primitive, &Semantic::Tangents, data)?;
+            mesh.tangents = tangents.into_iter().map(Vec4::from_array).collect();
         }
     }
-    mesh.triangles = corners.triangles;
+    mesh.positions = shape.positions;
+    mesh.triangles = shape.triangles;
+    // Normals and tangents of which one is useless are computed instead.
+    if mesh.normals.contains(&Vec3::ZERO) {
+        mesh.normals.clear();
+    }
+    let is_tangent = |t: &Vec4| t.w.abs() == 1.0 && t.truncate() != Vec3::ZERO;
+    if !mesh.tangents.iter().all(is_tangent) {
+        mesh.tangents.clear();
+    }
     if mesh.normals.is_empty() {
         mesh = flat(&mesh);
     }
@@ -119,10 +108,9 @@ fn part(
         mesh = with_tangents(&mesh)?;
     }
     scene.meshes.push(mesh);
-    Ok(Some(PrimitiveMesh {
-        mesh: scene.meshes.len() - 1,
-        material,
+    Ok(Some(ModelPart {
         casts,
+        ..ModelPart::new(scene.meshes.len() - 1, material)
     }))
 }
 
@@ -154,86 +142,81 @@ fn name_of_part(mesh: &FileMesh<'_>, primitive: &Primitive<'_>) -> String {
     }
 }
 
-/// Which vertices make up the triangles.
+/// The triangles of a primitive, and the positions of the vertices that they use.
 #[derive(Debug)]
-struct PrimitiveTriangles {
+struct PrimitiveShape {
+    positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// The vertices that are read, in rising order, if these are not all: triangles count them.
-    read: Option<Vec<u32>>,
-    /// Vertices of the file.
+    /// The used vertices of the file in rising order, unless all are used.
+    used: Option<Vec<u32>>,
+    /// Number of vertices in the file.
     count: usize,
 }
 
-/// Returns the triangles and the positions of a primitive; none if it has no triangles.
-fn shape(
-    primitive: &Primitive<'_>,
-    buffers: &mut Buffers<'_>,
-    budget: &mut ReadBudget,
-) -> Result<Option<(PrimitiveTriangles, Vec<Vec3>)>, Invalid> {
-    let Some(accessor) = primitive.get(&Semantic::Positions) else {
-        return Ok(None);
-    };
-    let positions = AccessorNumbers::open(&accessor, buffers, budget)?;
-    if positions.is_without_bytes() {
-        return Err(
-            positions.fault("holds no positions: it has neither a buffer view nor sparse elements")
-        );
-    }
-    let count = positions.count();
-    let indices = match primitive.indices() {
-        Some(accessor) => {
-            let indices = AccessorNumbers::open(&accessor, buffers, budget)?;
-            let list = indices.indices(budget)?;
-            if let Some(beyond) = list.iter().find(|&&i| i as usize >= count) {
-                return Err(indices.fault(format!("names vertex {beyond} of {count}")));
+impl PrimitiveShape {
+    /// Reads a primitive; `None` if it has no triangles.
+    fn read(primitive: &Primitive<'_>, data: &mut FileBytes<'_>) -> Result<Option<Self>, Invalid> {
+        let Some(accessor) = primitive.get(&Semantic::Positions) else {
+            return Ok(None);
+        };
+        let positions = AccessorNumbers::open(accessor, data)?;
+        if positions.is_without_bytes() {
+            let why = "holds no positions: it has neither a buffer view nor sparse elements";
+            return Err(positions.fault(why));
+        }
+        let count = positions.count();
+        let indices = match primitive.indices() {
+            Some(accessor) => {
+                let indices = AccessorNumbers::open(accessor, data)?;
+                let list = indices.indices(data)?;
+                if let Some(beyond) = list.iter().find(|&&i| i as usize >= count) {
+                    return Err(indices.fault(format!("names vertex {beyond} of {count}")));
+                }
+                list
             }
-            list
+            None => {
+                data.budget.read(count as u64)?;
+                (0..count as u32).collect()
+            }
+        };
+        let mut triangles = triangles(primitive.mode(), &indices)?;
+        if triangles.is_empty() {
+            return Ok(None);
         }
-        None => {
-            budget.read(count as u64)?;
-            (0..count as u32).collect()
+        let mut used = triangles.as_flattened().to_vec();
+        used.sort_unstable();
+        used.dedup();
+        let used = (used.len() < count).then_some(used);
+        if let Some(used) = &used {
+            let place = |v: u32| used.partition_point(|&other| other < v) as u32;
+            triangles.iter_mut().for_each(|t| *t = t.map(place));
         }
-    };
-    let mut triangles = triangles(primitive.mode(), &indices)?;
-    if triangles.is_empty() {
-        return Ok(None);
+        let positions = positions.vectors(used.as_deref(), data)?;
+        Ok(Some(Self {
+            positions: positions.into_iter().map(Vec3::from_array).collect(),
+            triangles,
+            used,
+            count,
+        }))
     }
-    let read = used(&triangles, count);
-    if let Some(read) = &read {
-        // What is looked for is there: the list is made of it.
-        let place = |v: u32| read.partition_point(|&other| other < v) as u32;
-        for triangle in &mut triangles {
-            *triangle = triangle.map(place);
-        }
-    }
-    let corners = PrimitiveTriangles {
-        triangles,
-        read,
-        count,
-    };
-    let positions = positions.vectors(corners.read.as_deref(), budget)?;
-    let positions = positions.into_iter().map(Vec3::from_array).collect();
-    Ok(Some((corners, positions)))
-}
 
-/// Returns the vertices that triangles use, in rising order; none if these are all of so many.
-fn used(triangles: &[[u32; 3]], count: usize) -> Option<Vec<u32>> {
-    let corners = triangles.as_flattened();
-    if count <= VERTICES_AN_INDEX * corners.len() {
-        let mut is_used = vec![false; count];
-        for &corner in corners {
-            is_used[corner as usize] = true;
+    /// Returns an attribute of the used vertices; empty if the primitive doesn't have it.
+    fn attribute<const N: usize>(
+        &self,
+        primitive: &Primitive<'_>,
+        semantic: &Semantic,
+        data: &mut FileBytes<'_>,
+    ) -> Result<Vec<[f32; N]>, Invalid> {
+        let Some(accessor) = primitive.get(semantic) else {
+            return Ok(Vec::new());
+        };
+        let numbers = AccessorNumbers::open(accessor, data)?;
+        if numbers.count() != self.count {
+            let (elements, vertices) = (numbers.count(), self.count);
+            return Err(numbers.fault(format!("has {elements} elements for {vertices} vertices")));
         }
-        if is_used.iter().all(|&used| used) {
-            return None;
-        }
-        let used = (0..count as u32).filter(|&v| is_used[v as usize]);
-        return Some(used.collect());
+        numbers.vectors(self.used.as_deref(), data)
     }
-    let mut used = corners.to_vec();
-    used.sort_unstable();
-    used.dedup();
-    Some(used)
 }
 
 /// Returns the triangles of a list of vertices; none for points and lines.
@@ -271,55 +254,4 @@ fn triangles(mode: Mode, list: &[u32]) -> Result<Vec<[u32; 3]>, Invalid> {
 fn has_three_corners(triangle: &[u32; 3]) -> bool {
     let [a, b, c] = *triangle;
     a != b && b != c && c != a
-}
-
-/// Reads what vertices have besides positions.
-struct Attributes<'a, 'b> {
-    corners: &'a PrimitiveTriangles,
-    buffers: &'a mut Buffers<'b>,
-    budget: &'a mut ReadBudget,
-}
-
-impl Attributes<'_, '_> {
-    /// Returns an attribute of the vertices that are read; empty if the primitive hasn't got it.
-    fn vectors<const N: usize>(
-        &mut self,
-        primitive: &Primitive<'_>,
-        semantic: &Semantic,
-    ) -> Result<Vec<[f32; N]>, Invalid> {
-        let Some(accessor) = primitive.get(semantic) else {
-            return Ok(Vec::new());
-        };
-        let numbers = AccessorNumbers::open(&accessor, self.buffers, self.budget)?;
-        if numbers.count() != self.corners.count {
-            let why = format!(
-                "has {} elements for {} vertices",
-                numbers.count(),
-                self.corners.count
-            );
-            return Err(numbers.fault(why));
-        }
-        numbers.vectors(self.corners.read.as_deref(), self.budget)
-    }
-
-    /// Returns the normals; empty if they are missing or one of them is zero: then those of the triangles are taken.
-    fn normals(&mut self, primitive: &Primitive<'_>) -> Result<Vec<Vec3>, Invalid> {
-        let normals = self.vectors(primitive, &Semantic::Normals)?;
-        let normals: Vec<Vec3> = normals.into_iter().map(Vec3::from_array).collect();
-        match normals.contains(&Vec3::ZERO) {
-            true => Ok(Vec::new()),
-            false => Ok(normals),
-        }
-    }
-
-    /// Returns the tangents; empty if they are missing or one of them is none: then they are made.
-    fn tangents(&mut self, primitive: &Primitive<'_>) -> Result<Vec<Vec4>, Invalid> {
-        let tangents = self.vectors(primitive, &Semantic::Tangents)?;
-        let tangents: Vec<Vec4> = tangents.into_iter().map(Vec4::from_array).collect();
-        let is_tangent = |t: &Vec4| t.w.abs() == 1.0 && t.truncate() != Vec3::ZERO;
-        match tangents.iter().all(is_tangent) {
-            true => Ok(tangents),
-            false => Ok(Vec::new()),
-        }
-    }
 }

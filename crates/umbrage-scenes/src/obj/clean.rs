@@ -1,126 +1,100 @@
-//! Reads OBJ text and hands on only what makes a mesh, checked, in the form that `tobj` reads rightly.
+//! Reads OBJ text and keeps only statements that make a mesh, checked, in the form that `tobj` reads correctly.
 //!
-//! Left to itself `tobj` 4.0 takes lines for faces, loses the first vertex after a byte order mark, fails on comments
-//! behind faces, on continued lines, on a lone carriage return, on vertices of which only some are coloured and on
-//! names that aren't UTF-8, overflows on indices far out of range, and can't say in which line a fault is.
+//! `tobj` 4.0 alone takes lines for faces, loses the first vertex after a byte order mark, fails on comments behind faces, on
+//! continued lines, on a lone carriage return, on vertices of which only some are coloured and on names that aren't UTF-8,
+//! overflows on indices far out of range, and doesn't report the line of a fault.
 
 use super::parts::Looks;
-use std::io::{self, BufRead, Read};
+use crate::{SceneError, error::Place};
+use std::io::{self, BufRead, Read as _};
+use std::path::Path;
 
 /// Longest line that is read: a face with a million corners fits, and a file without line ends can't fill the memory.
 const LONGEST_LINE: u64 = 16 << 20;
 /// Most corners of one face: cutting concave polygons takes time that grows with their square.
 const MOST_CORNERS: usize = 4096;
+/// Kinds of indices, in the order of a face's corner.
+const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// What is wrong in which line, counted from 1.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Fault {
-    pub(super) line: usize,
-    pub(super) why: String,
-    pub(super) help: &'static str,
+/// Checked statements, and what was kept from `tobj`.
+#[derive(Debug, Default)]
+pub(super) struct CleanText {
+    pub(super) statements: Vec<u8>,
+    pub(super) faces: usize,
+    pub(super) looks: Looks,
 }
 
-/// The clean text, one statement at a time.
-#[derive(Debug)]
-pub(super) struct Cleaner<R> {
-    source: R,
+/// Reads a whole source; `unreadable` is the error of a source that fails.
+pub(super) fn clean(
+    mut source: impl BufRead,
+    path: &Path,
+    unreadable: &dyn Fn(&io::Error) -> SceneError,
+) -> Result<CleanText, SceneError> {
+    let mut cleaner = Cleaner {
+        path,
+        line: 0,
+        continued: String::new(),
+        counts: [0; 3],
+        greatest: [(0, 0); 3],
+        clean: CleanText::default(),
+    };
+    let mut bytes = Vec::new();
+    loop {
+        bytes.clear();
+        let mut line = source.by_ref().take(LONGEST_LINE);
+        let length = line.read_until(b'\n', &mut bytes);
+        if length.map_err(|e| unreadable(&e))? == 0 {
+            break;
+        }
+        if cleaner.line == 0 && bytes.starts_with(b"\xef\xbb\xbf") {
+            bytes.drain(..3);
+        }
+        cleaner.lines(&bytes)?;
+    }
+    let rest = std::mem::take(&mut cleaner.continued);
+    cleaner.statement(&rest)?;
+    cleaner.check_greatest()?;
+    Ok(cleaner.clean)
+}
+
+/// The state between two lines.
+struct Cleaner<'a> {
+    path: &'a Path,
+    /// Counted from 1.
     line: usize,
     /// A statement that goes on in the next line.
     continued: String,
-    clean: io::Cursor<Vec<u8>>,
     /// Vertices, texture coordinates and normals so far.
     counts: [usize; 3],
     /// The greatest index of each so far, and its line.
     greatest: [(usize, usize); 3],
-    pub(super) faces: usize,
-    pub(super) looks: Looks,
-    /// Why reading stopped, if the text is at fault.
-    pub(super) fault: Option<Fault>,
-    /// Why reading stopped, if the source failed.
-    pub(super) failure: Option<io::Error>,
+    clean: CleanText,
 }
 
-const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
-
-impl<R: BufRead> Cleaner<R> {
-    pub(super) fn new(source: R) -> Self {
-        Self {
-            source,
-            line: 0,
-            continued: String::new(),
-            clean: io::Cursor::default(),
-            counts: [0; 3],
-            greatest: [(0, 0); 3],
-            faces: 0,
-            looks: Looks::default(),
-            fault: None,
-            failure: None,
-        }
-    }
-
-    /// Cleans up to the next line feed. False at the end.
-    fn advance(&mut self) -> io::Result<bool> {
-        let mut bytes = Vec::new();
-        let read = (&mut self.source)
-            .take(LONGEST_LINE)
-            .read_until(b'\n', &mut bytes);
-        if read.or_else(|error| self.fail(error))? == 0 {
-            let rest = std::mem::take(&mut self.continued);
-            let end = self.statement(&rest).and_then(|()| self.check_greatest());
-            return self.stop_at(end).map(|()| false);
-        }
-        self.clean.get_mut().clear();
-        self.clean.set_position(0);
-        let cleaned = self.clean_line(&bytes);
-        self.stop_at(cleaned).map(|()| true)
-    }
-
-    fn fail(&mut self, error: io::Error) -> io::Result<usize> {
-        let kind = error.kind();
-        self.failure = Some(error);
-        Err(kind.into())
-    }
-
-    fn stop_at(&mut self, result: Result<(), Fault>) -> io::Result<()> {
-        result.map_err(|fault| {
-            self.fault = Some(fault);
-            io::Error::from(io::ErrorKind::InvalidData)
-        })
-    }
-
-    fn clean_line(&mut self, bytes: &[u8]) -> Result<(), Fault> {
-        let bytes = if self.line == 0 {
-            bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
-        } else {
-            bytes
+impl Cleaner<'_> {
+    /// Cleans bytes up to a line feed. A lone carriage return ends a line, too.
+    fn lines(&mut self, bytes: &[u8]) -> Result<(), SceneError> {
+        let unusable = match bytes.len() as u64 {
+            LONGEST_LINE => Some("is over 16 MiB long"),
+            _ => bytes.contains(&0).then_some("is not text"),
         };
-        let fault = if bytes.contains(&0) {
-            Some("is not text")
-        } else if bytes.len() as u64 == LONGEST_LINE {
-            Some("is over 16 MiB long")
-        } else {
-            None
-        };
-        if let Some(why) = fault {
-            self.line += 1;
-            let help = "save the model as a Wavefront OBJ in ASCII or UTF-8";
-            return self.fault(why.to_owned(), help);
-        }
         let bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes);
         let bytes = bytes.strip_suffix(b"\r").unwrap_or(bytes);
-        // A lone carriage return ends a line, too.
         for line in bytes.split(|&b| b == b'\r') {
             self.line += 1;
+            if let Some(why) = unusable {
+                let help = "save the model as a Wavefront OBJ in ASCII or UTF-8";
+                return Err(self.fault(why, help));
+            }
             let text = String::from_utf8_lossy(line);
-            let without_comment = text.split('#').next().unwrap_or_default();
-            match without_comment.trim_end().strip_suffix('\\') {
+            let text = text.split('#').next().unwrap_or_default();
+            match text.trim_end().strip_suffix('\\') {
                 Some(part) => {
                     self.continued.push_str(part);
                     self.continued.push(' ');
                 }
-                None if self.continued.is_empty() => self.statement(without_comment)?,
                 None => {
-                    let whole = std::mem::take(&mut self.continued) + without_comment;
+                    let whole = std::mem::take(&mut self.continued) + text;
                     self.statement(&whole)?;
                 }
             }
@@ -128,190 +102,143 @@ impl<R: BufRead> Cleaner<R> {
         Ok(())
     }
 
-    fn statement(&mut self, text: &str) -> Result<(), Fault> {
+    /// Keeps a statement that makes a mesh. Names, lines, points and curves make no triangles.
+    fn statement(&mut self, text: &str) -> Result<(), SceneError> {
         let mut words = text.split_whitespace();
-        match words.next() {
-            Some("v") => self.vertex(&words.collect::<Vec<_>>()),
-            Some("vt") => self.texture_coordinate(&words.collect::<Vec<_>>()),
-            Some("vn") => self.normal(&words.collect::<Vec<_>>()),
-            Some("f") => self.face(&words.collect::<Vec<_>>()),
-            Some("usemtl") => self.look(|looks, faces, name| looks.runs.push((faces, name)), text),
-            Some("mtllib") => self.look(|looks, _, name| looks.libraries.push(name), text),
-            // Names, lines, points and curves make no triangles.
-            _ => Ok(()),
+        let keyword = words.next().unwrap_or_default();
+        let words: Vec<&str> = words.collect();
+        // `tobj` would split the mesh at each material, and doesn't report the file of its name.
+        let name = || {
+            let rest = text.trim().strip_prefix(keyword).unwrap_or_default();
+            rest.trim().to_owned()
+        };
+        match keyword {
+            "v" => {
+                // A fourth and last number is a weight. More numbers are a colour.
+                let used = if words.len() == 4 { 4 } else { 3 };
+                let numbers = self.numbers(0, &words, used)?;
+                let w = numbers.get(3).copied().unwrap_or(1.0);
+                if let Some(bad) = numbers[..3].iter().find(|x| !(*x / w).is_finite()) {
+                    let over = match w {
+                        1.0 => String::new(),
+                        w => format!(" over {w}"),
+                    };
+                    let why = format!("vertex holds {bad}{over}");
+                    return Err(self.fault(why, "use finite numbers below 3.4e38"));
+                }
+                self.keep("v", &words[..used]);
+            }
+            "vt" => {
+                let used = words.len().clamp(1, 2);
+                self.numbers(1, &words, used)?;
+                self.keep("vt", &[words[0], words.get(1).copied().unwrap_or("0")]);
+            }
+            "vn" => {
+                self.numbers(2, &words, 3)?;
+                self.keep("vn", &words[..3]);
+            }
+            "f" => self.face(&words)?,
+            "usemtl" => self.clean.looks.runs.push((self.clean.faces, name())),
+            "mtllib" => self.clean.looks.libraries.push(name()),
+            _ => {}
         }
+        Ok(())
     }
 
-    /// Looks are kept aside: `tobj` would split the mesh at each, and doesn't say which file a name is from.
-    fn look(
+    /// Counts an element of a kind, and returns the numbers that it has to begin with.
+    fn numbers(
         &mut self,
-        keep: impl FnOnce(&mut Looks, usize, String),
-        text: &str,
-    ) -> Result<(), Fault> {
-        let name = text
-            .trim()
-            .split_once(char::is_whitespace)
-            .map_or("", |(_, name)| name.trim());
-        keep(&mut self.looks, self.faces, name.to_owned());
-        Ok(())
-    }
-
-    fn vertex(&mut self, words: &[&str]) -> Result<(), Fault> {
-        let xyz = self.numbers::<3>("vertex", words)?;
-        // Exactly four numbers: the last is a weight. Beyond that they are a colour.
-        let w = if words.len() == 4 {
-            self.numbers::<1>("weight", &words[3..])?[0]
-        } else {
-            1.0
-        };
-        if let Some(bad) = xyz.iter().find(|x| !(*x / w).is_finite()) {
-            let why = if w == 1.0 {
-                format!("vertex holds {bad}")
-            } else {
-                format!("vertex holds {bad} over {w}")
-            };
-            return self.fault(why, "use finite numbers below 3.4e38");
+        kind: usize,
+        words: &[&str],
+        count: usize,
+    ) -> Result<Vec<f32>, SceneError> {
+        self.counts[kind] += 1;
+        let what = KINDS[kind];
+        if words.len() < count && words.iter().all(|word| word.parse::<f32>().is_ok()) {
+            let why = format!("{what} has {} numbers of {count}", words.len());
+            return Err(self.fault(why, "check that the file is complete"));
         }
-        self.counts[0] += 1;
-        let used = if words.len() == 4 { 4 } else { 3 };
-        self.emit("v", &words[..used]);
-        Ok(())
+        let parsed = words.iter().take(count).map(|word| {
+            word.parse().map_err(|_| {
+                let why = format!("{what} holds `{word}`, which is not a number");
+                self.fault(why, "write numbers as 1.5 or 2e-3")
+            })
+        });
+        parsed.collect()
     }
 
-    fn texture_coordinate(&mut self, words: &[&str]) -> Result<(), Fault> {
-        let u = self.numbers::<1>("texture coordinate", words)?[0];
-        let v = if words.len() > 1 {
-            self.numbers::<1>("texture coordinate", &words[1..])?[0]
-        } else {
-            0.0
-        };
-        self.counts[1] += 1;
-        self.emit("vt", &[&u.to_string(), &v.to_string()]);
-        Ok(())
-    }
-
-    fn normal(&mut self, words: &[&str]) -> Result<(), Fault> {
-        self.numbers::<3>("normal", words)?;
-        self.counts[2] += 1;
-        self.emit("vn", &words[..3]);
-        Ok(())
-    }
-
-    fn face(&mut self, words: &[&str]) -> Result<(), Fault> {
+    fn face(&mut self, words: &[&str]) -> Result<(), SceneError> {
         words.iter().try_for_each(|word| self.corner(word))?;
         if words.len() > MOST_CORNERS {
             let why = format!("face has {} corners", words.len());
-            return self.fault(
-                why,
-                "export the model as triangles: a face may have at most 4,096 corners",
-            );
+            let help = "export the model as triangles: a face may have at most 4,096 corners";
+            return Err(self.fault(why, help));
         }
         // With fewer corners it has no area, and casts no shadow.
         if words.len() >= 3 {
-            self.faces += 1;
-            self.emit("f", words);
+            self.clean.faces += 1;
+            self.keep("f", words);
         }
         Ok(())
     }
 
-    fn corner(&mut self, word: &str) -> Result<(), Fault> {
+    /// Checks a corner. Negative indices count back from the latest; positive ones may run ahead, and are checked at the end.
+    fn corner(&mut self, word: &str) -> Result<(), SceneError> {
         const HELP: &str = "write corners as `v`, `v/vt`, `v//vn` or `v/vt/vn` with whole numbers";
         for (kind, part) in word.split('/').enumerate() {
-            match part.parse::<i64>() {
-                _ if kind > 2 => {
-                    return self.fault(format!("face corner `{word}` has too many parts"), HELP);
+            if kind >= KINDS.len() {
+                return Err(self.fault(format!("face corner `{word}` has too many parts"), HELP));
+            }
+            if part.is_empty() && kind > 0 {
+                continue;
+            }
+            let Ok(index) = part.parse::<i64>() else {
+                return Err(self.fault(format!("face corner `{word}` is not an index"), HELP));
+            };
+            let (size, count) = (index.unsigned_abs() as usize, self.counts[kind]);
+            if index > 0 {
+                if size > self.greatest[kind].0 {
+                    self.greatest[kind] = (size, self.line);
                 }
-                Ok(index) => self.index(kind, index)?,
-                Err(_) if part.is_empty() && kind > 0 => {}
-                Err(_) => return self.fault(format!("face corner `{word}` is not an index"), HELP),
+            } else if index == 0 || size > count {
+                let kind = KINDS[kind];
+                let why = format!("face names {kind} {index}, but there are {count} before it");
+                return Err(self.fault(why, "use indices from 1, or from -1 backwards"));
             }
         }
         Ok(())
     }
 
-    /// Negative indices count back from the latest; positive ones may run ahead, and are checked at the end.
-    fn index(&mut self, kind: usize, index: i64) -> Result<(), Fault> {
-        let size = index.unsigned_abs() as usize;
-        let count = self.counts[kind];
-        if index > 0 {
-            if size > self.greatest[kind].0 {
-                self.greatest[kind] = (size, self.line);
-            }
-            return Ok(());
-        }
-        if index == 0 || size > count {
-            let why = format!(
-                "face names {} {index}, but there are {count} before it",
-                KINDS[kind]
-            );
-            return self.fault(why, "use indices from 1, or from -1 backwards");
-        }
-        Ok(())
-    }
-
-    fn check_greatest(&mut self) -> Result<(), Fault> {
+    fn check_greatest(&mut self) -> Result<(), SceneError> {
         for ((kind, (index, line)), count) in KINDS.iter().zip(self.greatest).zip(self.counts) {
             if index > count {
+                self.line = line;
                 let why = format!("face names {kind} {index}, but the file has {count}");
-                return Err(Fault {
-                    line,
-                    why,
-                    help: "check that the file is complete",
-                });
+                return Err(self.fault(why, "check that the file is complete"));
             }
         }
         Ok(())
     }
 
-    fn numbers<const N: usize>(&self, what: &str, words: &[&str]) -> Result<[f32; N], Fault> {
-        let mut out = [0.0; N];
-        for (i, number) in out.iter_mut().enumerate() {
-            match words.get(i).map(|word| (word, word.parse())) {
-                Some((_, Ok(parsed))) => *number = parsed,
-                Some((word, Err(_))) => {
-                    self.fault(
-                        format!("{what} holds `{word}`, which is not a number"),
-                        "write numbers as 1.5 or 2e-3",
-                    )?;
-                }
-                None => self.fault(
-                    format!("{what} has {i} numbers of {N}"),
-                    "check that the file is complete",
-                )?,
-            }
+    fn fault(&self, why: impl Into<String>, help: &str) -> SceneError {
+        SceneError::Fault {
+            place: Place {
+                file: self.path.display().to_string(),
+                line: Some(self.line),
+                key: None,
+            },
+            why: why.into(),
+            help: help.to_owned(),
         }
-        Ok(out)
     }
 
-    fn fault(&self, why: String, help: &'static str) -> Result<(), Fault> {
-        Err(Fault {
-            line: self.line,
-            why,
-            help,
-        })
-    }
-
-    fn emit(&mut self, keyword: &str, words: &[&str]) {
-        let out = self.clean.get_mut();
+    fn keep(&mut self, keyword: &str, words: &[&str]) {
+        let out = &mut self.clean.statements;
         out.extend_from_slice(keyword.as_bytes());
         for word in words {
             out.push(b' ');
             out.extend_from_slice(word.as_bytes());
         }
         out.push(b'\n');
-    }
-}
-
-impl<R: BufRead> Read for Cleaner<R> {
-    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        loop {
-            let n = self.clean.read(out)?;
-            if n > 0 || out.is_empty() {
-                return Ok(n);
-            }
-            if !self.advance()? && self.clean.position() == self.clean.get_ref().len() as u64 {
-                return Ok(0);
-            }
-        }
     }
 }

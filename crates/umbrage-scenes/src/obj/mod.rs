@@ -1,4 +1,4 @@
-//! Wavefront OBJ models. Names, lines and points are left aside; all faces of one material become one mesh.
+//! Wavefront OBJ models. Names, lines and points are ignored; all faces of one material become one mesh.
 
 mod clean;
 mod material;
@@ -12,9 +12,8 @@ use crate::{
     Files, SceneError, detail::TextureFiles, error::Place, framing::frame, lone_model,
     model_part::ModelPart, polygon::triangulate,
 };
-use clean::Cleaner;
 use parts::Model;
-use std::io::{BufRead, BufReader};
+use std::io::BufRead;
 use std::path::Path;
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Camera, Geometry, Mesh, Scene};
@@ -89,43 +88,29 @@ fn parse(
     source: impl BufRead,
     unreadable: &dyn Fn(&std::io::Error) -> SceneError,
 ) -> Result<Model, SceneError> {
-    let mut clean = BufReader::new(Cleaner::new(source));
+    let clean = clean::clean(source, path, unreadable)?;
+    let fault = |why: String, help: &str| SceneError::Fault {
+        place: Place {
+            file: path.display().to_string(),
+            line: None,
+            key: None,
+        },
+        why,
+        help: help.to_owned(),
+    };
     let options = tobj::LoadOptions {
         single_index: true,
         triangulate: false,
         ..tobj::GPU_LOAD_OPTIONS
     };
-    let parsed = tobj::load_obj_buf(&mut clean, &options, |_| Ok(Default::default()));
-    let clean = clean.into_inner();
-    let fault = |line, why: String, help: &str| {
-        let place = Place {
-            file: path.display().to_string(),
-            line,
-            key: None,
-        };
-        SceneError::Fault {
-            place,
-            why,
-            help: help.to_owned(),
-        }
-    };
-    if let Some(f) = clean.fault {
-        return Err(fault(Some(f.line), f.why, f.help));
-    }
-    if let Some(error) = clean.failure {
-        return Err(unreadable(&error));
-    }
-    let (models, _) = parsed.map_err(|e| {
-        fault(
-            None,
-            format!("can't be parsed: {e}"),
-            "export the model again",
-        )
-    })?;
-    // Nothing that would split it was handed on, so there is one.
-    match models.into_iter().next().map(|model| model.mesh) {
-        Some(mesh) if clean.faces > 0 => {
-            let (mesh, face) = convert(name_of(path), &mesh);
+    let mut statements = clean.statements.as_slice();
+    let parsed = tobj::load_obj_buf(&mut statements, &options, |_| Ok(Default::default()));
+    let (models, _) =
+        parsed.map_err(|e| fault(format!("can't be parsed: {e}"), "export the model again"))?;
+    // No statement that would split it was kept, so there is one.
+    match models.into_iter().next() {
+        Some(model) if clean.faces > 0 => {
+            let (mesh, face) = convert(name_of(path), &model.mesh);
             Ok(Model {
                 mesh,
                 face,
@@ -133,7 +118,6 @@ fn parse(
             })
         }
         _ => Err(fault(
-            None,
             "has no face".to_owned(),
             "export the model with its faces (`f` lines)",
         )),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::FilesOnDisk;
-use std::io::Cursor;
+use std::io::{BufReader, Cursor};
 use umbrage_core::Light;
 
 fn read(text: impl AsRef<[u8]>) -> Result<Mesh, SceneError> {

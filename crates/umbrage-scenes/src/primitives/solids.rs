@@ -99,7 +99,8 @@ fn side_uv(corner: Vec3, normal: Vec3) -> Vec2 {
 }
 
 /// A box with flat shading normals: four vertices a side. Its texture spans each side once.
-pub(crate) fn block(min: Vec3, max: Vec3) -> Mesh {
+pub(crate) fn block(min: impl Into<Vec3>, max: impl Into<Vec3>) -> Mesh {
+    let (min, max) = (min.into(), max.into());
     let mut mesh = bare("box", Vec::new(), Vec::new());
     for axis in 0..3 {
         for sign in [-1.0_f32, 1.0] {

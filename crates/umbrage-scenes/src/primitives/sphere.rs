@@ -5,8 +5,8 @@ use umbrage_core::Mesh;
 use umbrage_core::glam::{DVec3, Vec3};
 
 /// A sphere of `20 * 4^splits` nearly equal triangles with all vertices on it, from an icosahedron.
-pub(crate) fn icosphere(center: Vec3, radius: f32, splits: u32) -> Mesh {
-    sphere(center, radius, splits, icosahedron())
+pub(crate) fn icosphere(center: impl Into<Vec3>, radius: f32, splits: u32) -> Mesh {
+    sphere(center.into(), radius, splits, icosahedron())
 }
 
 /// A sphere of `8 * 4^splits` triangles, from an octahedron: less equal ones, but the poles are vertices and every

@@ -48,11 +48,8 @@ fn solids() -> Vec<(Mesh, f64)> {
         (0.0, 1.0),
     ];
     vec![
-        (
-            block(Vec3::new(-1.0, 2.0, 0.5), Vec3::new(1.0, 5.0, 1.5)),
-            6.0,
-        ),
-        (icosphere(Vec3::new(3.0, 1.0, 2.0), 2.0, 4), 33.51),
+        (block([-1.0, 2.0, 0.5], [1.0, 5.0, 1.5]), 6.0),
+        (icosphere([3.0, 1.0, 2.0], 2.0, 4), 33.51),
         (pillar(1.0, 2.0, 128), std::f64::consts::TAU),
         (
             lathe(
@@ -141,7 +138,7 @@ fn flat_shapes_face_up() {
 #[test]
 fn a_sphere_keeps_its_vertices_on_its_surface() {
     let center = Vec3::new(1.0, 2.0, 3.0);
-    let mesh = icosphere(Vec3::new(1.0, 2.0, 3.0), 0.5, 5);
+    let mesh = icosphere([1.0, 2.0, 3.0], 0.5, 5);
     assert_eq!(mesh.triangles.len(), 20_480);
     // One rounding to f32 of coordinates below 4.
     assert!(

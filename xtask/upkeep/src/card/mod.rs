@@ -6,7 +6,7 @@ mod commit;
 use crate::{
     adapter,
     cli::PackOptions,
-    run::{Usage, cargo, root, run},
+    run::{Usage, cargo, root, run, target_folder},
 };
 use anyhow::{Context as _, Result, bail};
 use commit::commit;
@@ -118,13 +118,6 @@ fn executable_of(line: &str, target: &str) -> Option<PathBuf> {
     let is_target = message["target"]["name"] == target;
     let executable = message["executable"].as_str()?;
     is_target.then(|| PathBuf::from(executable))
-}
-
-/// Returns cargo's target folder: this program is `target/debug/xtask-upkeep`.
-fn target_folder() -> Result<PathBuf> {
-    let program = std::env::current_exe().context("this program does not know where it is")?;
-    let folder = program.ancestors().nth(2);
-    Ok(folder.context("this program is in no folder")?.to_owned())
 }
 
 /// Writes the run script, the commit and the programs.

@@ -1,24 +1,33 @@
-//! Whether every link and picture of the pages leads to something.
+//! Checks that every link, picture and heading anchor of the Markdown pages leads to something.
 
-use super::page::{MarkdownPage, PageLink};
 use anyhow::{Result, bail};
-use std::{collections::BTreeMap, path::Path};
+use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 /// The list of the site's pages.
 pub(super) const SUMMARY: &str = "docs/SUMMARY.md";
-/// The page that shows the viewer. It alone is linked with a query, which the viewer reads.
+/// The page that shows the viewer. Only links to it may have a query, which the viewer reads.
 pub(super) const LIVE: &str = "docs/live.md";
 
-/// All Markdown pages of the repository, by their paths.
-#[derive(Debug, Default)]
-pub(super) struct MarkdownPages {
-    pub(super) all: BTreeMap<String, MarkdownPage>,
+/// A Markdown file of the repository.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MarkdownPage {
+    pub(super) text: String,
+    /// Targets of links and pictures as written, such as `soft.md#the-idea`, with their lines.
+    pub(super) links: Vec<(String, usize)>,
+    /// The headings as addresses name them: `#far-from-the-origin` without `#`.
+    anchors: BTreeSet<String>,
+    /// Links that can't be checked as they are written.
+    faults: Vec<(&'static str, usize)>,
 }
 
-/// What a link leads to inside the repository.
+/// The target of a link inside the repository.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct LinkTarget {
-    /// From the top folder.
+    /// From the top folder, with `/` between its parts.
     pub(super) path: String,
     /// From `?` on, or empty.
     pub(super) query: String,
@@ -26,119 +35,152 @@ pub(super) struct LinkTarget {
     pub(super) anchor: String,
 }
 
+impl MarkdownPage {
+    pub(super) fn new(text: String) -> Self {
+        let mut page = Self::default();
+        let mut heading = String::new();
+        let options = Options::ENABLE_TABLES | Options::ENABLE_STRIKETHROUGH;
+        for (event, place) in Parser::new_ext(&text, options).into_offset_iter() {
+            let line = 1 + text[..place.start].matches('\n').count();
+            match event {
+                Event::Start(Tag::Heading { .. }) => heading.clear(),
+                Event::End(TagEnd::Heading(_)) => page.add_anchor(&heading),
+                Event::Text(words) | Event::Code(words) => heading += &words,
+                Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
+                    let is_inline = text[place].contains(&format!("]({dest_url}"));
+                    if is_external(&dest_url) {
+                        continue;
+                    }
+                    if !is_inline {
+                        page.faults
+                            .push(("a link that is not written as [words](address)", line));
+                    }
+                    page.links.push((dest_url.into_string(), line));
+                }
+                Event::Html(html) | Event::InlineHtml(html)
+                    if html.contains(" src=") || html.contains(" href=") =>
+                {
+                    let fault = "a link or a picture as HTML, not as Markdown";
+                    page.faults.push((fault, line));
+                }
+                _ => {}
+            }
+        }
+        page.text = text;
+        page
+    }
+
+    /// Adds a heading in lower case with hyphens. As in mdBook and on GitHub, repeated ones are numbered.
+    fn add_anchor(&mut self, words: &str) {
+        let kept = |c: &char| c.is_alphanumeric() || "_- ".contains(*c);
+        let plain: String = words.chars().filter(kept).collect();
+        let plain = plain.to_lowercase().replace(' ', "-");
+        let mut anchor = plain.clone();
+        let mut number = 0;
+        while !self.anchors.insert(anchor) {
+            number += 1;
+            anchor = format!("{plain}-{number}");
+        }
+    }
+
+    /// Returns the target of a link of this page; `None` for external ones and for code that looks like a link.
+    pub(super) fn resolved(&self, path: &str, target: &str) -> Option<LinkTarget> {
+        let is_link = self.links.iter().any(|(link, _)| link == target);
+        resolve(path, target).filter(|_| is_link)
+    }
+}
+
+fn is_external(target: &str) -> bool {
+    ["https://", "http://", "mailto:"]
+        .iter()
+        .any(|scheme| target.starts_with(scheme))
+}
+
+/// All Markdown pages of the repository, by their paths.
+#[derive(Debug, Default)]
+pub(super) struct MarkdownPages(pub(super) BTreeMap<String, MarkdownPage>);
+
 impl MarkdownPages {
     /// Reads all pages of the repository at `root`.
     pub(super) fn read(root: &Path) -> Result<Self> {
         let mut out = Self::default();
         for source in crate::tidy::files::read_all(root)? {
             if source.extension() == "md" {
-                out.add(MarkdownPage::of(&source.path, source.text));
+                out.0.insert(source.path, MarkdownPage::new(source.text));
             }
         }
         Ok(out)
     }
 
-    pub(super) fn add(&mut self, page: MarkdownPage) {
-        self.all.insert(page.path.clone(), page);
-    }
-
-    /// Returns the site's pages with their titles, in the order of the list.
-    pub(super) fn of_site(&self) -> Vec<(&str, &MarkdownPage)> {
-        let mut out = Vec::new();
-        let Some(summary) = self.all.get(SUMMARY) else {
-            return out;
-        };
-        for link in &summary.links {
-            let target = resolve(summary, link);
-            if let Some(page) = target.and_then(|target| self.all.get(&target.path)) {
-                out.push((link.words.as_str(), page));
-            }
-        }
-        out
+    /// Returns the paths of the site's pages.
+    pub(super) fn of_site(&self) -> BTreeSet<String> {
+        let links = self.0.get(SUMMARY).map_or(&[][..], |page| &page.links);
+        let targets = links.iter().filter_map(|(link, _)| resolve(SUMMARY, link));
+        targets.map(|target| target.path).collect()
     }
 
     /// Errors, naming every fault, unless all links lead to something and the list names all pages of `docs`.
     pub(super) fn check(&self, root: &Path) -> Result<()> {
+        let listed = self.of_site();
         let mut faults = Vec::new();
-        for page in self.all.values() {
-            faults.extend(page.faults.iter().cloned());
-            for link in page.links.iter().filter(|link| !link.is_external()) {
-                if let Err(why) = self.check_link(root, page, link) {
-                    let PageLink { target, line, .. } = link;
-                    faults.push(format!("{}:{line}: `{target}`: {why}", page.path));
+        for (path, page) in &self.0 {
+            for (fault, line) in &page.faults {
+                faults.push(format!("{path}:{line}: {fault}: write it so"));
+            }
+            for (target, line) in &page.links {
+                if let Err(why) = self.check_link(root, path, target) {
+                    faults.push(format!("{path}:{line}: `{target}`: {why}"));
                 }
             }
+            if path.starts_with("docs/") && path != SUMMARY && !listed.contains(path) {
+                faults.push(format!(
+                    "{SUMMARY}: does not list {path}; add a line for it"
+                ));
+            }
         }
-        faults.extend(self.unlisted());
         if faults.is_empty() {
             return Ok(());
         }
         bail!("broken links:\n  {}", faults.join("\n  "))
     }
 
-    fn check_link(&self, root: &Path, page: &MarkdownPage, link: &PageLink) -> Result<()> {
-        let Some(target) = resolve(page, link) else {
+    fn check_link(&self, root: &Path, path: &str, target: &str) -> Result<()> {
+        let Some(target) = resolve(path, target) else {
             bail!("leads out of the repository; link a file in it");
         };
         if !root.join(&target.path).is_file() {
             bail!("there is no file {}", target.path);
         }
         if !target.query.is_empty() && target.path != LIVE {
-            bail!("only {LIVE} takes what stands behind `?`; leave it out");
+            bail!("only {LIVE} takes what follows `?`; remove it");
         }
-        if target.anchor.is_empty() {
+        let Some(anchor) = target.anchor.strip_prefix('#') else {
             return Ok(());
-        }
-        let Some(linked) = self.all.get(&target.path) else {
-            bail!("only pages have places to link to; leave out what stands behind `#`");
         };
-        let anchor = target.anchor.trim_start_matches('#');
+        let Some(linked) = self.0.get(&target.path) else {
+            bail!("only pages have places to link to; remove what follows `#`");
+        };
         if !linked.anchors.contains(anchor) {
             let known: Vec<&str> = linked.anchors.iter().map(String::as_str).collect();
-            bail!(
-                "{} has no heading `{anchor}`; it has {}",
-                target.path,
-                known.join(", ")
-            );
+            let known = known.join(", ");
+            bail!("{} has no heading `{anchor}`; it has {known}", target.path);
         }
         Ok(())
     }
-
-    /// Returns a fault for each page in `docs` that the list doesn't name.
-    fn unlisted(&self) -> Vec<String> {
-        let listed: Vec<&str> = self
-            .of_site()
-            .iter()
-            .map(|(_, page)| page.path.as_str())
-            .collect();
-        let mut faults = Vec::new();
-        for path in self.all.keys() {
-            let is_doc = path.starts_with("docs/") && path != SUMMARY;
-            if is_doc && !listed.contains(&path.as_str()) {
-                faults.push(format!(
-                    "{SUMMARY}: does not list {path}; add a line for it"
-                ));
-            }
-        }
-        faults
-    }
 }
 
-/// Returns what a page's link leads to; none if that is outside the repository.
-pub(super) fn resolve(page: &MarkdownPage, link: &PageLink) -> Option<LinkTarget> {
-    let (address, anchor) = split_at(&link.target, '#');
-    let (path, query) = split_at(address, '?');
-    let mut parts: Vec<&str> = page.path.split('/').collect();
-    if !path.is_empty() {
+/// Returns the target of a link on the page at `path`; `None` if it is outside the repository.
+fn resolve(path: &str, target: &str) -> Option<LinkTarget> {
+    let (address, anchor) = target.split_at(target.find('#').unwrap_or(target.len()));
+    let (address, query) = address.split_at(address.find('?').unwrap_or(address.len()));
+    let mut parts: Vec<&str> = path.split('/').collect();
+    if !address.is_empty() {
         parts.pop();
-        for part in path.split('/') {
-            match part {
-                "." => {}
-                ".." => {
-                    parts.pop()?;
-                }
-                _ => parts.push(part),
-            }
+    }
+    for part in address.split('/').filter(|part| !["", "."].contains(part)) {
+        match part {
+            ".." => drop(parts.pop()?),
+            _ => parts.push(part),
         }
     }
     Some(LinkTarget {
@@ -146,11 +188,6 @@ pub(super) fn resolve(page: &MarkdownPage, link: &PageLink) -> Option<LinkTarget
         query: query.to_owned(),
         anchor: anchor.to_owned(),
     })
-}
-
-/// Splits a text before the first `mark`; the second part is empty without one.
-fn split_at(text: &str, mark: char) -> (&str, &str) {
-    text.split_at(text.find(mark).unwrap_or(text.len()))
 }
 
 #[cfg(test)]
@@ -162,12 +199,12 @@ mod tests {
     fn every_link_of_the_repository_leads_to_something() {
         let pages = MarkdownPages::read(root()).expect("readable");
         assert!(pages.of_site().len() > 15, "the site's pages");
-        let pictures = |page: &MarkdownPage| page.links.iter().filter(|l| l.is_picture).count();
-        assert!(pages.all.values().map(pictures).sum::<usize>() > 80);
+        let links: usize = pages.0.values().map(|page| page.links.len()).sum();
+        assert!(links > 300, "{links}");
         pages.check(root()).expect("no broken links");
     }
 
-    /// Pages in a folder: `docs/a.md` with the given text, which the list names, and `docs/b.md`.
+    /// Returns the errors of `docs/a.md` with the given text, among other pages.
     fn faults_of(text: &str) -> String {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::create_dir(folder.path().join("docs")).expect("made");
@@ -176,14 +213,17 @@ mod tests {
         for (path, text) in [
             (SUMMARY, list),
             ("docs/a.md", text),
-            ("docs/b.md", "# Some heading\n"),
+            ("docs/b.md", "# One `two`, 3: *four*!\n## Again\n## Again\n"),
             (LIVE, "# Live\n"),
             ("top.md", "# Top\n"),
+            ("docs/p.png", ""),
         ] {
             std::fs::write(folder.path().join(path), text).expect("written");
-            pages.add(MarkdownPage::of(path, text.to_owned()));
+            if path.ends_with(".md") {
+                let page = MarkdownPage::new(text.to_owned());
+                pages.0.insert(path.to_owned(), page);
+            }
         }
-        std::fs::write(folder.path().join("docs/p.png"), "").expect("written");
         match pages.check(folder.path()) {
             Ok(()) => String::new(),
             Err(error) => error.to_string(),
@@ -192,8 +232,9 @@ mod tests {
 
     #[test]
     fn good_links_pass() {
-        let good = "# A\n[b](b.md) [h](b.md#some-heading) [a](#a) ![p](p.png) [t](../top.md#top)\n\
-                    [l](live.md?scene=cubes&left=hard) [x](https://example.org/none)\n";
+        let good = "# A\n[b](b.md) [h](b.md#one-two-3-four) [n](b.md#again-1) [a](#a) ![p](p.png) [t](../top.md#top)\n\
+                    [![in](p.png)](b.md) [l](live.md?scene=cubes&left=hard) [x](https://x.org/none)\n\
+                    <https://x.org>\n\n```\n[no](link.md)\n```\n";
         assert_eq!(faults_of(good), "");
     }
 
@@ -208,14 +249,22 @@ mod tests {
                 "\n![q](q.png)",
                 "docs/a.md:2: `q.png`: there is no file docs/q.png",
             ),
-            ("[b](b.md#other)", "no heading `other`; it has some-heading"),
+            (
+                "[b](b.md#other)",
+                "no heading `other`; it has again, again-1, one",
+            ),
             ("[a](#b)", "no heading `b`"),
             ("![p](p.png#b)", "only pages have places"),
             ("[b](b.md?scene=cubes)", "only docs/live.md takes"),
             ("[o](../../etc/passwd)", "leads out of the repository"),
-            ("[d](../docs)", "there is no file docs"),
-            ("[b][c]\n\n[c]: b.md", "is not linked as"),
-            ("<a href=\"b.md\">", "as HTML"),
+            (
+                "[a][b]\n\n[b]: b.md\n",
+                "docs/a.md:1: a link that is not written",
+            ),
+            (
+                "<img src=\"p.png\">\n",
+                "docs/a.md:1: a link or a picture as HTML",
+            ),
         ] {
             let faults = faults_of(bad);
             assert!(faults.contains(told), "{bad}: {faults}");
@@ -226,9 +275,9 @@ mod tests {
     #[test]
     fn a_page_that_is_not_listed_is_an_error() {
         let mut pages = MarkdownPages::default();
-        pages.add(MarkdownPage::of(SUMMARY, String::new()));
-        pages.add(MarkdownPage::of("docs/lost.md", String::new()));
-        pages.add(MarkdownPage::of("README.md", String::new()));
+        for path in [SUMMARY, "docs/lost.md", "README.md"] {
+            pages.0.insert(path.to_owned(), MarkdownPage::default());
+        }
         let error = pages.check(root()).expect_err("not listed").to_string();
         assert!(error.contains("does not list docs/lost.md"), "{error}");
         assert!(!error.contains("README.md"), "{error}");

@@ -2,16 +2,11 @@
 //! here each page and file has its place on the site, and every link leads there.
 
 use super::{
-    links::{LIVE, LinkTarget, MarkdownPages, SUMMARY, resolve},
-    page::{MarkdownPage, PageLink},
+    links::{LIVE, LinkTarget, MarkdownPage, MarkdownPages, SUMMARY},
     source,
 };
 use anyhow::{Context as _, Result, bail};
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    fs,
-    path::Path,
-};
+use std::{collections::BTreeSet, fs, path::Path};
 
 /// The folder of the viewer on the site.
 pub(super) const VIEWER: &str = "viewer";
@@ -31,29 +26,22 @@ pub(super) fn write(
     folder: &Path,
     has_viewer: bool,
 ) -> Result<()> {
-    let listed: BTreeMap<&str, &str> = pages
-        .of_site()
-        .into_iter()
-        .map(|(title, page)| (page.path.as_str(), title))
-        .collect();
-    let stage = Stage { listed, has_viewer };
+    let stage = Stage {
+        pages: pages.of_site(),
+        has_viewer,
+    };
     let mut files = BTreeSet::new();
-    let summary = pages.all.get(SUMMARY);
-    let summary = summary.with_context(|| format!("there is no {SUMMARY}"))?;
-    let of_site = stage.listed.keys().filter_map(|path| pages.all.get(*path));
-    for page in of_site.chain([summary]) {
-        let mut text = stage.with_links_of_site(page, &mut files);
-        if page.path == LIVE {
+    for path in stage.pages.iter().map(String::as_str).chain([SUMMARY]) {
+        let page = pages.0.get(path);
+        let page = page.with_context(|| format!("there is no {path}"))?;
+        let mut text = stage.with_links_of_site(path, page, &mut files);
+        if path == LIVE {
             text = stage.live_page(&text)?;
         }
-        put(
-            folder,
-            &format!("src/{}", place_of(&page.path)),
-            text.as_bytes(),
-        )?;
+        put(folder, &format!("src/{}", place_of(path)), text.as_bytes())?;
     }
     for file in files {
-        let place = format!("src/{}", stage.place_of_file(&file));
+        let place = format!("src/{}", place_of_file(&file));
         let bytes = fs::read(root.join(&file)).with_context(|| format!("cannot read {file}"))?;
         if place.starts_with("src/source/") {
             let text = String::from_utf8_lossy(&bytes);
@@ -69,59 +57,50 @@ pub(super) fn write(
     Ok(())
 }
 
-/// What links are changed by.
-struct Stage<'a> {
-    /// The titles of the site's pages, by their paths in the repository.
-    listed: BTreeMap<&'a str, &'a str>,
+/// What decides the addresses of links.
+struct Stage {
+    /// The site's pages, by their paths in the repository.
+    pages: BTreeSet<String>,
     has_viewer: bool,
 }
 
-impl Stage<'_> {
-    /// Returns a page's text with links to places on the site, and notes the files that it needs.
-    fn with_links_of_site(&self, page: &MarkdownPage, files: &mut BTreeSet<String>) -> String {
-        let mut links: Vec<&PageLink> = page.links.iter().filter(|l| !l.is_external()).collect();
-        links.sort_by_key(|link| link.place.start);
-        let mut text = String::new();
-        let mut copied = 0;
-        for link in links {
-            let Some(target) = resolve(page, link) else {
-                continue;
+impl Stage {
+    /// Returns a page's text with links to places on the site, and adds the files that it needs.
+    fn with_links_of_site(
+        &self,
+        path: &str,
+        page: &MarkdownPage,
+        files: &mut BTreeSet<String>,
+    ) -> String {
+        let mut pieces = page.text.split("](");
+        let mut text = pieces.next().unwrap_or_default().to_owned();
+        for piece in pieces {
+            let (target, rest) = piece.split_at(piece.find([')', ' ']).unwrap_or(piece.len()));
+            let address = match page.resolved(path, target) {
+                Some(resolved) => self.address(path, &resolved),
+                None => target.to_owned(),
             };
-            if !self.listed.contains_key(target.path.as_str()) {
-                files.insert(target.path.clone());
+            if let Some(file) = page.resolved(path, target)
+                && !self.pages.contains(&file.path)
+            {
+                files.insert(file.path);
             }
-            text += &page.text[copied..link.place.start];
-            text += &self.address(page, &target);
-            copied = link.place.end;
+            text += &format!("]({address}{rest}");
         }
-        text + &page.text[copied..]
+        text
     }
 
-    /// Returns how a page names a target on the site.
-    fn address(&self, page: &MarkdownPage, target: &LinkTarget) -> String {
-        let LinkTarget {
-            path,
-            query,
-            anchor,
-        } = target;
-        let up = "../".repeat(place_of(&page.path).matches('/').count());
-        if !query.is_empty() && self.has_viewer {
-            return format!("{up}{VIEWER}/index.html{query}");
+    /// Returns the address on the site of a target, from the page at `path`.
+    fn address(&self, path: &str, target: &LinkTarget) -> String {
+        let up = "../".repeat(place_of(path).matches('/').count());
+        if !target.query.is_empty() && self.has_viewer {
+            return format!("{up}{VIEWER}/index.html{}", target.query);
         }
-        let place = match self.listed.contains_key(path.as_str()) {
-            true => place_of(path).to_owned(),
-            false => self.place_of_file(path),
+        let place = match self.pages.contains(&target.path) {
+            true => place_of(&target.path).to_owned(),
+            false => place_of_file(&target.path),
         };
-        format!("{up}{place}{anchor}")
-    }
-
-    /// Returns the place of a file that is no page: pictures stay what they are, all others become pages that show their text.
-    fn place_of_file(&self, path: &str) -> String {
-        let ending = path.rsplit_once('.').map_or("", |(_, ending)| ending);
-        match ending {
-            "png" | "svg" => place_of(path).to_owned(),
-            _ => format!("source/{path}.html"),
-        }
+        format!("{up}{place}{}", target.anchor)
     }
 
     /// Returns the viewer's page: with the viewer in a frame, or with a word that it was left out.
@@ -154,6 +133,14 @@ fn frame(query: &str) -> String {
     )
 }
 
+/// Returns the place of a file that is not a page: pictures are copied, all others become pages that show their text.
+fn place_of_file(path: &str) -> String {
+    match path.rsplit_once('.') {
+        Some((_, "png" | "svg")) => place_of(path).to_owned(),
+        _ => format!("source/{path}.html"),
+    }
+}
+
 /// Returns a page's or file's place on the site.
 fn place_of(path: &str) -> &str {
     path.strip_prefix("docs/").unwrap_or(path)
@@ -172,21 +159,19 @@ fn put(folder: &Path, place: &str, bytes: &[u8]) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn stage(has_viewer: bool) -> Stage<'static> {
+    fn stage(has_viewer: bool) -> Stage {
         Stage {
-            listed: BTreeMap::from([
-                ("docs/a.md", "A"),
-                (LIVE, "Live"),
-                ("notes/README.md", "Notes"),
-            ]),
+            pages: ["docs/a.md", LIVE, "notes/README.md"]
+                .map(str::to_owned)
+                .into(),
             has_viewer,
         }
     }
 
     fn text_of(has_viewer: bool, path: &str, text: &str) -> (String, Vec<String>) {
-        let page = MarkdownPage::of(path, text.to_owned());
+        let page = MarkdownPage::new(text.to_owned());
         let mut files = BTreeSet::new();
-        let text = stage(has_viewer).with_links_of_site(&page, &mut files);
+        let text = stage(has_viewer).with_links_of_site(path, &page, &mut files);
         (text, files.into_iter().collect())
     }
 
@@ -230,25 +215,26 @@ mod tests {
         assert!(stage(true).live_page("# L\n").is_err());
     }
 
-    /// Every link of the pages as mdBook gets them leads to a page or a file beside them, or to the viewer.
+    /// Every link of the pages that mdBook gets leads to a page or a file of the site.
     #[test]
     fn the_repositorys_pages_hold_together() {
         let root = crate::run::root();
         let pages = MarkdownPages::read(root).expect("readable");
-        for has_viewer in [true, false] {
-            let folder = tempfile::tempdir().expect("a folder");
+        let folder = tempfile::tempdir().expect("a folder");
+        let src = folder.path().join("src");
+        for has_viewer in [false, true] {
             write(root, &pages, folder.path(), has_viewer).expect("written");
-            let src = folder.path().join("src");
+            let viewer = src.join(VIEWER);
+            if has_viewer {
+                fs::create_dir_all(&viewer).expect("a folder");
+                fs::write(viewer.join("index.html"), "").expect("a page");
+            }
+            let staged = MarkdownPages::read(&src).expect("readable");
             let mut links = 0;
-            for (_, page) in pages.of_site() {
-                let place = place_of(&page.path);
-                let text = fs::read_to_string(src.join(place)).expect("a page");
-                let staged = MarkdownPage::of(place, text);
-                for link in staged.links.iter().filter(|link| !link.is_external()) {
-                    let target = resolve(&staged, link).expect("on the site");
-                    let is_viewer = target.path == format!("{VIEWER}/index.html");
-                    let is_there = is_viewer && has_viewer || src.join(&target.path).is_file();
-                    assert!(is_there, "{place}: {}", link.target);
+            for (path, page) in &staged.0 {
+                for (link, _) in &page.links {
+                    let target = page.resolved(path, link).expect("on the site");
+                    assert!(src.join(&target.path).is_file(), "{path}: {link}");
                     links += 1;
                 }
             }

@@ -1,20 +1,18 @@
-//! House style that no linter knows: functions and files that are not too long, code that is not too dense, one meaning for every
-//! type name, nothing left for later.
+//! House style that clippy and rustfmt don't check: sizes of functions and files, density of code, one meaning for every public type
+//! name, and WGSL, TOML and Markdown files.
 
 pub(crate) mod files;
-mod functions;
-mod names;
 mod rules;
-mod tokens;
+mod rust;
 mod wgsl;
 
 use crate::run::root;
 use anyhow::{Result, bail};
 use comfy_table::Table;
 use files::Source;
-use tokens::Tokens;
+use std::collections::BTreeMap;
 
-/// What is measured, and its bound. Density counts the tokens of a file over its lines of code, comments apart.
+/// What is measured, and its bound. Density counts the tokens of a file over its lines of code, without comments.
 const LIMITS: [(&str, usize); 6] = [
     ("tokens of Rust functions", 850),
     ("lines of Rust functions", 220),
@@ -24,9 +22,6 @@ const LIMITS: [(&str, usize); 6] = [
     ("lines of WGSL files", 200),
 ];
 
-/// Files with fewer lines of code are too short to have a density.
-const LINES_FOR_DENSITY: usize = 30;
-
 /// A size, and whose.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Length {
@@ -35,62 +30,58 @@ struct Length {
     place: String,
 }
 
-/// Sizes of each kind, in the order of [`LIMITS`].
-type Lengths = [Vec<Length>; LIMITS.len()];
+/// What was found in files.
+#[derive(Debug, Default)]
+struct Findings {
+    /// Sizes of each kind, in the order of [`LIMITS`].
+    lengths: [Vec<Length>; LIMITS.len()],
+    /// The places that define each public type name.
+    types: BTreeMap<String, Vec<String>>,
+    /// Each as `path:line: what, and what to do`.
+    faults: Vec<String>,
+}
 
 /// Prints the table of sizes; errors if anything is too large or against the rules.
 pub(crate) fn tidy() -> Result<()> {
     let sources = files::read_all(root())?;
-    let lengths = measure(&sources)?;
-    println!("{}", table(&lengths));
-    let mut faults: Vec<String> = sources.iter().flat_map(rules::faults).collect();
-    faults.extend(names::faults(&sources));
-    faults.extend(too_long(&lengths));
-    if faults.is_empty() {
+    let findings = examine(&sources)?;
+    println!("{}", table(&findings));
+    if findings.faults.is_empty() {
         println!("tidy: {} files, nothing to object to", sources.len());
         return Ok(());
     }
-    bail!("tidy objects:\n  {}", faults.join("\n  "))
+    bail!("tidy objects:\n  {}", findings.faults.join("\n  "))
 }
 
-/// Returns all sizes, sorted.
-fn measure(sources: &[Source]) -> Result<Lengths> {
-    let mut out = Lengths::default();
+/// Measures files, and checks sizes, names and text.
+fn examine(sources: &[Source]) -> Result<Findings> {
+    let mut out = Findings::default();
     for source in sources {
         match source.extension() {
-            "rs" => measure_rust(source, &mut out)?,
+            "rs" => rust::examine(source, &mut out)?,
             "wgsl" => {
-                out[4].extend(wgsl::lengths(source));
-                out[5].push(lines_of(source));
+                out.lengths[4].extend(wgsl::lengths(source));
+                out.lengths[5].push(lines_of(source));
             }
             _ => {}
         }
+        out.faults.extend(rules::faults(source));
     }
-    out.iter_mut().for_each(|lengths| lengths.sort());
+    for (name, places) in out.types.iter().filter(|(_, places)| places.len() > 1) {
+        out.faults.push(format!(
+            "{}: the type name `{name}` is defined here, too: {}; one name means one thing",
+            places[0],
+            places[1..].join(", ")
+        ));
+    }
+    for ((name, limit), lengths) in LIMITS.iter().zip(&mut out.lengths) {
+        lengths.sort();
+        for Length { size, place } in lengths.iter().filter(|length| length.size > *limit) {
+            let fault = format!("{place}: {size} {name}, and {limit} are allowed: split it");
+            out.faults.push(fault);
+        }
+    }
     Ok(out)
-}
-
-fn measure_rust(source: &Source, out: &mut Lengths) -> Result<()> {
-    let tokens = Tokens::of(source)?;
-    for function in functions::all(source)? {
-        out[0].push(Length {
-            size: tokens.within(function.first_line, function.last_line),
-            place: function.place.clone(),
-        });
-        out[1].push(Length {
-            size: function.last_line - function.first_line + 1,
-            place: function.place,
-        });
-    }
-    out[2].push(lines_of(source));
-    let (count, lines) = tokens.counts();
-    if lines >= LINES_FOR_DENSITY {
-        out[3].push(Length {
-            size: (count as f64 / lines as f64).round() as usize,
-            place: source.path.clone(),
-        });
-    }
-    Ok(())
 }
 
 fn lines_of(source: &Source) -> Length {
@@ -100,57 +91,41 @@ fn lines_of(source: &Source) -> Length {
     }
 }
 
-fn table(lengths: &Lengths) -> Table {
+fn table(findings: &Findings) -> Table {
     let mut table = Table::new();
     table.set_header(["", "count", "median", "90 %", "most", "limit", "the most"]);
-    for ((name, limit), lengths) in LIMITS.iter().zip(lengths) {
-        let longest = percentile(lengths, 100);
+    for ((name, limit), lengths) in LIMITS.iter().zip(&findings.lengths) {
+        let last = lengths.len().saturating_sub(1);
+        let at = |percent: usize| lengths.get((lengths.len() * percent / 100).min(last));
+        let size = |percent| at(percent).map_or("-".to_owned(), |length| length.size.to_string());
         table.add_row([
             (*name).to_owned(),
             lengths.len().to_string(),
-            size(percentile(lengths, 50)),
-            size(percentile(lengths, 90)),
-            size(longest),
+            size(50),
+            size(90),
+            size(100),
             limit.to_string(),
-            longest.map_or_else(|| "-".to_owned(), |length| length.place.clone()),
+            at(100).map_or("-".to_owned(), |length| length.place.clone()),
         ]);
     }
     table
 }
 
-/// Returns the length than which this percentage is shorter, of sorted lengths; none without lengths.
-fn percentile(sorted: &[Length], percent: usize) -> Option<&Length> {
-    let last = sorted.len().checked_sub(1)?;
-    sorted.get((sorted.len() * percent / 100).min(last))
-}
-
-fn size(length: Option<&Length>) -> String {
-    length.map_or_else(|| "-".to_owned(), |length| length.size.to_string())
-}
-
-fn too_long(lengths: &Lengths) -> Vec<String> {
-    let mut faults = Vec::new();
-    for ((name, limit), lengths) in LIMITS.iter().zip(lengths) {
-        for length in lengths.iter().filter(|l| l.size > *limit) {
-            faults.push(format!(
-                "{}: {} {name}, and {limit} are allowed: split it",
-                length.place, length.size
-            ));
-        }
-    }
-    faults
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Source, measure, too_long};
+    use super::{Findings, Source, examine};
 
-    fn faults(path: &str, text: String) -> Vec<String> {
-        let source = Source {
-            path: path.to_owned(),
-            text,
+    fn examined(files: &[(&str, &str)]) -> Findings {
+        let source = |(path, text): &(&str, &str)| Source {
+            path: (*path).to_owned(),
+            text: (*text).to_owned(),
         };
-        too_long(&measure(&[source]).expect("good code"))
+        let sources: Vec<Source> = files.iter().map(source).collect();
+        examine(&sources).expect("good code")
+    }
+
+    fn faults(path: &str, text: &str) -> usize {
+        examined(&[(path, text)]).faults.len()
     }
 
     fn function(lines: usize, line: &str) -> String {
@@ -159,31 +134,88 @@ mod tests {
 
     #[test]
     fn long_functions_and_files_are_refused() {
-        let rust = |lines| function(lines, "    g;\n");
-        assert_eq!(faults("a.rs", rust(220)), Vec::<String>::new());
-        assert_eq!(faults("a.rs", rust(221)).len(), 1);
-        assert_eq!(faults("a.rs", rust(101).repeat(7)).len(), 1, "707 lines");
-        assert_eq!(faults("a.wgsl", function(71, "    g();\n")).len(), 1);
+        for (path, text, count) in [
+            ("a.rs", function(220, "    g;\n"), 0),
+            ("a.rs", function(221, "    g;\n"), 1),
+            // 707 lines.
+            ("a.rs", function(101, "    g;\n").repeat(7), 1),
+            ("a.wgsl", function(71, "    g();\n"), 1),
+            // 201 lines.
+            ("a.wgsl", function(67, "    g();\n").repeat(3), 1),
+            // 20 tokens a line.
+            ("a.rs", function(30, &("g(); ".repeat(4) + "g();\n")), 1),
+            // Over 850 tokens.
+            ("a.rs", function(110, "    g(1, 2, 3);\n"), 1),
+        ] {
+            assert_eq!(faults(path, &text), count, "{path}: {text}");
+        }
+    }
+
+    #[test]
+    fn functions_of_every_kind_are_found() {
+        let text = "/// Doc.\nfn a() {}\nimpl T {\n    fn b(\n        x: u8,\n    ) {\n        fn c() {\n        }\n    }\n}\n\
+                    trait U {\n    fn d();\n    fn e() {\n        \"fn f() {\";\n    }\n}\n";
+        let [_, lines, ..] = examined(&[("x.rs", text)]).lengths;
+        let found: Vec<_> = lines.iter().map(|l| (l.size, l.place.as_str())).collect();
+        let expected = [
+            (1, "x.rs:2 a"),
+            (2, "x.rs:7 c"),
+            (3, "x.rs:13 e"),
+            (6, "x.rs:4 b"),
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn tokens_are_counted_without_comments() {
+        // `fn f ( a : u8 ) {`, `g ( a , 1 ) ;`, `}`
+        let text = "//! Doc.\n\n/// Doc.\n#[inline]\nfn f(a: u8) {\n    // Why.\n    /** Doc. */\n    g(a, 1);\n}\n";
+        assert_eq!(examined(&[("x.rs", text)]).lengths[0][0].size, 16);
+    }
+
+    #[test]
+    fn a_public_type_name_may_be_defined_once() {
+        let count = |texts: [&str; 2]| {
+            let texts = texts.map(|text| format!("{text}\n"));
+            examined(&[("a.rs", &texts[0]), ("b.rs", &texts[1])])
+                .faults
+                .len()
+        };
         assert_eq!(
-            faults("a.wgsl", function(67, "    g();\n").repeat(3)).len(),
-            1,
-            "201 lines"
+            count(["pub struct A; struct B;", "struct A; pub enum B {}"]),
+            0
+        );
+        assert_eq!(count(["pub struct A;", "pub enum A {}"]), 1);
+        assert_eq!(
+            count(["pub trait A {} pub mod m { pub type A = u8; }", ""]),
+            1
         );
     }
 
     #[test]
-    fn dense_code_is_refused() {
-        let calls = "g(); ".repeat(5) + "\n";
-        assert_eq!(
-            faults("a.rs", function(30, &calls)).len(),
-            1,
-            "20 tokens a line"
-        );
-        let many = "    g(1, 2, 3);\n";
-        assert_eq!(
-            faults("a.rs", function(110, many)).len(),
-            1,
-            "over 850 tokens"
-        );
+    fn parameters_are_names() {
+        assert_eq!(faults("a.rs", "fn f(a: [u8; 2], S { x }: S) {}\n"), 0);
+        assert_eq!(faults("a.rs", "fn f([a, b]: [u8; 2]) {}\n"), 1);
+        let both = "impl T { fn f((a, b): (u8, u8), [c]: [u8; 1]) {} }\n";
+        assert_eq!(faults("a.rs", both), 2);
+    }
+
+    #[test]
+    fn every_rule_for_text_objects() {
+        let tidy = "#[expect(dead_code, reason = \"why\")]\nfn f() {}\n";
+        assert_eq!(faults("x.rs", tidy), 0);
+        assert_eq!(faults("x.wgsl", "fn f() {}\n"), 0);
+        for bad in [
+            "fn f() {}",
+            "fn f() {}\n\n",
+            "\tfn f() {}\n",
+            "fn f() {} \n",
+            concat!("// TO", "DO\n"),
+            concat!("// FIX", "ME\n"),
+            concat!("// XX", "X\n"),
+            concat!("#[ig", "nore]\nfn f() {}\n"),
+        ] {
+            assert_eq!(faults("x.rs", bad), 1, "{bad}");
+        }
     }
 }

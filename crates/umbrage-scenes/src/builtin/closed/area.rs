@@ -27,12 +27,7 @@ fn under_edge(name: &str, light: Light, height: f32, edge: f32) -> Scene {
         .put(floor(4.0))
         .put(sheet([-FAR, edge], [-FAR, FAR], height))
         .light(light)
-        .shoot(
-            Vec3::new(3.5, 2.6, 2.0),
-            Vec3::new(0.3, 0.0, 0.0),
-            36.0,
-            SIZE,
-        )
+        .shoot([3.5, 2.6, 2.0], [0.3, 0.0, 0.0], 36.0, SIZE)
 }
 
 /// Points at z = 0 as (x, visibility).
@@ -137,12 +132,7 @@ pub(crate) fn corner() -> Scene {
         .put(floor(4.0))
         .put(sheet([-FAR, 0.0], [-FAR, 0.0], 2.0))
         .light(square_lamp())
-        .shoot(
-            Vec3::new(2.5, 2.6, 2.5),
-            Vec3::new(0.1, 0.0, 0.1),
-            36.0,
-            SIZE,
-        )
+        .shoot([2.5, 2.6, 2.5], [0.1, 0.0, 0.1], 36.0, SIZE)
 }
 
 /// With r the ramp of a straight edge: 1 - (1 - r(x)) (1 - r(z)).

@@ -7,7 +7,6 @@ use crate::{
     stage::{Stage, sun},
 };
 use umbrage_core::Scene;
-use umbrage_core::glam::Vec3;
 
 /// Squares along each side of the card.
 const SQUARES: u32 = 6;
@@ -23,12 +22,7 @@ pub(crate) fn chequered_card() -> Scene {
         .look(chequered_holes(SQUARES))
         .light(sun(1.0, -2.0, 0.0))
         // From below the card, so that it hides nothing of its shadow.
-        .shoot(
-            Vec3::new(SHIFT, 0.8, 4.2),
-            Vec3::new(SHIFT, 0.0, 0.0),
-            40.0,
-            SIZE,
-        )
+        .shoot([SHIFT, 0.8, 4.2], [SHIFT, 0.0, 0.0], 40.0, SIZE)
 }
 
 /// In each square's shadow, or light: its middle, and points 1 cm inside of its sides.

@@ -18,12 +18,7 @@ pub(crate) fn closed_room() -> Scene {
             ..block(ROOM[0], ROOM[1])
         })
         .light(sun(1.0, -2.0, 0.5))
-        .shoot(
-            Vec3::new(1.7, 1.5, 1.7),
-            Vec3::new(-0.6, 1.4, -0.6),
-            75.0,
-            SIZE,
-        )
+        .shoot([1.7, 1.5, 1.7], [-0.6, 1.4, -0.6], 75.0, SIZE)
 }
 
 /// Walls without thickness, the sun outside: no inner point is lit, up to a thousandth from the corners.
@@ -62,7 +57,7 @@ const TOWARDS: Vec3 = Vec3::new(1.0, -2.0, 0.5);
 
 fn faceted_mesh() -> Mesh {
     // Each facet with vertices of its own, so that shading is faceted as well.
-    let smooth = icosphere(Vec3::new(0.0, 1.0, 0.0), 1.0, 2);
+    let smooth = icosphere([0.0, 1.0, 0.0], 1.0, 2);
     let positions: Vec<Vec3> = smooth
         .triangles
         .iter()
@@ -84,12 +79,7 @@ pub(crate) fn faceted_sphere() -> Scene {
     Stage::new("c8-faceted-sphere")
         .put(faceted_mesh())
         .light(sun(TOWARDS.x, TOWARDS.y, TOWARDS.z))
-        .shoot(
-            Vec3::new(1.5, 2.4, 4.2),
-            Vec3::new(0.0, 1.0, 0.0),
-            34.0,
-            SIZE,
-        )
+        .shoot([1.5, 2.4, 4.2], [0.0, 1.0, 0.0], 34.0, SIZE)
 }
 
 /// Nothing else is there and the sphere is convex: a facet is lit exactly if it faces the light. Four points on each of
@@ -120,12 +110,7 @@ pub(crate) fn bare_floor() -> Scene {
     Stage::new("c9-bare-floor")
         .put(floor(10.0))
         .light(sun(height.cos() as f32, -height.sin() as f32, 0.0))
-        .shoot(
-            Vec3::new(0.0, 12.0, 19.0),
-            Vec3::new(0.0, 0.0, -1.0),
-            60.0,
-            SIZE,
-        )
+        .shoot([0.0, 12.0, 19.0], [0.0, 0.0, -1.0], 60.0, SIZE)
 }
 
 /// The sun half a degree high over nothing: all is lit.

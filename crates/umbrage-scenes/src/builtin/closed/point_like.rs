@@ -7,7 +7,6 @@ use crate::{
     stage::{Stage, bulb, sun},
 };
 use umbrage_core::Scene;
-use umbrage_core::glam::Vec3;
 
 /// Splits that give 20,480 triangles: their outline is within 6e-4 of the sphere's.
 const SPLITS: u32 = 5;
@@ -15,14 +14,9 @@ const SPLITS: u32 = 5;
 pub(crate) fn box_sun() -> Scene {
     Stage::new("c1-box-sun")
         .put(floor(4.0))
-        .put(block(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0)))
+        .put(block([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]))
         .light(sun(1.0, -2.0, 0.5))
-        .shoot(
-            Vec3::new(1.5, 9.0, 5.0),
-            Vec3::new(0.4, 0.0, 0.4),
-            36.0,
-            SIZE,
-        )
+        .shoot([1.5, 9.0, 5.0], [0.4, 0.0, 0.4], 36.0, SIZE)
 }
 
 /// The shadow is the hexagon (-1,-1) (1,-1) (2,-.5) (2,1.5) (0,1.5) (-1,1) in (x, z).
@@ -47,14 +41,9 @@ pub(crate) fn sphere_sun() -> Scene {
     let thirty = 30.0_f64.to_radians();
     Stage::new("c2-sphere-sun")
         .put(floor(7.0))
-        .put(icosphere(Vec3::new(0.0, 2.0, 0.0), 1.0, SPLITS))
+        .put(icosphere([0.0, 2.0, 0.0], 1.0, SPLITS))
         .light(sun(thirty.cos() as f32, -thirty.sin() as f32, 0.0))
-        .shoot(
-            Vec3::new(4.0, 7.0, 7.0),
-            Vec3::new(2.8, 0.0, 0.0),
-            42.0,
-            SIZE,
-        )
+        .shoot([4.0, 7.0, 7.0], [2.8, 0.0, 0.0], 42.0, SIZE)
 }
 
 /// The shadow is the ellipse ((x - 2 sqrt 3) / 2)^2 + z^2 < 1.
@@ -72,14 +61,9 @@ pub(crate) fn sphere_sun_samples() -> ClosedForm {
 pub(crate) fn sphere_bulb() -> Scene {
     Stage::new("c3-sphere-bulb")
         .put(floor(5.0))
-        .put(icosphere(Vec3::new(1.0, 2.0, 0.0), 0.5, SPLITS))
+        .put(icosphere([1.0, 2.0, 0.0], 0.5, SPLITS))
         .light(bulb(0.0, 4.0, 0.0))
-        .shoot(
-            Vec3::new(3.5, 4.5, 5.0),
-            Vec3::new(1.9, 0.3, 0.0),
-            42.0,
-            SIZE,
-        )
+        .shoot([3.5, 4.5, 5.0], [1.9, 0.3, 0.0], 42.0, SIZE)
 }
 
 /// The shadow is bounded by the ellipse (x + 8)^2 = 4.75 (x^2 + z^2 + 16).
@@ -97,14 +81,9 @@ pub(crate) fn sphere_bulb_samples() -> ClosedForm {
 pub(crate) fn sphere_level_bulb() -> Scene {
     Stage::new("c3b-sphere-level-bulb")
         .put(floor(40.0))
-        .put(icosphere(Vec3::new(1.5, 2.0, 0.0), 0.5, SPLITS))
+        .put(icosphere([1.5, 2.0, 0.0], 0.5, SPLITS))
         .light(bulb(0.0, 2.0, 0.0))
-        .shoot(
-            Vec3::new(14.0, 22.0, 30.0),
-            Vec3::new(16.0, 0.0, 2.0),
-            48.0,
-            SIZE,
-        )
+        .shoot([14.0, 22.0, 30.0], [16.0, 0.0, 2.0], 48.0, SIZE)
 }
 
 /// The light is as high as the sphere's middle: the shadow is bounded by one branch of the hyperbola

@@ -32,12 +32,7 @@ pub(crate) fn room() -> Scene {
         .chain(spheres)
         .fold(Stage::new("c3-room"), Stage::put)
         .light(bulb(BULB.x, BULB.y, BULB.z))
-        .shoot(
-            Vec3::new(-1.2, 6.6, -7.4),
-            Vec3::new(-1.3, 0.0, 0.6),
-            64.0,
-            SIZE,
-        )
+        .shoot([-1.2, 6.6, -7.4], [-1.3, 0.0, 0.6], 64.0, SIZE)
 }
 
 /// c3's samples; across the seam at x = -4, where the second sphere's shadow reaches from -5.902 to -2.711; and along

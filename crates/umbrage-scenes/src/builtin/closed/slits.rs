@@ -6,7 +6,6 @@ use crate::{
     primitives::block,
     stage::{Stage, sun},
 };
-use umbrage_core::glam::Vec3;
 use umbrage_core::{Mesh, Scene};
 
 fn beside_slit(name: &str, sides: [Mesh; 2]) -> Scene {
@@ -16,12 +15,7 @@ fn beside_slit(name: &str, sides: [Mesh; 2]) -> Scene {
         .put(left)
         .put(right)
         .light(sun(1.0, -2.0, 0.0))
-        .shoot(
-            Vec3::new(0.9, 0.75, 2.0),
-            Vec3::new(0.5, 0.0, 0.0),
-            40.0,
-            SIZE,
-        )
+        .shoot([0.9, 0.75, 2.0], [0.5, 0.0, 0.0], 40.0, SIZE)
 }
 
 pub(crate) fn slit() -> Scene {
@@ -43,7 +37,7 @@ pub(crate) fn slit_samples() -> ClosedForm {
 }
 
 pub(crate) fn thick_slit() -> Scene {
-    let slab = |x: [f32; 2]| block(Vec3::new(x[0], 1.0, -3.0), Vec3::new(x[1], 1.03, 3.0));
+    let slab = |x: [f32; 2]| block([x[0], 1.0, -3.0], [x[1], 1.03, 3.0]);
     beside_slit("c6b-thick-slit", [slab([-3.0, -0.01]), slab([0.01, 3.0])])
 }
 

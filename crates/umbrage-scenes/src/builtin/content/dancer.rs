@@ -62,12 +62,7 @@ fn lit_by(name: &str, radius: f32) -> Scene {
             outer: 25.0_f32.to_radians(),
             radius,
         })
-        .shoot(
-            Vec3::new(1.35, 1.5, 4.5),
-            Vec3::new(0.3, 1.34, -0.4),
-            39.0,
-            SIZE,
-        )
+        .shoot([1.35, 1.5, 4.5], [0.3, 1.34, -0.4], 39.0, SIZE)
 }
 
 /// Returns the stage without the figure: boards, curtain, a rail before it, things left about.
@@ -96,10 +91,7 @@ fn curtain() -> Mesh {
         let z = BACK + depth * (fold + 0.6 * slow);
         Vec3::new(x, 4.2 * (1.0 - v) + 0.015, z)
     });
-    let wall = block(
-        Vec3::new(-5.0, 0.0, BACK - 0.5),
-        Vec3::new(5.0, 4.6, BACK - 0.3),
-    );
+    let wall = block([-5.0, 0.0, BACK - 0.5], [5.0, 4.6, BACK - 0.3]);
     merged("curtain", [cloth, wall])
 }
 
@@ -116,7 +108,7 @@ fn barre() -> Mesh {
         let x = -2.5 + 1.25 * i as f32;
         let foot = Vec3::new(x, 0.0, z);
         parts.push(stick(foot, foot + 1.02 * Vec3::Y, 0.02));
-        parts.push(box_at(foot + 0.012 * Vec3::Y, Vec3::new(0.05, 0.012, 0.16)));
+        parts.push(box_at(foot + 0.012 * Vec3::Y, [0.05, 0.012, 0.16]));
     }
     merged("barre", parts)
 }

@@ -97,8 +97,8 @@ fn skin() -> Mesh {
         [0.015, 1.62, 0.02, 0.05],
     ]);
     let joints = [
-        icosphere(Vec3::new(-0.155, 1.412, 0.0), 0.048, 4),
-        icosphere(Vec3::new(0.155, 1.412, 0.0), 0.048, 4),
+        icosphere([-0.155, 1.412, 0.0], 0.048, 4),
+        icosphere([0.155, 1.412, 0.0], 0.048, 4),
         icosphere(STAFF_WRIST, 0.0225, 3),
         icosphere(OPEN_WRIST, 0.0215, 3),
     ];
@@ -135,7 +135,7 @@ fn hair() -> Mesh {
         cap,
         Affine3A::from_translation(Vec3::new(0.025, 1.722, 0.008)),
     );
-    let bun = icosphere(Vec3::new(0.03, 1.80, -0.07), 0.048, 4);
+    let bun = icosphere([0.03, 1.80, -0.07], 0.048, 4);
     let band = Affine3A::from_rotation_translation(
         Quat::from_rotation_x(-0.9),
         Vec3::new(0.03, 1.775, -0.045),

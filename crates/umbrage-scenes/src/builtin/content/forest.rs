@@ -53,8 +53,8 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
             angular_diameter,
         })
         .shoot(
-            Vec3::new(0.3, eye_height, EYE),
-            Vec3::new(-0.6, eye_height + 0.3, -6.0),
+            [0.3, eye_height, EYE],
+            [-0.6, eye_height + 0.3, -6.0],
             56.0,
             SIZE,
         )

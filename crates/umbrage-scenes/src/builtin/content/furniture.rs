@@ -8,15 +8,13 @@ use crate::primitives::{block, icosphere, lathe, on_circle, torus};
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Affine3A, Quat, Vec3};
 
-/// Returns a board from one corner to the other.
-fn board(low: [f32; 3], high: [f32; 3]) -> Mesh {
-    block(Vec3::from(low), Vec3::from(high))
-}
+/// Where four feet stand, in x and z.
+const FEET: [[f32; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
 
 /// Returns a chair whose back is made of spindles.
 pub(super) fn chair() -> Mesh {
     let mut parts = Vec::new();
-    parts.push(board([-0.22, 0.42, -0.21], [0.22, 0.45, 0.22]));
+    parts.push(block([-0.22, 0.42, -0.21], [0.22, 0.45, 0.22]));
     for x in [-1.0, 1.0] {
         parts.push(turned_leg(
             Vec3::new(0.20 * x, 0.0, 0.20),
@@ -27,20 +25,20 @@ pub(super) fn chair() -> Mesh {
             Vec3::new(0.17 * x, 0.42, -0.17),
         ));
         parts.push(stick(
-            Vec3::new(0.185 * x, 0.2, 0.185),
-            Vec3::new(0.185 * x, 0.17, -0.195),
+            [0.185 * x, 0.2, 0.185],
+            [0.185 * x, 0.17, -0.195],
             0.009,
         ));
         parts.push(stick(
-            Vec3::new(0.19 * x, 0.45, -0.19),
-            Vec3::new(0.21 * x, 0.92, -0.27),
+            [0.19 * x, 0.45, -0.19],
+            [0.21 * x, 0.92, -0.27],
             0.015,
         ));
     }
     for i in 0..7 {
         let x = 0.05 * (i as f32 - 3.0);
         let foot = Vec3::new(x, 0.45, -0.19);
-        parts.push(stick(foot, Vec3::new(1.1 * x, 0.9, -0.268), 0.006));
+        parts.push(stick(foot, [1.1 * x, 0.9, -0.268], 0.006));
     }
     let mut arc = Vec::new();
     for i in 0..=12 {
@@ -67,11 +65,11 @@ fn turned_leg(foot: Vec3, top: Vec3) -> Mesh {
 pub(super) fn table(half: [f32; 2]) -> Mesh {
     let [x, z] = half;
     let mut parts = vec![
-        board([-x, 0.71, -z], [x, 0.75, z]),
-        board([0.12 - x, 0.62, 0.1 - z], [x - 0.12, 0.71, 0.12 - z]),
-        board([0.12 - x, 0.62, z - 0.12], [x - 0.12, 0.71, z - 0.1]),
+        block([-x, 0.71, -z], [x, 0.75, z]),
+        block([0.12 - x, 0.62, 0.1 - z], [x - 0.12, 0.71, 0.12 - z]),
+        block([0.12 - x, 0.62, z - 0.12], [x - 0.12, 0.71, z - 0.1]),
     ];
-    for corner in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+    for corner in FEET {
         let place = Vec3::new(corner[0] * (x - 0.11), 0.0, corner[1] * (z - 0.11));
         let foot = turned_leg(place, place + 0.71 * Vec3::Y);
         parts.push(foot);
@@ -87,13 +85,13 @@ const CASE_DEPTH: f32 = 0.30;
 /// Returns a bookcase, its back at z = 0.
 pub(super) fn bookcase() -> Mesh {
     let mut parts = vec![
-        board([-CASE, 0.0, 0.0], [CASE, 2.04, 0.015]),
-        board([-CASE - 0.03, 0.0, 0.0], [-CASE, 2.06, CASE_DEPTH]),
-        board([CASE, 0.0, 0.0], [CASE + 0.03, 2.06, CASE_DEPTH]),
-        board([-0.012, 0.06, 0.0], [0.012, 2.02, CASE_DEPTH - 0.01]),
+        block([-CASE, 0.0, 0.0], [CASE, 2.04, 0.015]),
+        block([-CASE - 0.03, 0.0, 0.0], [-CASE, 2.06, CASE_DEPTH]),
+        block([CASE, 0.0, 0.0], [CASE + 0.03, 2.06, CASE_DEPTH]),
+        block([-0.012, 0.06, 0.0], [0.012, 2.02, CASE_DEPTH - 0.01]),
     ];
     for y in BOARDS {
-        parts.push(board(
+        parts.push(block(
             [-CASE, y - 0.012, 0.0],
             [CASE, y + 0.012, CASE_DEPTH],
         ));
@@ -141,16 +139,17 @@ fn book(size: [f32; 3]) -> Mesh {
         Vec3::new(x, tall * (1.0 - v), deep + 0.25 * thick * sin)
     });
     let parts = [
-        board([0.0, 0.0, 0.03], [cover, tall, deep]),
-        board([thick - cover, 0.0, 0.03], [thick, tall, deep]),
-        board([cover, 0.008, 0.036], [thick - cover, tall - 0.008, deep]),
+        block([0.0, 0.0, 0.03], [cover, tall, deep]),
+        block([thick - cover, 0.0, 0.03], [thick, tall, deep]),
+        block([cover, 0.008, 0.036], [thick - cover, tall - 0.008, deep]),
         spine,
     ];
     merged("book", parts)
 }
 
 /// Returns a cushion: a ball pressed into a box of this half size.
-pub(super) fn cushion(middle: Vec3, half: Vec3) -> Mesh {
+pub(super) fn cushion(middle: impl Into<Vec3>, half: impl Into<Vec3>) -> Mesh {
+    let (middle, half) = (middle.into(), half.into());
     let mut ball = icosphere(Vec3::ZERO, 1.0, 4);
     ball.normals.clear();
     for p in &mut ball.positions {
@@ -166,13 +165,13 @@ pub(super) fn cushion(middle: Vec3, half: Vec3) -> Mesh {
 /// Returns an armchair of cushions on four feet.
 pub(super) fn armchair() -> Mesh {
     let mut parts = vec![
-        cushion(Vec3::new(0.0, 0.30, 0.0), Vec3::new(0.38, 0.12, 0.36)),
-        cushion(Vec3::new(0.0, 0.46, 0.05), Vec3::new(0.29, 0.09, 0.33)),
-        cushion(Vec3::new(0.0, 0.64, -0.30), Vec3::new(0.36, 0.32, 0.11)),
-        cushion(Vec3::new(-0.38, 0.42, 0.02), Vec3::new(0.09, 0.20, 0.36)),
-        cushion(Vec3::new(0.38, 0.42, 0.02), Vec3::new(0.09, 0.20, 0.36)),
+        cushion([0.0, 0.30, 0.0], [0.38, 0.12, 0.36]),
+        cushion([0.0, 0.46, 0.05], [0.29, 0.09, 0.33]),
+        cushion([0.0, 0.64, -0.30], [0.36, 0.32, 0.11]),
+        cushion([-0.38, 0.42, 0.02], [0.09, 0.20, 0.36]),
+        cushion([0.38, 0.42, 0.02], [0.09, 0.20, 0.36]),
     ];
-    for corner in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+    for corner in FEET {
         let top = Vec3::new(0.32 * corner[0], 0.22, 0.28 * corner[1]);
         let foot = top + Vec3::new(0.03 * corner[0], -0.22, 0.03 * corner[1]);
         parts.push(stick(foot, top, 0.018));
@@ -307,7 +306,7 @@ pub(super) fn basket() -> Mesh {
 /// Returns a rug of this half size with fringes at both ends.
 pub(super) fn rug(half: [f32; 2]) -> Mesh {
     let [x, z] = half;
-    let mut parts = vec![board([-x, 0.0, -z], [x, 0.012, z])];
+    let mut parts = vec![block([-x, 0.0, -z], [x, 0.012, z])];
     let mut random = Random::new(23);
     let fringes = (2.0 * z / 0.025) as u32;
     for i in 0..fringes {
@@ -326,11 +325,11 @@ pub(super) fn frame(half: [f32; 2]) -> Mesh {
     let [x, y] = half;
     let edge = 0.03;
     let parts = [
-        board([-x, -y, 0.0], [x, edge - y, 0.03]),
-        board([-x, y - edge, 0.0], [x, y, 0.03]),
-        board([-x, edge - y, 0.0], [edge - x, y - edge, 0.03]),
-        board([x - edge, edge - y, 0.0], [x, y - edge, 0.03]),
-        board([-x, -y, 0.0], [x, y, 0.008]),
+        block([-x, -y, 0.0], [x, edge - y, 0.03]),
+        block([-x, y - edge, 0.0], [x, y, 0.03]),
+        block([-x, edge - y, 0.0], [edge - x, y - edge, 0.03]),
+        block([x - edge, edge - y, 0.0], [x, y - edge, 0.03]),
+        block([-x, -y, 0.0], [x, y, 0.008]),
     ];
     merged("frame", parts)
 }
@@ -345,11 +344,7 @@ pub(super) fn curtain(width: f32, height: f32) -> Mesh {
         Vec3::new(width * (u - 0.5), -height * v, z)
     });
     let half = 0.5 * width + 0.12;
-    let rod = stick(
-        Vec3::new(-half, 0.03, 0.0),
-        Vec3::new(half, 0.03, 0.0),
-        0.012,
-    );
+    let rod = stick([-half, 0.03, 0.0], [half, 0.03, 0.0], 0.012);
     let upright = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
     let rings = (0..14).map(|i| {
         let x = width * (i as f32 / 13.0 - 0.5);
@@ -362,18 +357,18 @@ pub(super) fn curtain(width: f32, height: f32) -> Mesh {
 /// Returns a chest of drawers or a desk's drawers: a box with fronts and knobs.
 pub(super) fn drawers(half: [f32; 2], height: f32) -> Mesh {
     let [x, z] = half;
-    let mut parts = vec![board([-x, 0.03, -z], [x, height, z])];
+    let mut parts = vec![block([-x, 0.03, -z], [x, height, z])];
     let count = 3;
     for i in 0..count {
         let low = 0.06 + (height - 0.08) * i as f32 / count as f32;
         let high = low + (height - 0.08) / count as f32 - 0.02;
-        parts.push(board([0.02 - x, low, z], [x - 0.02, high, z + 0.015]));
+        parts.push(block([0.02 - x, low, z], [x - 0.02, high, z + 0.015]));
         let knob = Vec3::new(0.0, 0.5 * (low + high), z + 0.03);
         parts.push(icosphere(knob, 0.014, 3));
     }
-    for corner in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+    for corner in FEET {
         let foot = Vec3::new(corner[0] * (x - 0.03), 0.015, corner[1] * (z - 0.03));
-        parts.push(box_at(foot, Vec3::new(0.02, 0.015, 0.02)));
+        parts.push(box_at(foot, [0.02, 0.015, 0.02]));
     }
     creased(&merged("drawers", parts))
 }

@@ -33,7 +33,7 @@ pub(super) const SHOP: Opening = Opening {
 pub(super) fn panel(opening: &Opening) -> Mesh {
     let slab = |x: [f32; 2], y: [f32; 2]| {
         let low = Vec3::new(x[0], y[0], -THICKNESS);
-        block(low, Vec3::new(x[1], y[1], 0.0))
+        block(low, [x[1], y[1], 0.0])
     };
     let half = 0.5 * PANEL;
     let beside = [opening.sill, opening.lintel];
@@ -52,31 +52,16 @@ pub(super) fn trim(opening: &Opening) -> Mesh {
     let middle = 0.5 * (opening.sill + opening.lintel);
     let tall = 0.5 * (opening.lintel - opening.sill);
     // Level bars are thinner than upright ones, so that no faces coincide where they cross.
-    let upright =
-        |x: f32, half: f32| box_at(Vec3::new(x, middle, -0.19), Vec3::new(half, tall, 0.03));
-    let level = |y: f32, half: f32| {
-        box_at(
-            Vec3::new(0.0, y, -0.19),
-            Vec3::new(opening.half, half, 0.025),
-        )
-    };
+    let upright = |x: f32, half: f32| box_at([x, middle, -0.19], [half, tall, 0.03]);
+    let level = |y: f32, half: f32| box_at([0.0, y, -0.19], [opening.half, half, 0.025]);
     let mut parts = vec![
+        box_at([0.0, opening.sill - 0.04, 0.04], [wide, 0.04, 0.1]),
+        box_at([0.0, opening.lintel + 0.09, 0.02], [wide, 0.09, 0.06]),
         box_at(
-            Vec3::new(0.0, opening.sill - 0.04, 0.04),
-            Vec3::new(wide, 0.04, 0.1),
+            [0.0, opening.lintel + 0.21, 0.05],
+            [wide + 0.08, 0.03, 0.11],
         ),
-        box_at(
-            Vec3::new(0.0, opening.lintel + 0.09, 0.02),
-            Vec3::new(wide, 0.09, 0.06),
-        ),
-        box_at(
-            Vec3::new(0.0, opening.lintel + 0.21, 0.05),
-            Vec3::new(wide + 0.08, 0.03, 0.11),
-        ),
-        box_at(
-            Vec3::new(0.0, STOREY - 0.07, 0.02),
-            Vec3::new(0.5 * PANEL, 0.07, 0.06),
-        ),
+        box_at([0.0, STOREY - 0.07, 0.02], [0.5 * PANEL, 0.07, 0.06]),
         upright(0.0, 0.035),
         level(opening.sill + 0.03, 0.03),
         level(opening.lintel - 0.03, 0.03),
@@ -107,11 +92,11 @@ pub(super) fn shutters() -> Mesh {
         let x = side * (WINDOW.half + 0.31);
         for edge in [-0.26, 0.26] {
             let place = Vec3::new(x + edge, middle, 0.05);
-            parts.push(box_at(place, Vec3::new(0.035, tall, 0.02)));
+            parts.push(box_at(place, [0.035, tall, 0.02]));
         }
         for i in 0..16 {
             let y = WINDOW.sill + 2.0 * tall * (i as f32 + 0.5) / 16.0;
-            let slat = box_at(Vec3::ZERO, Vec3::new(0.23, 0.04, 0.006));
+            let slat = box_at(Vec3::ZERO, [0.23, 0.04, 0.006]);
             let tilt = Affine3A::from_rotation_x(0.6);
             parts.push(moved(slat, at(x, y, 0.05) * tilt));
         }
@@ -124,10 +109,7 @@ pub(super) fn balcony() -> Mesh {
     const HALF: f32 = 1.15;
     const DEPTH: f32 = 0.85;
     const RAIL: f32 = 1.0;
-    let mut parts = vec![box_at(
-        Vec3::new(0.0, -0.06, 0.5 * DEPTH),
-        Vec3::new(HALF, 0.06, 0.5 * DEPTH),
-    )];
+    let mut parts = vec![box_at([0.0, -0.06, 0.5 * DEPTH], [HALF, 0.06, 0.5 * DEPTH])];
     let mut rail = |from: [f32; 2], to: [f32; 2], bars: u32| {
         let foot = Vec3::new(from[0], 0.0, from[1]);
         let end = Vec3::new(to[0], 0.0, to[1]);
@@ -147,7 +129,7 @@ pub(super) fn balcony() -> Mesh {
     rail([side, 0.0], [side, front], 7);
     for x in [-0.8, 0.8] {
         let wall = Vec3::new(x, -0.55, 0.0);
-        parts.push(stick(wall, Vec3::new(x, -0.1, 0.7), 0.04));
+        parts.push(stick(wall, [x, -0.1, 0.7], 0.04));
     }
     merged("balcony", parts)
 }
@@ -156,13 +138,13 @@ pub(super) fn balcony() -> Mesh {
 pub(super) fn cornice() -> Mesh {
     let half = 0.5 * PANEL;
     let mut parts = vec![
-        box_at(Vec3::new(0.0, 0.1, 0.05), Vec3::new(half, 0.1, 0.15)),
-        box_at(Vec3::new(0.0, 0.42, 0.12), Vec3::new(half, 0.07, 0.42)),
-        box_at(Vec3::new(0.0, 0.53, 0.1), Vec3::new(half, 0.04, 0.5)),
+        box_at([0.0, 0.1, 0.05], [half, 0.1, 0.15]),
+        box_at([0.0, 0.42, 0.12], [half, 0.07, 0.42]),
+        box_at([0.0, 0.53, 0.1], [half, 0.04, 0.5]),
     ];
     for i in 0..6 {
         let x = half * (2.0 * (i as f32 + 0.5) / 6.0 - 1.0);
-        parts.push(box_at(Vec3::new(x, 0.27, 0.2), Vec3::new(0.09, 0.08, 0.2)));
+        parts.push(box_at([x, 0.27, 0.2], [0.09, 0.08, 0.2]));
     }
     merged("cornice", parts)
 }
@@ -184,15 +166,15 @@ pub(super) fn awning() -> Mesh {
     });
     let arms = [-half, half].map(|x| {
         let out = Vec3::new(x, 2.36, 0.03 + DEPTH);
-        stick(Vec3::new(x, 2.3, 0.0), out, 0.015)
+        stick([x, 2.3, 0.0], out, 0.015)
     });
     merged("awning", [cloth, edge].into_iter().chain(arms))
 }
 
 /// Returns a chimney with its pots.
 pub(super) fn chimney() -> Mesh {
-    let stack = block(Vec3::new(-0.3, 0.0, -0.8), Vec3::new(0.3, 1.5, 0.8));
-    let crown = block(Vec3::new(-0.36, 1.5, -0.86), Vec3::new(0.36, 1.62, 0.86));
+    let stack = block([-0.3, 0.0, -0.8], [0.3, 1.5, 0.8]);
+    let crown = block([-0.36, 1.5, -0.86], [0.36, 1.62, 0.86]);
     let outline = [
         (0.0, 0.0),
         (0.16, 0.0),

@@ -49,12 +49,7 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
             direction: Vec3::new(0.42, -0.80, 0.36),
             angular_diameter,
         })
-        .shoot(
-            Vec3::new(1.2, 1.7, EYE),
-            Vec3::new(-0.5, 1.1, -2.0),
-            56.0,
-            SIZE,
-        )
+        .shoot([1.2, 1.7, EYE], [-0.5, 1.1, -2.0], 56.0, SIZE)
 }
 
 /// Returns the ground's height, metres: level in the clearing, rolling around it.
@@ -71,7 +66,7 @@ fn around_clearing(seed: i32, half: f32, pitch: f32, sizes: [f32; 2], clear: f32
         let turn = random.about(3.1);
         let at_eye = (x - 1.2).hypot(z - EYE) < 2.0 + 0.4 * clear;
         let is_clear = x.hypot(z) >= clear && !at_eye;
-        is_clear.then(|| scaled(Vec3::new(x, height(x, z), z), turn, scale))
+        is_clear.then(|| scaled([x, height(x, z), z], turn, scale))
     })
 }
 

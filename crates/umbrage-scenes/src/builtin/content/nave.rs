@@ -54,21 +54,13 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
             direction: Vec3::new(-0.85, -0.36, -0.40),
             angular_diameter,
         })
-        .shoot(
-            Vec3::new(2.7, 2.9, 14.8),
-            Vec3::new(-2.4, 3.6, -1.0),
-            62.0,
-            SIZE,
-        )
+        .shoot([2.7, 2.9, 14.8], [-2.4, 3.6, -1.0], 62.0, SIZE)
 }
 
 /// Returns the places of what stands at both sides of a bay's end or middle, turned so that their z points to the nave.
 fn both_sides(x: f32, y: f32, z: f32) -> [Affine3A; 2] {
     let quarter = std::f32::consts::FRAC_PI_2;
-    [
-        turned(Vec3::new(-x, y, z), quarter),
-        turned(Vec3::new(x, y, z), -quarter),
-    ]
+    [turned([-x, y, z], quarter), turned([x, y, z], -quarter)]
 }
 
 /// Returns the places at the ends of all bays.
@@ -164,10 +156,7 @@ fn arcade() -> Mesh {
     let half = 0.5 * BAY;
     let opening = arched(0.0, 1.62, 0.0, 0.08);
     let wall = wall_of(&pierced(half, 0.0, GALLERY - SPRING, &[opening]));
-    let cornice = block(
-        Vec3::new(-half, 2.05, WALL),
-        Vec3::new(half, 2.3, WALL + 0.12),
-    );
+    let cornice = block([-half, 2.05, WALL], [half, 2.3, WALL + 0.12]);
     merged("arcade", [wall, archivolt(0.0, 1.7, 0.08), cornice])
 }
 
@@ -197,13 +186,8 @@ fn clerestory() -> Mesh {
     let half = 0.5 * BAY;
     let opening = arched(0.0, 1.4, sill, 1.95);
     let wall = wall_of(&pierced(half, sill, top, &[opening]));
-    let below = block(Vec3::new(-half, 0.0, -WALL), Vec3::new(half, sill, WALL));
-    let mullions = [-0.4, 0.4].map(|x| {
-        block(
-            Vec3::new(x - 0.05, sill, -0.08),
-            Vec3::new(x + 0.05, 3.2, 0.08),
-        )
-    });
+    let below = block([-half, 0.0, -WALL], [half, sill, WALL]);
+    let mullions = [-0.4, 0.4].map(|x| block([x - 0.05, sill, -0.08], [x + 0.05, 3.2, 0.08]));
     let rim = archivolt(0.0, 1.46, 1.95);
     merged("clerestory", [wall, below, rim].into_iter().chain(mullions))
 }
@@ -211,8 +195,7 @@ fn clerestory() -> Mesh {
 /// Returns the outer wall of a bay: a window to the aisle, one to the gallery.
 fn outer_wall() -> Mesh {
     let half = 0.5 * BAY;
-    let slab =
-        |foot: f32, top: f32| block(Vec3::new(-half, foot, -WALL), Vec3::new(half, top, WALL));
+    let slab = |foot: f32, top: f32| block([-half, foot, -WALL], [half, top, WALL]);
     let lower = pierced(half, 1.1, GALLERY, &[arched(0.0, 1.6, 1.1, 4.4)]);
     let upper = pierced(
         half,
@@ -252,8 +235,8 @@ fn glazing() -> Mesh {
 /// Returns the gallery's floor and roof over one bay.
 fn floors_of_a_bay() -> Mesh {
     let half = Vec3::new(0.5 * BAY, 0.12, 0.5 * (WIDTH - ROW) + WALL);
-    let floor = box_at(Vec3::new(0.0, -0.12, 0.0), half);
-    let roof = box_at(Vec3::new(0.0, ROOF - GALLERY + 0.12, 0.0), half);
+    let floor = box_at([0.0, -0.12, 0.0], half);
+    let roof = box_at([0.0, ROOF - GALLERY + 0.12, 0.0], half);
     merged("gallery floor", [floor, roof])
 }
 
@@ -305,29 +288,23 @@ fn rib_places() -> Vec<Affine3A> {
 fn ends() -> Mesh {
     let wide = WIDTH + WALL;
     let top = VAULT + ROW + WALL;
-    let rear = block(
-        Vec3::new(-wide, 0.0, LENGTH),
-        Vec3::new(wide, top, LENGTH + 0.5),
-    );
+    let rear = block([-wide, 0.0, LENGTH], [wide, top, LENGTH + 0.5]);
     let windows = [-2.4, 0.0, 2.4].map(|middle| arched(middle, 0.8, 4.5, 11.5));
     let pane = prism(&pierced(wide, 4.5, top, &windows), 0.25, -0.25);
     let front = moved(creased(&pane), at(0.0, 0.0, -LENGTH));
-    let sill = block(
-        Vec3::new(-wide, 0.0, -LENGTH - 0.25),
-        Vec3::new(wide, 4.5, -LENGTH + 0.25),
-    );
+    let sill = block([-wide, 0.0, -LENGTH - 0.25], [wide, 4.5, -LENGTH + 0.25]);
     merged("ends", [rear, front, sill])
 }
 
 /// Returns the rail on the gallery's balusters.
 fn rail() -> Mesh {
-    let top = box_at(Vec3::new(0.0, 1.0, 0.15), Vec3::new(1.68, 0.05, 0.13));
-    let foot = box_at(Vec3::new(0.0, 0.03, 0.15), Vec3::new(1.68, 0.03, 0.13));
+    let top = box_at([0.0, 1.0, 0.15], [1.68, 0.05, 0.13]);
+    let foot = box_at([0.0, 0.03, 0.15], [1.68, 0.03, 0.13]);
     merged("rail", [top, foot])
 }
 
 fn carpet() -> Mesh {
-    block(Vec3::new(-0.7, 0.0, -15.0), Vec3::new(0.7, 0.012, 12.0))
+    block([-0.7, 0.0, -15.0], [0.7, 0.012, 12.0])
 }
 
 /// Returns three steps, and a table on four legs on them.
@@ -337,12 +314,9 @@ fn altar() -> Mesh {
         let rise = 0.17 * i as f32;
         let depth = 4.0 - 0.5 * i as f32;
         let low = Vec3::new(-3.9, rise, -LENGTH);
-        parts.push(block(low, Vec3::new(3.9, rise + 0.17, -LENGTH + depth)));
+        parts.push(block(low, [3.9, rise + 0.17, -LENGTH + depth]));
     }
-    parts.push(box_at(
-        Vec3::new(0.0, 1.5, -LENGTH + 1.6),
-        Vec3::new(1.4, 0.06, 0.5),
-    ));
+    parts.push(box_at([0.0, 1.5, -LENGTH + 1.6], [1.4, 0.06, 0.5]));
     for x in [-1.2, -0.4, 0.4, 1.2] {
         let foot = at(x, 0.51, -LENGTH + 1.6);
         parts.push(moved(fluted_column(0.93, 0.1), foot));

@@ -72,12 +72,7 @@ fn lit_by(name: &str, radii: LampRadii) -> Scene {
             position: FLOOR_LAMP,
             radius: radii[2],
         })
-        .shoot(
-            Vec3::new(2.45, 1.62, 2.35),
-            Vec3::new(-0.75, 0.78, -0.95),
-            58.0,
-            SIZE,
-        )
+        .shoot([2.45, 1.62, 2.35], [-0.75, 0.78, -0.95], 58.0, SIZE)
 }
 
 fn room(stage: Stage) -> Stage {
@@ -95,21 +90,21 @@ fn room(stage: Stage) -> Stage {
 
 fn skirting() -> Mesh {
     let boards = [
-        block(LOW, Vec3::new(HIGH.x, 0.1, LOW.z + 0.018)),
-        block(LOW, Vec3::new(LOW.x + 0.018, 0.1, HIGH.z)),
+        block(LOW, [HIGH.x, 0.1, LOW.z + 0.018]),
+        block(LOW, [LOW.x + 0.018, 0.1, HIGH.z]),
     ];
     merged("skirting", boards)
 }
 
 fn furnished(mut stage: Stage) -> Stage {
     let chairs = [
-        turned(Vec3::new(-0.45, 0.012, -0.62), 0.15),
-        turned(Vec3::new(0.5, 0.012, -0.58), -0.2),
-        turned(Vec3::new(-1.05, 0.012, 0.25), 1.75),
-        turned(Vec3::new(0.42, 0.012, 0.98), 2.75),
-        turned(Vec3::new(1.45, 0.0, -1.22), 3.4),
+        turned([-0.45, 0.012, -0.62], 0.15),
+        turned([0.5, 0.012, -0.58], -0.2),
+        turned([-1.05, 0.012, 0.25], 1.75),
+        turned([0.42, 0.012, 0.98], 2.75),
+        turned([1.45, 0.0, -1.22], 3.4),
     ];
-    let case = turned(Vec3::new(LOW.x, 0.0, -0.75), std::f32::consts::FRAC_PI_2);
+    let case = turned([LOW.x, 0.0, -0.75], std::f32::consts::FRAC_PI_2);
     for (mesh, color) in books().into_iter().zip(BOOKS) {
         stage = stage.put_many(mesh, [case]).look(matte(color));
     }
@@ -124,7 +119,7 @@ fn furnished(mut stage: Stage) -> Stage {
         .look(matte(OAK))
         .put_many(chair(), chairs)
         .look(matte(OAK))
-        .put_many(armchair(), [turned(Vec3::new(-2.15, 0.0, 1.55), 1.9)])
+        .put_many(armchair(), [turned([-2.15, 0.0, 1.55], 1.9)])
         .look(matte(CLOTH))
         .put_many(rug([1.5, 1.05]), [at(0.0, 0.0, 0.15)])
         .look(matte(RUG))
@@ -150,10 +145,10 @@ fn small_things(stage: Stage) -> Stage {
         at(1.35, 1.85, LOW.z),
         at(2.15, 1.72, LOW.z),
     ];
-    let side_frame = turned(Vec3::new(LOW.x, 1.6, 1.5), std::f32::consts::FRAC_PI_2);
+    let side_frame = turned([LOW.x, 1.6, 1.5], std::f32::consts::FRAC_PI_2);
     let hung: Vec<Affine3A> = frames.into_iter().chain([side_frame]).collect();
     let pictures = hung.clone();
-    let picture = block(Vec3::new(-0.18, -0.25, 0.0), Vec3::new(0.18, 0.25, 0.012));
+    let picture = block([-0.18, -0.25, 0.0], [0.18, 0.25, 0.012]);
     stage
         .put_many(vessel(&pot), pots)
         .look(matte(CLAY))
@@ -251,7 +246,7 @@ fn papers() -> Mesh {
         let place = Vec3::new(x, DESK + 0.001 + 0.0013 * i as f32, -1.83);
         parts.push(moved(block(-half, half), turned(place, random.about(0.5))));
     }
-    let open = turned(Vec3::new(-0.42, DESK + 0.018, -0.12), 0.4);
+    let open = turned([-0.42, DESK + 0.018, -0.12], 0.4);
     for side in [-1.0, 1.0] {
         let half = Vec3::new(0.075, 0.006, 0.11);
         let page = moved(block(-half, half), Affine3A::from_rotation_z(0.09 * side));

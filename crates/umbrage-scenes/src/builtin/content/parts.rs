@@ -19,14 +19,14 @@ pub(super) fn at(x: f32, y: f32, z: f32) -> Affine3A {
 }
 
 /// Returns a turn about the y axis, radians, and then a move.
-pub(super) fn turned(place: Vec3, angle: f32) -> Affine3A {
-    Affine3A::from_rotation_translation(Quat::from_rotation_y(angle), place)
+pub(super) fn turned(place: impl Into<Vec3>, angle: f32) -> Affine3A {
+    Affine3A::from_rotation_translation(Quat::from_rotation_y(angle), place.into())
 }
 
 /// Returns a turn about the y axis, radians, after a scale, and then a move.
-pub(super) fn scaled(place: Vec3, angle: f32, scale: Vec3) -> Affine3A {
+pub(super) fn scaled(place: impl Into<Vec3>, angle: f32, scale: impl Into<Vec3>) -> Affine3A {
     let turn = Quat::from_rotation_y(angle);
-    Affine3A::from_scale_rotation_translation(scale, turn, place)
+    Affine3A::from_scale_rotation_translation(scale.into(), turn, place.into())
 }
 
 /// Returns a mesh elsewhere; the place must not mirror.
@@ -141,13 +141,15 @@ pub(super) fn sheet(cells: [u32; 2], point: impl Fn(f32, f32) -> Vec3) -> Mesh {
 }
 
 /// Returns a box by its middle and half its size.
-pub(super) fn box_at(middle: Vec3, half: Vec3) -> Mesh {
+pub(super) fn box_at(middle: impl Into<Vec3>, half: impl Into<Vec3>) -> Mesh {
+    let (middle, half) = (middle.into(), half.into());
     block(middle - half, middle + half)
 }
 
 /// Returns a straight round stick.
-pub(super) fn stick(from: Vec3, to: Vec3, radius: f32) -> Mesh {
-    creased(&tube(&[(from, radius), (to, radius)], STICK_SIDES))
+pub(super) fn stick(from: impl Into<Vec3>, to: impl Into<Vec3>, radius: f32) -> Mesh {
+    let ends = [(from.into(), radius), (to.into(), radius)];
+    creased(&tube(&ends, STICK_SIDES))
 }
 
 /// Returns a wire that hangs between two points, `sag` below them in its middle.

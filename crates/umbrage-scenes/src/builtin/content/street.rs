@@ -65,12 +65,7 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
             direction: Vec3::new(-0.36, -0.50, 0.76),
             angular_diameter,
         })
-        .shoot(
-            Vec3::new(1.3, 2.3, 8.0),
-            Vec3::new(-1.1, 4.0, -20.0),
-            58.0,
-            SIZE,
-        )
+        .shoot([1.3, 2.3, 8.0], [-1.1, 4.0, -20.0], 58.0, SIZE)
 }
 
 /// A house: its front is a grid of panels.
@@ -98,7 +93,7 @@ impl House {
         let z = self.begin - PANEL * (panel as f32 + 0.5);
         let y = RISE + STOREY * storey as f32;
         let angle = -self.side * std::f32::consts::FRAC_PI_2;
-        turned(Vec3::new(self.side * FACADE, y, z), angle)
+        turned([self.side * FACADE, y, z], angle)
     }
 
     fn places(&self, storeys: std::ops::Range<u32>) -> impl Iterator<Item = Affine3A> + '_ {
@@ -110,11 +105,7 @@ impl House {
         const DEPTH: f32 = 9.0;
         let x = self.side * (FACADE + THICKNESS + 0.5 * DEPTH);
         let middle = Vec3::new(x, 0.0, self.begin - 0.5 * self.width());
-        scaled(
-            middle,
-            0.0,
-            Vec3::new(DEPTH, self.height() + 0.3, self.width()),
-        )
+        scaled(middle, 0.0, [DEPTH, self.height() + 0.3, self.width()])
     }
 }
 
@@ -153,8 +144,8 @@ fn ground(stage: Stage) -> Stage {
     let paving = |side: f32| {
         let [a, b] = [side * KERB, side * (FACADE + 12.0)];
         block(
-            Vec3::new(a.min(b), -0.2, middle - length),
-            Vec3::new(a.max(b), RISE, middle + length),
+            [a.min(b), -0.2, middle - length],
+            [a.max(b), RISE, middle + length],
         )
     };
     let mut road = grid([KERB, length], [8, 60], |_, _| 0.0);
@@ -179,12 +170,12 @@ fn markings() -> Mesh {
     for i in 0..8 {
         let x = 0.95 * (i as f32 - 3.5);
         let paint = Vec3::new(0.24, 0.004, 1.3);
-        parts.push(box_at(Vec3::new(x, road_height(x) + 0.002, -2.6), paint));
+        parts.push(box_at([x, road_height(x) + 0.002, -2.6], paint));
     }
     for i in 0..30 {
         let z = -7.0 - 4.0 * i as f32;
         let paint = Vec3::new(0.06, 0.004, 0.9);
-        parts.push(box_at(Vec3::new(0.0, road_height(0.0) + 0.002, z), paint));
+        parts.push(box_at([0.0, road_height(0.0) + 0.002, z], paint));
     }
     merged("markings", parts)
 }
@@ -197,13 +188,13 @@ fn road_height(x: f32) -> f32 {
 /// Returns a church's tower at the street's end, with openings for its bells.
 fn tower() -> Mesh {
     let middle = Vec3::new(-2.0, 0.0, FAR - 16.0);
-    let shaft = box_at(middle + 11.0 * Vec3::Y, Vec3::new(4.5, 11.0, 4.5));
-    let crown = box_at(middle + 29.0 * Vec3::Y, Vec3::new(4.9, 0.6, 4.9));
+    let shaft = box_at(middle + 11.0 * Vec3::Y, [4.5, 11.0, 4.5]);
+    let crown = box_at(middle + 29.0 * Vec3::Y, [4.9, 0.6, 4.9]);
     let mut parts = vec![shaft, crown];
     for x in [-4.0, -1.4, 1.4, 4.0] {
         for z in [-4.0, 4.0] {
             let foot = middle + Vec3::new(x, 25.0, z);
-            parts.push(box_at(foot, Vec3::new(0.5, 3.5, 0.5)));
+            parts.push(box_at(foot, [0.5, 3.5, 0.5]));
         }
     }
     let spire = [(0.0, 0.0), (5.6, 0.0), (1.2, 11.0), (0.0, 17.0)];
@@ -217,7 +208,7 @@ fn facades(mut stage: Stage, houses: &[House]) -> Stage {
         let own: Vec<&House> = houses.iter().filter(|house| house.plaster == i).collect();
         let upper = own.iter().flat_map(|house| house.places(1..house.storeys));
         let bodies = own.iter().map(|house| house.body());
-        let unit = block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5));
+        let unit = block([-0.5, 0.0, -0.5], [0.5, 1.0, 0.5]);
         stage = stage
             .put_many(panel(&WINDOW), upper)
             .look(matte(plaster))

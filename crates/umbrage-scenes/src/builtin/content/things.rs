@@ -97,28 +97,19 @@ pub(super) fn baluster(height: f32) -> Mesh {
 pub(super) fn bench(width: f32) -> Mesh {
     let half = 0.5 * width;
     let mut parts = vec![
-        box_at(Vec3::new(0.0, 0.45, 0.0), Vec3::new(half, 0.02, 0.2)),
-        box_at(Vec3::new(0.0, 0.95, 0.24), Vec3::new(half, 0.04, 0.025)),
-        box_at(Vec3::new(0.0, 0.56, 0.23), Vec3::new(half, 0.025, 0.02)),
+        box_at([0.0, 0.45, 0.0], [half, 0.02, 0.2]),
+        box_at([0.0, 0.95, 0.24], [half, 0.04, 0.025]),
+        box_at([0.0, 0.56, 0.23], [half, 0.025, 0.02]),
     ];
     for side in [-1.0, 0.0, 1.0] {
         let x = side * (half - 0.03);
-        parts.push(box_at(
-            Vec3::new(x, 0.22, 0.0),
-            Vec3::new(0.025, 0.22, 0.18),
-        ));
-        parts.push(box_at(
-            Vec3::new(x, 0.5, 0.235),
-            Vec3::new(0.025, 0.5, 0.03),
-        ));
+        parts.push(box_at([x, 0.22, 0.0], [0.025, 0.22, 0.18]));
+        parts.push(box_at([x, 0.5, 0.235], [0.025, 0.5, 0.03]));
     }
     let slats = 18;
     for i in 0..slats {
         let x = half * (2.0 * (i as f32 + 0.5) / slats as f32 - 1.0);
-        parts.push(box_at(
-            Vec3::new(x, 0.74, 0.235),
-            Vec3::new(0.025, 0.19, 0.012),
-        ));
+        parts.push(box_at([x, 0.74, 0.235], [0.025, 0.19, 0.012]));
     }
     merged("bench", parts)
 }
@@ -166,7 +157,7 @@ pub(super) fn oil_lamp() -> Mesh {
         ));
         if i % 4 == 0 {
             parts.push(stick(rim, 0.5 * Vec3::Y, 0.01));
-            parts.push(stick(rim, Vec3::new(0.2 * x, -0.13, 0.2 * z), 0.01));
+            parts.push(stick(rim, [0.2 * x, -0.13, 0.2 * z], 0.01));
         }
     }
     merged("lamp", parts)

@@ -149,9 +149,9 @@ fn pole() -> Mesh {
     ];
     let mut parts = vec![
         lathe(&outline, 16),
-        box_at(7.9 * Vec3::Y, Vec3::new(1.1, 0.07, 0.06)),
-        stick(Vec3::new(-0.7, 7.9, 0.0), 7.1 * Vec3::Y, 0.03),
-        stick(Vec3::new(0.7, 7.9, 0.0), 7.1 * Vec3::Y, 0.03),
+        box_at(7.9 * Vec3::Y, [1.1, 0.07, 0.06]),
+        stick([-0.7, 7.9, 0.0], 7.1 * Vec3::Y, 0.03),
+        stick([0.7, 7.9, 0.0], 7.1 * Vec3::Y, 0.03),
     ];
     for [x, y] in INSULATORS {
         parts.push(moved(lathe(&cup, 12), at(x, y - 0.16, 0.0)));
@@ -181,7 +181,7 @@ fn fence(stage: Stage) -> Stage {
             lines.push(wire(foot(i) + up, foot(i + 1) + up, 0.03, 0.006));
         }
     }
-    let post = block(Vec3::new(-0.06, -0.4, -0.05), Vec3::new(0.06, 1.2, 0.05));
+    let post = block([-0.06, -0.4, -0.05], [0.06, 1.2, 0.05]);
     stage
         .put_many(post, posts)
         .look(matte(WOOD))
@@ -221,11 +221,11 @@ fn hut_walls() -> Mesh {
         let z = -3.1 + 0.2 * i as f32;
         for side in [-1.0, 1.0] {
             let x = 2.62 * side;
-            parts.push(box_at(Vec3::new(x, 1.2, z), Vec3::new(0.03, 1.2, 0.03)));
+            parts.push(box_at([x, 1.2, z], [0.03, 1.2, 0.03]));
         }
     }
     for x in [-2.4, -0.8, 0.8, 2.4] {
-        parts.push(stick(Vec3::new(x, 0.0, 4.6), Vec3::new(x, 2.35, 4.6), 0.07));
+        parts.push(stick([x, 0.0, 4.6], [x, 2.35, 4.6], 0.07));
     }
     for i in 0..24 {
         let x = -2.4 + 4.8 * i as f32 / 23.0;
@@ -244,15 +244,15 @@ fn hut_roof() -> Mesh {
     for side in [-1.0, 1.0] {
         let tilt = Affine3A::from_rotation_z(-side * slope);
         let place = at(side * 1.5, 3.35, 0.0) * tilt;
-        let slab = box_at(Vec3::ZERO, Vec3::new(2.0, 0.06, 3.7));
+        let slab = box_at(Vec3::ZERO, [2.0, 0.06, 3.7]);
         parts.push(moved(slab, place));
         for i in 0..10 {
             let x = 1.9 * (2.0 * i as f32 / 9.0 - 1.0);
-            let batten = box_at(Vec3::new(x, 0.08, 0.0), Vec3::new(0.04, 0.03, 3.72));
+            let batten = box_at([x, 0.08, 0.0], [0.04, 0.03, 3.72]);
             parts.push(moved(batten, place));
         }
     }
-    let porch = box_at(Vec3::ZERO, Vec3::new(2.8, 0.05, 0.9));
+    let porch = box_at(Vec3::ZERO, [2.8, 0.05, 0.9]);
     parts.push(moved(
         porch,
         at(0.0, 2.45, 4.0) * Affine3A::from_rotation_x(0.18),
@@ -262,9 +262,9 @@ fn hut_roof() -> Mesh {
 
 /// Returns the base, which reaches into the ground, and the chimney.
 fn hut_stone() -> Mesh {
-    let base = block(Vec3::new(-2.8, -2.5, -3.4), Vec3::new(2.8, 0.1, 4.8));
-    let chimney = block(Vec3::new(0.9, 3.0, -1.6), Vec3::new(1.5, 5.2, -1.0));
-    let crown = block(Vec3::new(0.85, 5.2, -1.65), Vec3::new(1.55, 5.32, -0.95));
+    let base = block([-2.8, -2.5, -3.4], [2.8, 0.1, 4.8]);
+    let chimney = block([0.9, 3.0, -1.6], [1.5, 5.2, -1.0]);
+    let crown = block([0.85, 5.2, -1.65], [1.55, 5.32, -0.95]);
     merged("hut stone", [base, chimney, crown])
 }
 

@@ -6,7 +6,6 @@ use crate::{
     stage::{Stage, sun},
 };
 use umbrage_core::Scene;
-use umbrage_core::glam::Vec3;
 
 /// Height of the lower plate's top over the floor, metres.
 const LOW: f32 = 1.0;
@@ -21,23 +20,12 @@ const THICKNESS: f32 = 0.02;
 ///
 /// The sun is 45 degrees high and shines along +x, so shadows lie as far along +x as the plates are high.
 pub(crate) fn two_plates() -> Scene {
-    let low = block(
-        Vec3::new(-1.6, LOW - THICKNESS, -0.9),
-        Vec3::new(0.0, LOW, 0.9),
-    );
-    let high = block(
-        Vec3::new(-6.0, HIGH - THICKNESS, -0.5),
-        Vec3::new(-4.8, HIGH, 0.5),
-    );
+    let low = block([-1.6, LOW - THICKNESS, -0.9], [0.0, LOW, 0.9]);
+    let high = block([-6.0, HIGH - THICKNESS, -0.5], [-4.8, HIGH, 0.5]);
     Stage::new("two-plates")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
         .put(low)
         .put(high)
         .light(sun(1.0, -1.0, 0.0))
-        .shoot(
-            Vec3::new(3.2, 2.6, 1.4),
-            Vec3::new(0.25, 0.0, 0.0),
-            42.0,
-            SMALL,
-        )
+        .shoot([3.2, 2.6, 1.4], [0.25, 0.0, 0.0], 42.0, SMALL)
 }

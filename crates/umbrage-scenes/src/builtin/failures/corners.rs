@@ -14,13 +14,8 @@ use umbrage_core::glam::Vec3;
 pub(crate) fn room_corner() -> Scene {
     Stage::new("room-corner")
         .put(room(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0)))
-        .put(block(Vec3::new(0.35, 0.0, 0.6), Vec3::new(0.75, 0.5, 1.0)))
-        .put(icosphere(Vec3::new(0.7, 1.1, 0.35), 0.25, 3))
+        .put(block([0.35, 0.0, 0.6], [0.75, 0.5, 1.0]))
+        .put(icosphere([0.7, 1.1, 0.35], 0.25, 3))
         .light(bulb(2.9, 2.3, 0.5))
-        .shoot(
-            Vec3::new(2.3, 1.6, 3.3),
-            Vec3::new(0.0, 0.75, 0.0),
-            45.0,
-            SMALL,
-        )
+        .shoot([2.3, 1.6, 3.3], [0.0, 0.75, 0.0], 45.0, SMALL)
 }

@@ -33,12 +33,7 @@ pub(crate) fn wire_fence() -> Scene {
         .look(netting(STEEL, 0.012 / MESH))
         .put_many(pillar(0.03, 1.3, 12), posts)
         .light(sun(0.35, -1.0, 0.9))
-        .shoot(
-            Vec3::new(1.2, 1.9, 3.4),
-            Vec3::new(0.0, 0.25, 0.4),
-            44.0,
-            SMALL,
-        )
+        .shoot([1.2, 1.9, 3.4], [0.0, 0.25, 0.4], 44.0, SMALL)
 }
 
 /// Trees of leaf cards on a plain: a pair at 5 m, and pairs farther and farther away up to 500 m, each taller than a pixel still.
@@ -72,10 +67,5 @@ pub(crate) fn foliage() -> Scene {
         .put_many(crown(&shape), places)
         .look(sprig(LEAVES))
         .light(sun(0.5, -0.8, 0.35))
-        .shoot(
-            Vec3::new(0.0, 1.7, 0.0),
-            Vec3::new(0.0, 1.0, -10.0),
-            60.0,
-            SMALL,
-        )
+        .shoot([0.0, 1.7, 0.0], [0.0, 1.0, -10.0], 60.0, SMALL)
 }

@@ -23,12 +23,7 @@ fn long_plane(name: &str, light: Light) -> Scene {
         )
         .put_many(icosphere(Vec3::ZERO, 1.0, 3), places)
         .light(light)
-        .shoot(
-            Vec3::new(6.0, 5.0, 11.0),
-            Vec3::new(-1.0, 0.0, -14.0),
-            45.0,
-            SMALL,
-        )
+        .shoot([6.0, 5.0, 11.0], [-1.0, 0.0, -14.0], 45.0, SMALL)
 }
 
 pub(crate) fn long_plane_sun() -> Scene {
@@ -94,15 +89,7 @@ pub(crate) fn into_light() -> Scene {
     Stage::new("into-light")
         .put(grid([30.0, 40.0], [1, 1], |_, _| 0.0))
         .put_many(pillar(0.25, 2.2, 24), posts)
-        .put(block(
-            Vec3::new(-1.6, 0.0, -2.2),
-            Vec3::new(-0.6, 0.9, -1.2),
-        ))
+        .put(block([-1.6, 0.0, -2.2], [-0.6, 0.9, -1.2]))
         .light(sun(0.05, -0.42, 1.0))
-        .shoot(
-            Vec3::new(0.0, 2.4, 7.0),
-            Vec3::new(0.0, 0.4, -6.0),
-            50.0,
-            SMALL,
-        )
+        .shoot([0.0, 2.4, 7.0], [0.0, 0.4, -6.0], 50.0, SMALL)
 }

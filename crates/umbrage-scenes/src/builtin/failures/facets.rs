@@ -22,10 +22,5 @@ pub(crate) fn low_poly() -> Scene {
         .put(grid([6.0, 5.0], [1, 1], |_, _| 0.0))
         .put_many(icosphere(Vec3::ZERO, 0.9, 1), balls)
         .light(sun(0.85, -0.36, -0.38))
-        .shoot(
-            Vec3::new(1.4, 4.2, 8.2),
-            Vec3::new(0.2, 0.7, 0.0),
-            40.0,
-            SMALL,
-        )
+        .shoot([1.4, 4.2, 8.2], [0.2, 0.7, 0.0], 40.0, SMALL)
 }

@@ -16,10 +16,7 @@ pub(crate) fn stacked_slices() -> Scene {
     for i in 0..6 {
         let y = 0.1 + 0.05 * i as f32;
         let half = 1.1 - 0.16 * i as f32;
-        stage = stage.put(block(
-            Vec3::new(-half, y, -half),
-            Vec3::new(half, y + 0.006, half),
-        ));
+        stage = stage.put(block([-half, y, -half], [half, y + 0.006, half]));
     }
     stage
         .put_many(
@@ -27,12 +24,7 @@ pub(crate) fn stacked_slices() -> Scene {
             [Affine3A::from_translation(Vec3::new(-0.1, 0.3, 0.1))],
         )
         .light(sun(0.7, -1.0, -0.3))
-        .shoot(
-            Vec3::new(1.5, 1.7, 2.4),
-            Vec3::new(0.05, 0.2, 0.0),
-            42.0,
-            SMALL,
-        )
+        .shoot([1.5, 1.7, 2.4], [0.05, 0.2, 0.0], 42.0, SMALL)
 }
 
 /// Height of the feet's soles over the floor, metres.
@@ -58,20 +50,15 @@ pub(crate) fn hovering_feet() -> Scene {
     Stage::new("hovering-feet")
         .put(grid([3.0, 3.0], [1, 1], |_, _| 0.0))
         .put_many(lathe(&foot, 32), places)
-        .put(icosphere(Vec3::new(-0.75, 1.2, 0.1), 0.4, 3))
-        .put(block(Vec3::new(0.3, 0.9, 0.0), Vec3::new(0.8, 1.5, 0.4)))
+        .put(icosphere([-0.75, 1.2, 0.1], 0.4, 3))
+        .put(block([0.3, 0.9, 0.0], [0.8, 1.5, 0.4]))
         .light(sun(0.45, -1.0, -0.35))
-        .shoot(
-            Vec3::new(0.5, 1.1, 2.3),
-            Vec3::new(0.0, 0.2, 0.05),
-            42.0,
-            SMALL,
-        )
+        .shoot([0.5, 1.1, 2.3], [0.0, 0.2, 0.05], 42.0, SMALL)
 }
 
 /// Returns a rail whose underside is `y` metres above the floor.
 fn fence_rail(y: f32) -> Mesh {
-    block(Vec3::new(-2.45, y, -0.01), Vec3::new(2.45, y + 0.02, 0.01))
+    block([-2.45, y, -0.01], [2.45, y + 0.02, 0.01])
 }
 
 /// A fence of upright wires 12 mm thick and of three rails: one to two pixels of the picture each, and about as many
@@ -88,10 +75,5 @@ pub(crate) fn fence() -> Scene {
         .put(fence_rail(0.6))
         .put(fence_rail(1.1))
         .light(sun(0.35, -1.0, 0.9))
-        .shoot(
-            Vec3::new(1.2, 1.9, 3.4),
-            Vec3::new(0.0, 0.25, 0.4),
-            44.0,
-            SMALL,
-        )
+        .shoot([1.2, 1.9, 3.4], [0.0, 0.25, 0.4], 44.0, SMALL)
 }

@@ -42,12 +42,7 @@ fn at_seams(name: &str, light: Light) -> Scene {
         ))
         .put(icosphere(from_lamp(0.6, -0.6, -0.6), 0.14, 3))
         .light(light)
-        .shoot(
-            Vec3::new(0.35, 2.1, 2.1),
-            Vec3::new(-0.1, 1.15, -0.6),
-            88.0,
-            SMALL,
-        )
+        .shoot([0.35, 2.1, 2.1], [-0.1, 1.15, -0.6], 88.0, SMALL)
 }
 
 pub(crate) fn lamp_in_room() -> Scene {
@@ -67,16 +62,16 @@ pub(crate) fn glowing_lamp_in_room() -> Scene {
 /// Planes alone receive: a floor and a wall. Casters, which don't, lie wholly and partly below the floor, through the
 /// wall, beyond the lamp, and where they should be.
 pub(crate) fn flat_receivers() -> Scene {
-    let wall = block(Vec3::new(-3.0, 0.0, -2.6), Vec3::new(3.0, 3.0, -2.5));
+    let wall = block([-3.0, 0.0, -2.6], [3.0, 3.0, -2.5]);
     let casters = [
-        block(Vec3::new(-1.9, -0.4, -0.7), Vec3::new(-1.2, 0.5, 0.1)),
-        block(Vec3::new(1.3, -1.2, 0.2), Vec3::new(2.1, -0.3, 1.0)),
-        block(Vec3::new(1.0, 0.7, -2.9), Vec3::new(1.3, 1.0, -1.9)),
+        block([-1.9, -0.4, -0.7], [-1.2, 0.5, 0.1]),
+        block([1.3, -1.2, 0.2], [2.1, -0.3, 1.0]),
+        block([1.0, 0.7, -2.9], [1.3, 1.0, -1.9]),
         // Mirrored at the lamp, these two would darken the middle of the floor and of the wall.
-        block(Vec3::new(-0.6, 4.1, -0.4), Vec3::new(0.6, 4.2, 0.9)),
-        block(Vec3::new(-0.4, 3.5, 2.2), Vec3::new(0.5, 4.3, 2.3)),
-        icosphere(Vec3::new(0.5, 0.9, 0.1), 0.35, 3),
-        block(Vec3::new(-0.9, 1.1, -1.6), Vec3::new(-0.2, 1.2, -0.9)),
+        block([-0.6, 4.1, -0.4], [0.6, 4.2, 0.9]),
+        block([-0.4, 3.5, 2.2], [0.5, 4.3, 2.3]),
+        icosphere([0.5, 0.9, 0.1], 0.35, 3),
+        block([-0.9, 1.1, -1.6], [-0.2, 1.2, -0.9]),
     ];
     let mut stage = Stage::new("flat-receivers")
         .put(grid([3.0, 2.5], [1, 1], |_, _| 0.0))
@@ -86,12 +81,9 @@ pub(crate) fn flat_receivers() -> Scene {
     for caster in casters {
         stage = stage.put(caster).last_roles(true, false);
     }
-    stage.light(bulb(0.1, 3.2, 0.7)).shoot(
-        Vec3::new(2.6, 2.9, 5.3),
-        Vec3::new(-0.05, 0.85, -0.8),
-        44.0,
-        SMALL,
-    )
+    stage
+        .light(bulb(0.1, 3.2, 0.7))
+        .shoot([2.6, 2.9, 5.3], [-0.05, 0.85, -0.8], 44.0, SMALL)
 }
 
 /// Returns a spot 4 m above the floor that points at the caster of [`two_lights`].
@@ -110,14 +102,9 @@ fn spot_on_caster(x: f32, z: f32) -> Light {
 pub(crate) fn two_lights() -> Scene {
     Stage::new("two-lights")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
-        .put(block(Vec3::new(-0.4, 0.0, -0.4), Vec3::new(0.4, 1.0, 0.4)))
-        .put(icosphere(Vec3::new(0.0, 1.3, 0.0), 0.3, 3))
+        .put(block([-0.4, 0.0, -0.4], [0.4, 1.0, 0.4]))
+        .put(icosphere([0.0, 1.3, 0.0], 0.3, 3))
         .light(spot_on_caster(-2.2, 0.9))
         .light(spot_on_caster(1.8, 1.4))
-        .shoot(
-            Vec3::new(0.6, 3.2, 4.6),
-            Vec3::new(0.0, 0.3, -0.3),
-            44.0,
-            SMALL,
-        )
+        .shoot([0.6, 3.2, 4.6], [0.0, 0.3, -0.3], 44.0, SMALL)
 }

@@ -11,7 +11,7 @@ use umbrage_core::glam::Vec3;
 fn block_on_floor(name: &str) -> Stage {
     Stage::new(name)
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
-        .put(block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)))
+        .put(block([-0.5, 0.0, -0.5], [0.5, 1.0, 0.5]))
         .light(sun(0.6, -1.0, 0.3))
 }
 

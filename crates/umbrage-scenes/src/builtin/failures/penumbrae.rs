@@ -23,18 +23,13 @@ pub(crate) fn two_blockers() -> Scene {
     Stage::new("two-blockers")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
         .put(pole)
-        .put(block(Vec3::new(0.2, 0.0, -1.1), Vec3::new(0.3, 0.9, 1.1)))
+        .put(block([0.2, 0.0, -1.1], [0.3, 0.9, 1.1]))
         .light(Light::Rect {
             center: Vec3::new(-1.4, 4.6, 0.0),
             half_u: Vec3::X * 0.35,
             half_v: Vec3::Z * 0.35,
         })
-        .shoot(
-            Vec3::new(2.9, 3.0, 3.1),
-            Vec3::new(0.6, 0.15, 0.0),
-            42.0,
-            SMALL,
-        )
+        .shoot([2.9, 3.0, 3.1], [0.6, 0.15, 0.0], 42.0, SMALL)
 }
 
 /// The lamps' middle.
@@ -51,21 +46,13 @@ fn rising(name: &str, light: Light) -> Scene {
     });
     Stage::new(name)
         .put(grid([5.0, 4.0], [1, 1], |_, _| 0.0))
-        .put_many(
-            block(Vec3::new(-0.22, 0.0, -0.22), Vec3::new(0.22, 0.44, 0.22)),
-            places,
-        )
+        .put_many(block([-0.22, 0.0, -0.22], [0.22, 0.44, 0.22]), places)
         .put_many(
             pillar(0.06, 1.5, 24),
             [Affine3A::from_translation(Vec3::new(-1.8, 0.0, -0.4))],
         )
         .light(light)
-        .shoot(
-            Vec3::new(0.7, 3.6, 4.8),
-            Vec3::new(0.6, 0.3, -0.2),
-            44.0,
-            SMALL,
-        )
+        .shoot([0.7, 3.6, 4.8], [0.6, 0.3, -0.2], 44.0, SMALL)
 }
 
 pub(crate) fn rising_boxes() -> Scene {
@@ -106,12 +93,7 @@ pub(crate) fn canopy() -> Scene {
             normal: Vec3::new(0.25, -1.0, -0.2),
             radius: 0.9,
         })
-        .shoot(
-            Vec3::new(2.2, 2.6, 5.4),
-            Vec3::new(0.2, 0.95, 0.0),
-            44.0,
-            SMALL,
-        )
+        .shoot([2.2, 2.6, 5.4], [0.2, 0.95, 0.0], 44.0, SMALL)
 }
 
 fn trunk() -> Mesh {

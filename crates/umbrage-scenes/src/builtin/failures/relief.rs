@@ -43,21 +43,13 @@ fn upright(z: f32) -> Affine3A {
 fn around(stage: Stage) -> Scene {
     stage
         .put(grid([2.4, 1.5], [1, 1], |_, _| 0.0))
-        .put(block(
-            Vec3::new(-0.3, 1.5, -0.02),
-            Vec3::new(0.9, 1.58, 0.22),
-        ))
+        .put(block([-0.3, 1.5, -0.02], [0.9, 1.58, 0.22]))
         .put_many(
             pillar(0.08, 2.0, 24),
             [Affine3A::from_translation(Vec3::new(-0.9, 0.0, 0.3))],
         )
         .light(sun(1.0, -0.45, -0.3))
-        .shoot(
-            Vec3::new(1.2, 1.7, 3.6),
-            Vec3::new(0.05, 1.0, 0.0),
-            40.0,
-            SMALL,
-        )
+        .shoot([1.2, 1.7, 3.6], [0.05, 1.0, 0.0], 40.0, SMALL)
 }
 
 fn wall(name: &str, look: Look) -> Stage {

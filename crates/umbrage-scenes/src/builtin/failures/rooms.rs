@@ -45,10 +45,5 @@ pub(crate) fn bar_at_lamp() -> Scene {
             outer,
             radius: 0.0,
         })
-        .shoot(
-            Vec3::new(2.2, 2.4, 4.6),
-            Vec3::new(0.0, 0.1, 0.0),
-            46.0,
-            SIZE,
-        )
+        .shoot([2.2, 2.4, 4.6], [0.0, 0.1, 0.0], 46.0, SIZE)
 }

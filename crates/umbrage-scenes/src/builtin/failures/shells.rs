@@ -27,12 +27,7 @@ pub(crate) fn open_shells() -> Scene {
         .put_many(open_box(), [turned_at(0.7, -0.2, -0.3)])
         .put(cards())
         .light(sun(0.5, -1.0, -0.45))
-        .shoot(
-            Vec3::new(1.0, 2.9, 4.1),
-            Vec3::new(0.35, 0.3, -0.1),
-            46.0,
-            SMALL,
-        )
+        .shoot([1.0, 2.9, 4.1], [0.35, 0.3, -0.1], 46.0, SMALL)
 }
 
 /// Returns a place on the floor, turned about y by `turn` radians.
@@ -42,7 +37,7 @@ fn turned_at(x: f32, z: f32, turn: f32) -> Affine3A {
 
 /// Returns a box of sheets without its top and its front.
 fn open_box() -> Mesh {
-    let mut mesh = block(Vec3::new(-0.45, 0.0, -0.4), Vec3::new(0.45, 0.7, 0.4));
+    let mut mesh = block([-0.45, 0.0, -0.4], [0.45, 0.7, 0.4]);
     mesh.name = "open box".to_owned();
     mesh.triangles.retain(|triangle| {
         let normal = mesh.normals[triangle[0] as usize];

@@ -35,12 +35,7 @@ pub(crate) fn cone_rim() -> Scene {
             outer: OUTER.to_radians(),
             radius: 0.0,
         })
-        .shoot(
-            Vec3::new(0.6, 3.4, 4.0),
-            Vec3::new(0.0, 0.0, 0.2),
-            46.0,
-            SMALL,
-        )
+        .shoot([0.6, 3.4, 4.0], [0.0, 0.0, 0.2], 46.0, SMALL)
 }
 
 /// Bars 3 to 30 cm above the floor under a round lamp of 2 mm: their penumbrae are at most a quarter of a millimetre wide, and a
@@ -50,10 +45,7 @@ pub(crate) fn small_lamp() -> Scene {
     for i in 0..7 {
         let x = -0.9 + 0.3 * i as f32;
         let y = 0.03 + 0.045 * i as f32;
-        stage = stage.put(block(
-            Vec3::new(x - 0.04, y, -0.8),
-            Vec3::new(x + 0.04, y + 0.03, 0.8),
-        ));
+        stage = stage.put(block([x - 0.04, y, -0.8], [x + 0.04, y + 0.03, 0.8]));
     }
     stage
         .light(Light::Disc {
@@ -61,10 +53,5 @@ pub(crate) fn small_lamp() -> Scene {
             normal: Vec3::NEG_Y,
             radius: 0.001,
         })
-        .shoot(
-            Vec3::new(0.4, 1.7, 2.4),
-            Vec3::new(0.0, 0.0, 0.0),
-            42.0,
-            SMALL,
-        )
+        .shoot([0.4, 1.7, 2.4], [0.0, 0.0, 0.0], 42.0, SMALL)
 }

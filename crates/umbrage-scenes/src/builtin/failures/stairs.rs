@@ -30,11 +30,8 @@ fn staircase(name: &str) -> Stage {
             pillar(0.05, 2.2, 24),
             [Affine3A::from_translation(Vec3::new(0.1, 0.0, 0.3))],
         )
-        .put(icosphere(Vec3::new(0.75, 0.79, -0.4), 0.25, 4))
-        .put(block(
-            Vec3::new(-0.9, 1.44, -0.7),
-            Vec3::new(-0.5, 1.9, -0.2),
-        ))
+        .put(icosphere([0.75, 0.79, -0.4], 0.25, 4))
+        .put(block([-0.9, 1.44, -0.7], [-0.5, 1.9, -0.2]))
 }
 
 pub(crate) fn stairs() -> Scene {
@@ -49,7 +46,7 @@ pub(crate) fn stairs_lamp() -> Scene {
     let position = Vec3::new(0.2, 3.4, -0.2);
     let direction = Vec3::new(0.05, -1.0, 0.1);
     staircase("stairs-lamp")
-        .put(block(Vec3::new(-0.4, 3.9, -0.8), Vec3::new(0.8, 4.0, 0.4)))
+        .put(block([-0.4, 3.9, -0.8], [0.8, 4.0, 0.4]))
         .light(Light::Spot {
             position,
             direction,

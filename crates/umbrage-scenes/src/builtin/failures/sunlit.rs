@@ -20,12 +20,7 @@ fn low_sun(name: &str, degrees: f64) -> Scene {
             -height.sin() as f32,
             (-0.954 * height.cos()) as f32,
         ))
-        .shoot(
-            Vec3::new(-14.0, 6.0, 26.0),
-            Vec3::new(0.0, 0.0, -6.0),
-            45.0,
-            SIZE,
-        )
+        .shoot([-14.0, 6.0, 26.0], [0.0, 0.0, -6.0], 45.0, SIZE)
 }
 
 pub(crate) fn low_sun_2() -> Scene {
@@ -59,61 +54,35 @@ pub(crate) fn far_range() -> Scene {
             -height.sin() as f32,
             (-0.937 * height.cos()) as f32,
         ))
-        .shoot(
-            Vec3::new(15.0, 11.0, 16.0),
-            Vec3::new(-3.0, 0.0, -22.0),
-            45.0,
-            SIZE,
-        )
+        .shoot([15.0, 11.0, 16.0], [-3.0, 0.0, -22.0], 45.0, SIZE)
 }
 
 /// 2 mm thick, half a metre high, lit from behind at 45 degrees.
 pub(crate) fn thin_plate() -> Scene {
     Stage::new("thin-plate")
         .put(grid([2.0, 2.0], [1, 1], |_, _| 0.0))
-        .put(block(
-            Vec3::new(-0.5, 0.0, -0.001),
-            Vec3::new(0.5, 0.5, 0.001),
-        ))
+        .put(block([-0.5, 0.0, -0.001], [0.5, 0.5, 0.001]))
         .light(sun(0.0, -1.0, 1.0))
-        .shoot(
-            Vec3::new(0.55, 0.6, 1.5),
-            Vec3::new(0.05, 0.1, 0.1),
-            40.0,
-            SIZE,
-        )
+        .shoot([0.55, 0.6, 1.5], [0.05, 0.1, 0.1], 40.0, SIZE)
 }
 
 /// A tower stands to the left of the picture, and only its shadow is in it.
 pub(crate) fn tower_out_of_view() -> Scene {
     Stage::new("tower-out-of-view")
         .put(grid([30.0, 30.0], [2, 2], |_, _| 0.0))
-        .put(block(
-            Vec3::new(-13.0, 0.0, -1.5),
-            Vec3::new(-11.0, 9.0, 1.5),
-        ))
+        .put(block([-13.0, 0.0, -1.5], [-11.0, 9.0, 1.5]))
         .light(sun(1.0, -0.65, 0.08))
-        .shoot(
-            Vec3::new(0.0, 5.0, 9.0),
-            Vec3::new(0.0, 0.0, 0.0),
-            42.0,
-            SIZE,
-        )
+        .shoot([0.0, 5.0, 9.0], [0.0, 0.0, 0.0], 42.0, SIZE)
 }
 
 fn posts(name: &str, light: Light) -> Scene {
     Stage::new(name)
         .put(grid([6.0, 6.0], [1, 1], |_, _| 0.0))
         .put(pillar(0.3, 2.0, 32))
-        .put(block(Vec3::new(1.2, 0.6, -0.8), Vec3::new(2.4, 0.8, 0.8)))
-        .put(icosphere(Vec3::new(-1.8, 1.2, 0.3), 0.6, 4))
+        .put(block([1.2, 0.6, -0.8], [2.4, 0.8, 0.8]))
+        .put(icosphere([-1.8, 1.2, 0.3], 0.6, 4))
         .light(light)
-        .shoot(
-            Vec3::new(2.5, 3.2, 6.0),
-            Vec3::new(0.2, 0.4, 0.0),
-            40.0,
-            SIZE,
-        )
+        .shoot([2.5, 3.2, 6.0], [0.2, 0.4, 0.0], 40.0, SIZE)
 }
 
 /// The light's direction is exactly opposite to the up vector that a look-at would be given.

@@ -35,8 +35,8 @@ fn under_slab(name: &str, light: Light) -> Scene {
     Stage::new(name)
         .put(grid([6.0, 6.0], [1, 1], |_, _| 0.0))
         .put(block(
-            Vec3::new(-4.0, SLAB_HEIGHTS[0], -1.5),
-            Vec3::new(slab_edge(), SLAB_HEIGHTS[1], 5.5),
+            [-4.0, SLAB_HEIGHTS[0], -1.5],
+            [slab_edge(), SLAB_HEIGHTS[1], 5.5],
         ))
         .put_many(pillar(0.03, 2.0, 12), [post])
         .put_many(
@@ -46,7 +46,7 @@ fn under_slab(name: &str, light: Light) -> Scene {
                 Affine3A::from_translation(Vec3::new(1.3, 0.0, 0.6)),
             ],
         )
-        .put(icosphere(Vec3::new(0.5, 0.6, 1.6), 0.22, 3))
+        .put(icosphere([0.5, 0.6, 1.6], 0.22, 3))
         .light(light)
         .shoot_from(&shot, Some(NEAR))
 }
@@ -70,7 +70,7 @@ pub(crate) fn eye_in_umbra_lamp() -> Scene {
 /// lacks a triangle; a fin, so that three faces share an edge; two boxes that share an edge, so that four do; a side
 /// that winds the wrong way.
 fn broken(name: &str, light: Light) -> Scene {
-    let intact = block(Vec3::new(-0.35, 0.0, -0.35), Vec3::new(0.35, 0.8, 0.35));
+    let intact = block([-0.35, 0.0, -0.35], [0.35, 0.8, 0.35]);
     // Each with its place on the floor, x and z.
     let casters = [
         (doubled(intact.clone()), -2.0_f32, -0.9),
@@ -86,12 +86,9 @@ fn broken(name: &str, light: Light) -> Scene {
         let place = Affine3A::from_rotation_translation(turn, Vec3::new(x, 0.0, z));
         stage = stage.put_many(mesh, [place]);
     }
-    stage.light(light).shoot(
-        Vec3::new(0.6, 4.6, 5.2),
-        Vec3::new(0.15, 0.1, 0.05),
-        44.0,
-        SMALL,
-    )
+    stage
+        .light(light)
+        .shoot([0.6, 4.6, 5.2], [0.15, 0.1, 0.05], 44.0, SMALL)
 }
 
 pub(crate) fn broken_meshes() -> Scene {
@@ -160,8 +157,8 @@ fn finned(mut mesh: Mesh) -> Mesh {
 
 /// Two boxes that have one upright edge in common.
 fn touching() -> Mesh {
-    let mut mesh = block(Vec3::new(-0.4, 0.0, -0.4), Vec3::new(0.0, 0.8, 0.0));
-    let other = block(Vec3::ZERO, Vec3::new(0.4, 0.8, 0.4));
+    let mut mesh = block([-0.4, 0.0, -0.4], [0.0, 0.8, 0.0]);
+    let other = block(Vec3::ZERO, [0.4, 0.8, 0.4]);
     let base = mesh.positions.len() as u32;
     mesh.positions.extend(other.positions);
     mesh.normals.extend(other.normals);
@@ -212,15 +209,10 @@ pub(crate) fn ten_thousand_boxes() -> Scene {
         }
     }
     let half = 0.5 * BOXES_A_SIDE as f32 + 1.0;
-    let unit_box = block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5));
+    let unit_box = block([-0.5, 0.0, -0.5], [0.5, 1.0, 0.5]);
     Stage::new("ten-thousand-boxes")
         .put(grid([half, half], [1, 1], |_, _| 0.0))
         .put_many(unit_box, places)
         .light(sun(1.0, -0.12, 0.3))
-        .shoot(
-            Vec3::new(-6.0, 9.0, 40.0),
-            Vec3::new(0.0, 0.0, 14.0),
-            45.0,
-            speed::SIZE,
-        )
+        .shoot([-6.0, 9.0, 40.0], [0.0, 0.0, 14.0], 45.0, speed::SIZE)
 }

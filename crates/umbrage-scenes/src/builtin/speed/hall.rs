@@ -35,11 +35,8 @@ pub(crate) fn hall() -> Scene {
         walls.push(moved(x, 0.0, -WIDTH));
         walls.push(moved(x, 0.0, WIDTH));
     }
-    let roof = block(
-        Vec3::new(-LENGTH, HEIGHT, -WIDTH),
-        Vec3::new(LENGTH, HEIGHT + 0.3, WIDTH),
-    );
-    let end = block(Vec3::new(-0.3, 0.0, -WIDTH), Vec3::new(0.0, HEIGHT, WIDTH));
+    let roof = block([-LENGTH, HEIGHT, -WIDTH], [LENGTH, HEIGHT + 0.3, WIDTH]);
+    let end = block([-0.3, 0.0, -WIDTH], [0.0, HEIGHT, WIDTH]);
     let ends = [moved(-LENGTH, 0.0, 0.0), moved(LENGTH + 0.3, 0.0, 0.0)];
     Stage::new("hall")
         .put(grid([LENGTH, WIDTH], [72, 28], |_, _| 0.0))
@@ -49,12 +46,7 @@ pub(crate) fn hall() -> Scene {
         .put_many(end, ends)
         .put(roof)
         .light(sun(0.25, -0.75, 0.8))
-        .shoot(
-            Vec3::new(-LENGTH + 1.2, 2.6, 1.1),
-            Vec3::new(0.0, 2.2, -0.6),
-            62.0,
-            SIZE,
-        )
+        .shoot([-LENGTH + 1.2, 2.6, 1.1], [0.0, 2.2, -0.6], 62.0, SIZE)
 }
 
 fn moved(x: f32, y: f32, z: f32) -> Affine3A {

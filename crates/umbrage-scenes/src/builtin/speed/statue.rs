@@ -21,12 +21,7 @@ pub(crate) fn statue() -> Scene {
         )
         .put(stone())
         .light(sun(0.7, -1.0, -0.6))
-        .shoot(
-            Vec3::new(1.6, 1.4, 4.6),
-            Vec3::new(0.0, -0.05, 0.0),
-            40.0,
-            SIZE,
-        )
+        .shoot([1.6, 1.4, 4.6], [0.0, -0.05, 0.0], 40.0, SIZE)
 }
 
 /// A ball of 1 m pushed in and out by noise until it is all bulges and folds.

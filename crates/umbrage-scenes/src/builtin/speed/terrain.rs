@@ -17,10 +17,5 @@ pub(crate) fn terrain() -> Scene {
     Stage::new("terrain")
         .put(grid([500.0, 500.0], [CELLS, CELLS], height))
         .light(sun(0.8, -0.45, 0.4))
-        .shoot(
-            Vec3::new(-120.0, 190.0, 560.0),
-            Vec3::new(0.0, -30.0, 0.0),
-            50.0,
-            SIZE,
-        )
+        .shoot([-120.0, 190.0, 560.0], [0.0, -30.0, 0.0], 50.0, SIZE)
 }

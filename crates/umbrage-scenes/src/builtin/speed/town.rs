@@ -19,17 +19,9 @@ pub(crate) fn town() -> Scene {
     let houses = (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| house(i, k)));
     Stage::new("town")
         .put(grid([half, half], [32, 32], |_, _| 0.0))
-        .put_many(
-            block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)),
-            houses,
-        )
+        .put_many(block([-0.5, 0.0, -0.5], [0.5, 1.0, 0.5]), houses)
         .light(sun(0.75, -0.5, 0.35))
-        .shoot(
-            Vec3::new(-260.0, 170.0, 520.0),
-            Vec3::new(0.0, 0.0, 40.0),
-            45.0,
-            SIZE,
-        )
+        .shoot([-260.0, 170.0, 520.0], [0.0, 0.0, 40.0], 45.0, SIZE)
 }
 
 /// The place of a unit box; every fifth row and column is pushed aside for a wider street.

@@ -291,6 +291,10 @@ fn sparse_elements_out_of_range_are_refused() {
             "sparse values, buffer view 3: has 11 bytes, and element 0 would end at byte 12",
         ),
         (with(&[1], 5, 60), "sparse: replaces 5 of 4 elements"),
+        (
+            with(&[2, 1], 2, 24),
+            "sparse indices: hold 1 after 2, and must rise",
+        ),
     ] {
         assert!(message.contains(expected), "{message}");
     }

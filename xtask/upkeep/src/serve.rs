@@ -1,0 +1,122 @@
+//! Serves a folder to the browsers of this machine, by the server that comes with Python.
+
+use anyhow::{Context as _, Result, bail};
+use std::{
+    net::{Ipv4Addr, TcpListener, TcpStream},
+    path::Path,
+    process::{Child, Command},
+    time::Duration,
+};
+
+/// Python's server, which tells browsers to load what was built last.
+const SERVER: &str = "
+import sys
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+class Handler(SimpleHTTPRequestHandler):
+    def __init__(self, *args):
+        super().__init__(*args, directory=sys.argv[2])
+    def end_headers(self):
+        self.send_header('Cache-Control', 'no-store')
+        super().end_headers()
+    def log_message(self, *_):
+        pass
+try:
+    ThreadingHTTPServer(('127.0.0.1', int(sys.argv[1])), Handler).serve_forever()
+except KeyboardInterrupt:
+    pass
+";
+
+/// Takes a port of this machine, or a free one for 0. A folder is served later, but a port that is taken is reported at once.
+pub(crate) fn take_port(port: u16) -> Result<TcpListener> {
+    TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
+        format!("port {port} can't be taken: name another one by --port, or use --no-serve")
+    })
+}
+
+/// A running server, which ends when it is dropped.
+pub(crate) struct Server {
+    python: Child,
+    /// The address of its folder.
+    pub(crate) address: String,
+}
+
+impl Server {
+    /// Serves a folder at a port, which Python takes over.
+    pub(crate) fn start(port: TcpListener, folder: &Path) -> Result<Self> {
+        let port_number = port.local_addr()?.port();
+        drop(port);
+        let mut command = Command::new("python3");
+        command.args(["-c", SERVER, &port_number.to_string()]);
+        let python = command
+            .arg(folder)
+            .spawn()
+            .context("install python3, or serve the folder by another web server")?;
+        let mut server = Self {
+            python,
+            address: format!("http://localhost:{port_number}/"),
+        };
+        while TcpStream::connect((Ipv4Addr::LOCALHOST, port_number)).is_err() {
+            if let Some(status) = server.python.try_wait()? {
+                bail!("python3 serves no folder: it ended with {status}");
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Ok(server)
+    }
+
+    /// Serves until the program is stopped.
+    pub(crate) fn run(mut self) -> Result<()> {
+        println!("serving at {} (Ctrl+C ends it)", self.address);
+        self.python.wait()?;
+        Ok(())
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        drop(self.python.kill());
+        drop(self.python.wait());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{
+        fs,
+        io::{Read as _, Write as _},
+    };
+
+    #[test]
+    fn files_are_served_and_others_are_not() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let page = folder.path().join("page");
+        fs::create_dir_all(page.join("inner")).expect("made");
+        fs::write(folder.path().join("secret"), "no").expect("written");
+        fs::write(page.join("a.wasm"), "module").expect("written");
+        fs::write(page.join("inner/index.html"), "<p>inside").expect("written");
+        let port = take_port(0).expect("a port");
+        let number = port.local_addr().expect("an address").port();
+        let taken = take_port(number).expect_err("taken");
+        assert!(taken.to_string().contains("--port"), "{taken}");
+        let _server = Server::start(port, &page).expect("python3 starts");
+        let get = |target: &str| {
+            let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, number)).expect("connected");
+            write!(stream, "GET {target} HTTP/1.0\r\n\r\n").expect("sent");
+            let mut out = String::new();
+            stream.read_to_string(&mut out).expect("answered");
+            out
+        };
+        let module = get("/a.wasm");
+        assert!(module.contains("application/wasm"), "{module}");
+        assert!(module.contains("Cache-Control: no-store"), "{module}");
+        assert!(module.ends_with("module"), "{module}");
+        let inner = get("/inner/?scene=cubes");
+        assert!(inner.ends_with("<p>inside"), "{inner}");
+        for outside in ["/b", "/../secret", "//etc/passwd", "/%2e%2e/secret"] {
+            let refused = get(outside);
+            assert!(refused.contains(" 404 "), "{outside}: {refused}");
+        }
+    }
+}
