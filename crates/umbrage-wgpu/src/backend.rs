@@ -1,7 +1,6 @@
 //! [`Gpu`]: a backend with a device of its own.
 
 use crate::{
-    FrameInputs, RendererOptions, ShadowRenderer,
     device::{
         adapter::AdapterChoice,
         convert::Converter,
@@ -14,8 +13,9 @@ use crate::{
         results::Tickets,
         timestamp_queries::{StagesWithPasses, TimestampQueries},
     },
+    frame::{FrameInputs, RendererOptions, check_size},
     gbuffer::{GBufferPass, ReceiverTextures},
-    renderer::check_size,
+    renderer::ShadowRenderer,
     resources::{
         counters::{Counters, ResourceFactory},
         counts::COUNTING,

@@ -1,5 +1,6 @@
 //! The caller's input for one frame: casters in its own buffers, and the G-buffer of its camera.
 
+use crate::device::later_errors::ApiErrors;
 use glam::{Affine3A, UVec2};
 use std::ops::Range;
 use umbrage_core::{BackendError, Invalid, Recipe, Source, invalid};
@@ -7,6 +8,23 @@ use wgpu::{
     Buffer, BufferUsages, IndexFormat, Limits, Texture, TextureFormat, TextureUsages, TextureView,
     VertexFormat,
 };
+
+/// Options that hold for all that a renderer does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RendererOptions {
+    /// Index of the bind group that holds what the receive kernel reads, so that [`receive_wgsl`](crate::receive_wgsl) and
+    /// [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
+    pub kernel_group: u32,
+    /// When errors of the graphics API are told.
+    pub errors: ApiErrors,
+}
+
+impl RendererOptions {
+    /// Returns the index of the G-buffer's bind group: 0, or 1 where the kernel's is 0.
+    pub(crate) fn gbuffer_group(self) -> u32 {
+        u32::from(self.kernel_group == 0)
+    }
+}
 
 /// One frame's casters and receivers.
 #[derive(Clone, Copy, Debug)]
@@ -352,4 +370,13 @@ pub(crate) fn check_readable(texture: &Texture, what: &str) -> Result<(), Invali
     }
     let why = "was made without the usage `TextureUsages::TEXTURE_BINDING`";
     Err(Invalid::new(what, why, "add it where the texture is made"))
+}
+
+/// Errors if a frame is empty or has more than `most` pixels on a side.
+pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
+    if size.min_element() > 0 && size.max_element() <= most {
+        return Ok(());
+    }
+    let why = format!("is {} x {} pixels", size.x, size.y);
+    Err(Invalid::new("frame", why, format!("use 1 to {most} on each side")).into())
 }

@@ -6,18 +6,18 @@ use crate::{
     resources::{
         bindings::{Binding, Bound, Layouts, Slot},
         counters::ResourceFactory,
-        cut_outs::{GpuCutOuts, HoleRule, holes_wgsl},
+        cut_outs::GpuCutOuts,
         geometry::GpuGeometry,
         images::extent,
         pipelines::{Targets, fullscreen_pipeline, pipeline_layout, shader},
     },
     targets::{DepthState, attachment},
-    wgsl::FULLSCREEN,
+    wgsl::stages::{HoleRule, ids_wgsl, points_wgsl},
 };
 use encase::{ShaderType, UniformBuffer};
 use glam::{Mat4, UVec2};
 use std::ops::Range;
-use umbrage_core::{Camera, CameraRays, Format, MATH, Receivers, join, resolve::RESOLVE};
+use umbrage_core::{Camera, CameraRays, Format, Receivers};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Device, FragmentState,
     MultisampleState, PipelineCompilationOptions, QuerySet, Queue, RenderPass,
@@ -197,33 +197,13 @@ struct HolesPass {
     binding: Binding,
 }
 
-/// Returns the shader that draws triangle ids.
-pub(crate) fn ids_wgsl() -> String {
-    join(&[MATH, RESOLVE]) + include_str!("gbuffer_visibility.wgsl")
-}
-
-/// Returns the shader that draws ids of triangles with holes.
-pub(crate) fn ids_with_holes_wgsl(rule: HoleRule) -> String {
-    let visibility = include_str!("gbuffer_visibility.wgsl");
-    let text = holes_wgsl(rule) + visibility + include_str!("gbuffer_holes.wgsl");
-    match rule {
-        HoleRule::Nearest => text,
-        HoleRule::Hashed => text + include_str!("gbuffer_coverage.wgsl"),
-    }
-}
-
-/// Returns the shader that turns triangle ids into receivers.
-pub(crate) fn points_wgsl() -> String {
-    ids_wgsl() + include_str!("gbuffer_resolve.wgsl") + FULLSCREEN
-}
-
 impl HolesPass {
     fn new(factory: &ResourceFactory<'_>, rule: HoleRule) -> Self {
         let mut slots = vec![Slot::Uniform, Slot::Table, Slot::Table, Slot::Table];
         if rule == HoleRule::Hashed {
             slots.push(Slot::Table);
         }
-        let text = ids_with_holes_wgsl(rule);
+        let text = ids_wgsl(Some(rule));
         let layout = Layouts::default().get(factory, ShaderStages::VERTEX_FRAGMENT, &slots);
         Self {
             rule,
@@ -243,7 +223,7 @@ impl GBufferPass {
         slots.push(Slot::Whole { layered: false });
         let points_layout = layouts.get(factory, ShaderStages::FRAGMENT, &slots);
         Self {
-            ids: ids_pipeline(factory.device, &ids_wgsl(), "write_id", &ids_layout),
+            ids: ids_pipeline(factory.device, &ids_wgsl(None), "write_id", &ids_layout),
             points: points_pipeline(factory.device, &points_wgsl(), &points_layout),
             ids_layout,
             points_layout,

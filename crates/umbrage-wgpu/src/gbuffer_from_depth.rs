@@ -13,12 +13,12 @@ use crate::{
         images::{GpuImage, fit_images},
         pipelines::{Targets, fullscreen_pipeline},
     },
-    wgsl::FULLSCREEN,
+    wgsl::stages::depth_wgsl,
 };
 use encase::{ShaderType, UniformBuffer};
 use glam::{DVec3, Mat4, UVec2};
 use std::collections::HashMap;
-use umbrage_core::{BackendError, Format, ImageDesc, Invalid, MATH, invalid, join};
+use umbrage_core::{BackendError, Format, ImageDesc, Invalid, invalid};
 use wgpu::{
     Buffer, BufferUsages, Color, CommandEncoder, Device, Queue, RenderPassDescriptor,
     RenderPipeline, ShaderStages, TextureFormat, TextureView,
@@ -50,7 +50,7 @@ pub struct DepthBuffer<'a> {
     pub empty: f32,
 }
 
-/// Twin of `DepthCamera` in from_depth.wgsl.
+/// Twin of `DepthCamera` in depth.wgsl.
 #[derive(ShaderType)]
 pub(crate) struct DepthCamera {
     world_from_clip: Mat4,
@@ -145,7 +145,7 @@ impl GBufferFromDepth {
         self.binding.set(factory, "umbrage depth", &layout, bound);
         self.pipelines.entry(self.samples).or_insert_with(|| {
             factory.counters.pipelines += 1;
-            let text = whole_shader_text(self.samples);
+            let text = depth_wgsl(self.samples);
             let entries = ["umbrage_fullscreen", "unproject_pixel"];
             let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
             fullscreen_pipeline(
@@ -293,34 +293,4 @@ impl DepthBuffer<'_> {
             help,
         ))
     }
-}
-
-/// The fragment shader that writes what a pixel sees.
-const ENTRY: &str = "
-@fragment
-fn unproject_pixel(@builtin(position) at: vec4f) -> Surface {
-    return surface_at(vec2i(at.xy));
-}
-";
-
-/// Returns the whole shader of the pass; `samples`: whether the depth buffer has several a pixel.
-pub(crate) fn whole_shader_text(samples: bool) -> String {
-    shader_text(0, samples) + ENTRY + FULLSCREEN
-}
-
-/// Returns the functions that unproject a depth buffer, `surface_at` among them. The camera and the depth are bound in `group`.
-pub(crate) fn shader_text(group: u32, samples: bool) -> String {
-    let ty = if samples {
-        "texture_multisampled_2d<f32>"
-    } else {
-        "texture_2d<f32>"
-    };
-    let access = format!(
-        "@group({group}) @binding(0) var<uniform> camera: DepthCamera;
-@group({group}) @binding(1) var depth_texture: {ty};
-fn load_depth(pixel: vec2i) -> f32 {{ return textureLoad(depth_texture, pixel, 0).x; }}
-fn depth_size() -> vec2i {{ return vec2i(textureDimensions(depth_texture)); }}
-"
-    );
-    join(&[MATH]) + &access + include_str!("gbuffer_from_depth.wgsl")
 }

@@ -22,7 +22,6 @@ mod gbuffer_from_depth;
 mod light_set;
 #[cfg(feature = "testing")]
 mod pinned_driver;
-mod prefix;
 mod receive;
 mod renderer;
 #[cfg(feature = "testing")]
@@ -30,7 +29,6 @@ mod replay;
 mod resources;
 mod shade;
 mod targets;
-mod tokens;
 mod wgsl;
 
 pub use backend::Gpu;
@@ -42,8 +40,10 @@ pub use device::{
     requirements::check_adapter,
 };
 #[cfg(feature = "testing")]
-pub use driver_model::{ShaderRewriter, placing_shaders, rewrite_shaders};
-pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexLayout};
+pub use driver_model::{ShaderRewriter, rewrite_shaders};
+pub use frame::{
+    Drawable, FrameInputs, GBuffer, Indices, PositionFormat, RendererOptions, VertexLayout,
+};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 #[cfg(feature = "testing")]
 pub use light_set::Listing;
@@ -54,10 +54,14 @@ pub use light_set::{
 };
 #[cfg(feature = "testing")]
 pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};
-pub use renderer::{RendererOptions, ShadowRenderer};
+pub use renderer::ShadowRenderer;
 #[cfg(feature = "testing")]
 pub use resources::counters::Counters;
-pub use resources::{cut_outs::CutOutBuffers, images::texture_format, timestamps::PassTimestamps};
+pub use resources::{
+    cut_out_buffers::CutOutBuffers, images::texture_format, timestamps::PassTimestamps,
+};
 pub use targets::CastTarget;
 pub use wgpu;
-pub use wgsl::receive_wgsl;
+pub use wgsl::kernel::receive_wgsl;
+#[cfg(feature = "testing")]
+pub use wgsl::stages::placing_shaders;

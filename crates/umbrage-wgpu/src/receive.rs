@@ -2,8 +2,7 @@
 
 use crate::{
     filter::color_attachment,
-    frame::{FrameInputs, GBuffer},
-    renderer::RendererOptions,
+    frame::{FrameInputs, GBuffer, RendererOptions},
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
@@ -12,7 +11,7 @@ use crate::{
         pipelines::Pipelines,
         timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
-    wgsl::{kernel_wgsl, receive_shader},
+    wgsl::{kernel::kernel_wgsl, stages::receive_shader},
 };
 use umbrage_core::{Format, ImageDesc};
 use wgpu::{

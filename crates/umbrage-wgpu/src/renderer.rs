@@ -3,9 +3,10 @@
 use crate::{
     device::{
         error_scopes::Scopes,
-        later_errors::{ApiErrors, LaterErrors},
+        later_errors::LaterErrors,
+        requirements::{check_device, limits},
     },
-    frame::FrameInputs,
+    frame::{FrameInputs, RendererOptions, check_size},
     resources::{
         counters::{Counters, ResourceFactory},
         counts::{check_counting, pairs},
@@ -18,19 +19,8 @@ use crate::{
     },
     targets::CastTarget,
 };
-use glam::UVec2;
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
-
-/// Options that hold for all that a renderer does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RendererOptions {
-    /// Index of the bind group that holds what the receive kernel reads, so that [`receive_wgsl`](crate::receive_wgsl) and
-    /// [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
-    pub kernel_group: u32,
-    /// When errors of the graphics API are told.
-    pub errors: ApiErrors,
-}
 
 /// Plays recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes and writes what a frame
 /// needs, [`encode`](Self::encode) records the passes.
@@ -334,7 +324,7 @@ impl ShadowRenderer {
         self.gpu_picture().map(|image| &image.whole)
     }
 
-    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`]. After one, nothing is
+    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, nothing is
     /// prepared, and everything is made anew.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
@@ -382,48 +372,6 @@ impl ShadowRenderer {
         self.submissions.watch(encoder, &light.pending);
         Ok(light)
     }
-}
-
-impl RendererOptions {
-    /// Returns the index of the G-buffer's bind group: 0, or 1 where the kernel's is 0.
-    pub(crate) fn gbuffer_group(self) -> u32 {
-        u32::from(self.kernel_group == 0)
-    }
-}
-
-/// Returns the limits for recipes on a device.
-pub(crate) fn limits(device: &Device) -> BackendLimits {
-    let limits = device.limits();
-    BackendLimits {
-        image_side: limits.max_texture_dimension_2d,
-        layers: limits.max_texture_array_layers,
-        table_bytes: limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size),
-    }
-}
-
-/// Errors if `device` is not the renderer's `own`.
-pub(crate) fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
-    if device == own {
-        return Ok(());
-    }
-    let help =
-        "prepare with the device that the renderer was made with, or make a renderer for each";
-    Err(Invalid::new(
-        "device",
-        "is not the one that the shadow renderer was made with",
-        help,
-    ))
-}
-
-/// Errors if a frame is empty or has more than `most` pixels on a side.
-pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
-    if size.min_element() > 0 && size.max_element() <= most {
-        return Ok(());
-    }
-    let why = format!("is {} x {} pixels", size.x, size.y);
-    Err(Invalid::new("frame", why, format!("use 1 to {most} on each side")).into())
 }
 
 fn unprepared() -> BackendError {

@@ -2,9 +2,8 @@
 
 use crate::{
     filter::color_attachment,
-    frame::FrameInputs,
+    frame::{FrameInputs, RendererOptions},
     receive::{gbuffer, groups},
-    renderer::RendererOptions,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
@@ -12,7 +11,7 @@ use crate::{
         kernel_stage::{KernelStage, Sources},
         pipelines::Pipelines,
     },
-    wgsl::{kernel_wgsl, shade_shader},
+    wgsl::{kernel::kernel_wgsl, stages::shade_shader},
 };
 use umbrage_core::{Format, ImageDesc, Shade};
 use wgpu::{Color, CommandEncoder, RenderPassDescriptor, ShaderStages, TextureFormat};

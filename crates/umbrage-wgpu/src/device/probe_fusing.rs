@@ -7,7 +7,7 @@ use crate::{
         counters::{Counters, ResourceFactory},
         pipelines::{Targets, fullscreen_pipeline},
     },
-    wgsl::FULLSCREEN,
+    wgsl::stages::FULLSCREEN,
 };
 use umbrage_core::{BackendError, Fusing, MATH};
 use wgpu::{
@@ -67,7 +67,12 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
         usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
         view_formats: &[],
     });
-    let text = [MATH.text, FULLSCREEN, include_str!("probe_fusing.wgsl")].concat();
+    let text = [
+        MATH.text,
+        FULLSCREEN.text,
+        include_str!("probe_fusing.wgsl"),
+    ]
+    .concat();
     let pipeline = fullscreen_pipeline(
         device,
         LABEL,

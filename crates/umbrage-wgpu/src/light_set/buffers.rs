@@ -1,14 +1,17 @@
 //! Buffers of a set: the numbers of all lights in one, and all tables in another.
 
-use crate::{
-    light_set::{light::LightId, text::MAX_TABLES},
-    resources::counters::ResourceFactory,
-};
+use crate::{light_set::options::LightId, resources::counters::ResourceFactory};
 use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
 
-/// Words of a light's entry: `ShadowLight` in text.rs.
+/// Most images of a kernel.
+pub(crate) const MAX_IMAGES: usize = 4;
+/// Most tables of a kernel.
+pub(crate) const MAX_TABLES: usize = 5;
+/// Most images of a kernel with all tables: the last table is where those of further images are.
+pub(crate) const MAX_IMAGES_WITH_ALL_TABLES: usize = 1;
+/// Words of a light's entry: `ShadowLight` in light.wgsl.
 const ENTRY_WORDS: usize = 12;
 /// Most lights of a set, and with them most records of a kind: an index takes 12 bits of a light's entry.
 pub(crate) const MAX_LIGHTS: usize = 1 << 12;
@@ -251,14 +254,14 @@ pub(crate) struct TablePlace {
     pub(crate) count: u32,
 }
 
-/// A light's entry: twin of `ShadowLight` in text.rs.
+/// A light's entry: twin of `ShadowLight` in light.wgsl.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LightEntry {
     /// 0 of lights that are not served, else the kind of kernel, counted from 1.
     pub(crate) kind: u32,
     /// Index of the kernel's uniforms.
     pub(crate) kernel: u32,
-    pub(crate) images: [ImagePlace; 4],
+    pub(crate) images: [ImagePlace; MAX_IMAGES],
     /// The last one lies where images 1 to 3 do, and excludes these.
     pub(crate) tables: [TablePlace; MAX_TABLES],
 }

@@ -5,8 +5,8 @@ use crate::{
     frame::{GBuffer, check, check_readable},
     gbuffer_from_depth::{DepthBuffer, DepthCamera},
     light_set::{
-        light::LightId,
-        shader::SetShader,
+        options::LightId,
+        shader::{self, SetShader},
         timestamps::{PassTimer, SetPass},
     },
     receive::gbuffer,
@@ -16,6 +16,7 @@ use crate::{
         images::extent,
         pipelines::{Pipelines, Targets, fullscreen_pipeline},
     },
+    wgsl::stages::{ReceiverSource, mask_shader},
 };
 use encase::UniformBuffer;
 use glam::UVec2;
@@ -99,19 +100,8 @@ impl MaskFormat {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct MaskKey {
     revision: u64,
-    receivers: ReceiversKey,
+    receivers: ReceiverSource,
     format: MaskFormat,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ReceiversKey {
-    Positions {
-        triangles: bool,
-    },
-    Depth {
-        samples: bool,
-        normals: Option<NormalCoding>,
-    },
 }
 
 /// All that makes masks, ready to be encoded.
@@ -244,11 +234,7 @@ impl MaskStage {
         if self.made_for == Some(key) && self.pipeline.is_some() {
             return Ok(());
         }
-        let Some((_, set_layout)) = shader.bind_group() else {
-            return Err(
-                Invalid::new("light set", "has nothing prepared", "call `prepare` first").into(),
-            );
-        };
+        let (_, set_layout) = shader.bind_group().ok_or_else(shader::unprepared)?;
         let own_group = own_group(shader.group());
         let mut groups = [None, None, None, None];
         let mut count = 0;
@@ -256,13 +242,13 @@ impl MaskStage {
             groups[group as usize] = Some(layout);
             count = count.max(group as usize + 1);
         }
-        let text = mask_shader(shader, key.receivers);
+        let text = mask_shader(shader.text(), own_group, key.receivers);
         factory.counters.pipelines += 1;
         self.pipeline = Some(fullscreen_pipeline(
             factory.device,
             "umbrage masks",
             &text,
-            ["umbrage_mask_vertex", "umbrage_mask"],
+            ["umbrage_fullscreen", "umbrage_mask"],
             &Targets::Colors(&[inputs.format.texture_format()]),
             &groups[..count],
         ));
@@ -404,7 +390,7 @@ impl MaskKey {
     fn of(shader: &SetShader, inputs: &MaskInputs<'_>) -> Self {
         Self {
             revision: shader.revision(),
-            receivers: ReceiversKey::of(&inputs.receivers),
+            receivers: inputs.receivers.source(),
             format: inputs.format,
         }
     }
@@ -415,16 +401,29 @@ fn mask_extent(inputs: &MaskInputs<'_>) -> Extent3d {
     extent(inputs.size, inputs.lights.len().max(1) as u32)
 }
 
-impl ReceiversKey {
-    fn of(receivers: &SetReceivers<'_>) -> Self {
-        match receivers {
-            SetReceivers::Positions(gbuffer) => Self::Positions {
+impl SetReceivers<'_> {
+    fn source(&self) -> ReceiverSource {
+        match self {
+            Self::Positions(gbuffer) => ReceiverSource::GBuffer {
                 triangles: gbuffer.triangle.is_some(),
             },
-            SetReceivers::Depth { depth, normals } => Self::Depth {
-                samples: depth.depth.texture().sample_count() > 1,
-                normals: normals.map(|normals| normals.coding),
-            },
+            Self::Depth { depth, normals } => {
+                let samples = depth.depth.texture().sample_count() > 1;
+                let Some(SetNormals { coding, .. }) = normals else {
+                    return ReceiverSource::Depth { samples };
+                };
+                ReceiverSource::DepthAndNormals {
+                    samples,
+                    halved: matches!(
+                        coding,
+                        NormalCoding::Halved | NormalCoding::OctahedralHalved
+                    ),
+                    octahedral: matches!(
+                        coding,
+                        NormalCoding::Octahedral | NormalCoding::OctahedralHalved
+                    ),
+                }
+            }
         }
     }
 }
@@ -432,104 +431,6 @@ impl ReceiversKey {
 /// Returns the index of the bind group that holds what is seen: 0, or 1 where the set's is 0.
 fn own_group(set_group: u32) -> u32 {
     u32::from(set_group == 0)
-}
-
-/// Returns the shader that asks the set at every pixel; the instance's index is the light's.
-fn mask_shader(shader: &SetShader, receivers: ReceiversKey) -> String {
-    let g = own_group(shader.group());
-    let seen = match receivers {
-        ReceiversKey::Positions { triangles } => positions_text(g, triangles),
-        ReceiversKey::Depth { samples, normals } => depth_text(g, samples, normals),
-    };
-    let set = shader.text();
-    let prefix = shader.prefix();
-    format!(
-        "{set}{seen}
-struct UmbrageMaskPixel {{
-    @builtin(position) at: vec4f,
-    @location(0) @interpolate(flat) light: u32,
-}}
-@vertex fn umbrage_mask_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) light: u32) -> UmbrageMaskPixel {{
-    return UmbrageMaskPixel(vec4f(f32(i32(i & 1u) * 4 - 1), f32(i32(i & 2u) * 2 - 1), 0.0, 1.0), light);
-}}
-@fragment fn umbrage_mask(pixel: UmbrageMaskPixel) -> @location(0) f32 {{
-    let texel = vec2i(pixel.at.xy);
-    let seen = umbrage_seen(texel);
-    if !seen.receives {{
-        return 1.0;
-    }}
-    return {prefix}shadow_on(pixel.light, seen.position, seen.normal, vec2u(texel), seen.triangle);
-}}
-"
-    )
-}
-
-/// Declares what a pixel sees.
-const SEEN: &str = "
-struct UmbrageSeen {
-    receives: bool,
-    position: vec3f,
-    normal: vec3f,
-    triangle: u32,
-}
-";
-
-fn positions_text(g: u32, triangles: bool) -> String {
-    let mut declaration = String::new();
-    // NO_TRIANGLE.
-    let mut load = "0xffffffffu";
-    if triangles {
-        declaration = format!("@group({g}) @binding(2) var umbrage_triangle: texture_2d<u32>;\n");
-        load = "textureLoad(umbrage_triangle, texel, 0).x";
-    }
-    format!(
-        "{SEEN}@group({g}) @binding(0) var umbrage_position: texture_2d<f32>;
-@group({g}) @binding(1) var umbrage_normal: texture_2d<f32>;
-{declaration}fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
-    let position = textureLoad(umbrage_position, texel, 0);
-    let normal = textureLoad(umbrage_normal, texel, 0).xyz;
-    return UmbrageSeen(position.w != 0.0, position.xyz, normal, {load});
-}}
-"
-    )
-}
-
-fn depth_text(g: u32, samples: bool, normals: Option<NormalCoding>) -> String {
-    let unproject = crate::gbuffer_from_depth::shader_text(g, samples);
-    let Some(coding) = normals else {
-        return format!(
-            "{SEEN}{unproject}
-fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
-    let surface = surface_at(texel);
-    return UmbrageSeen(surface.position.w != 0.0, surface.position.xyz, surface.normal.xyz, 0xffffffffu);
-}}
-"
-        );
-    };
-    let decode = match coding {
-        NormalCoding::Components => "stored.xyz",
-        NormalCoding::Halved => "stored.xyz * 2.0 - 1.0",
-        NormalCoding::Octahedral => "umbrage_from_octahedron(stored.xy)",
-        NormalCoding::OctahedralHalved => "umbrage_from_octahedron(stored.xy * 2.0 - 1.0)",
-    };
-    format!(
-        "{SEEN}{unproject}
-@group({g}) @binding(2) var umbrage_normals: texture_2d<f32>;
-fn umbrage_from_octahedron(folded: vec2f) -> vec3f {{
-    let z = 1.0 - abs(folded.x) - abs(folded.y);
-    let fold = max(-z, 0.0);
-    return vec3f(folded - select(vec2f(-fold), vec2f(fold), folded >= vec2f(0.0)), z);
-}}
-fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
-    let depth = load_depth(texel);
-    let stored = textureLoad(umbrage_normals, texel, 0);
-    let normal = {decode};
-    // A cleared texture holds no normal: nothing receives there.
-    let receives = depth != camera.empty && dot(normal, normal) > 0.0;
-    return UmbrageSeen(receives, unproject(texel, depth), normalize(normal), 0xffffffffu);
-}}
-"
-    )
 }
 
 /// Returns the error of masks that are asked for before they are prepared.

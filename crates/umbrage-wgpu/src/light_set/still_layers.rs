@@ -7,11 +7,11 @@
 
 use crate::{
     light_set::{
-        StillLayers,
         casters::Casters,
         culling::{ShownSlots, Wanted},
-        light::{LightCast, StillLayer},
+        options::{LightId, StillLayers},
         prices::Prices,
+        state::{HeldLight, LightCast, StillLayer},
     },
     resources::{
         counters::ResourceFactory,
@@ -19,9 +19,9 @@ use crate::{
     },
     targets::CastTarget,
 };
+use slotmap::SlotMap;
 use wgpu::{
-    Texture, TextureDescriptor, TextureDimension, TextureUsages, TextureViewDescriptor,
-    TextureViewDimension,
+    TextureDescriptor, TextureDimension, TextureUsages, TextureViewDescriptor, TextureViewDimension,
 };
 
 /// A layer that is split stays so until the copy takes this much longer than what it saves: measured prices waver.
@@ -60,8 +60,8 @@ fn triangles(casters: &Casters, shown: &ShownSlots, wanted: Wanted<'_>) -> u64 {
 }
 
 impl StillLayer {
-    /// Returns an empty layer beside that of a cast.
-    pub(crate) fn beside(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
+    /// Returns an empty layer like that of a cast.
+    pub(crate) fn like(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
         let texture = factory.texture(&TextureDescriptor {
             label: Some("umbrage still casters"),
             size: extent(target.size, 1),
@@ -83,11 +83,6 @@ impl StillLayer {
             is_stale: true,
         }
     }
-
-    /// Returns the layer's bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        bytes_of(&self.target)
-    }
 }
 
 /// Returns the bytes of a layer like that of a cast.
@@ -96,11 +91,9 @@ pub(crate) fn bytes_of(target: &CastTarget) -> u64 {
     texels * target.format().bytes() as u64
 }
 
-/// What is copied before a cast is drawn.
-#[derive(Clone, Debug)]
-pub(crate) struct LayerCopy {
-    pub(crate) from: Texture,
-    pub(crate) to: Texture,
-    /// Layer of `to`.
-    pub(crate) layer: u32,
+/// Returns the bytes of all layers that hold still casters.
+pub(crate) fn still_bytes(lights: &SlotMap<LightId, HeldLight>) -> u64 {
+    let casts = lights.values().flat_map(|light| &light.maps.casts);
+    let layers = casts.filter_map(|cast| cast.still.as_ref());
+    layers.map(|still| bytes_of(&still.target)).sum()
 }

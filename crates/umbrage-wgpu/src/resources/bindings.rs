@@ -173,6 +173,11 @@ impl Binding {
         self.bound = bound;
     }
 
+    /// Returns whether this is all that is bound.
+    pub(crate) fn is_of(&self, only: &Bound) -> bool {
+        self.bound == std::slice::from_ref(only)
+    }
+
     pub(crate) fn group(&self) -> Option<&BindGroup> {
         self.group.as_ref()
     }

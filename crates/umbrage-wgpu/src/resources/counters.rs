@@ -23,7 +23,15 @@ pub(crate) struct ResourceFactory<'a> {
     pub(crate) counters: &'a mut Counters,
 }
 
-impl ResourceFactory<'_> {
+impl<'a> ResourceFactory<'a> {
+    pub(crate) fn new(device: &'a Device, queue: &'a Queue, counters: &'a mut Counters) -> Self {
+        Self {
+            device,
+            queue,
+            counters,
+        }
+    }
+
     pub(crate) fn texture(&mut self, desc: &TextureDescriptor<'_>) -> Texture {
         self.counters.textures += 1;
         self.device.create_texture(desc)

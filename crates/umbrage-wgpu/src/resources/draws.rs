@@ -4,8 +4,9 @@ use crate::{
     frame::{Drawable, PositionFormat, VertexLayout},
     resources::{
         counters::ResourceFactory,
-        cut_outs::{FrameWithHoles, GpuCutOuts, HoleRule},
+        cut_outs::{FrameWithHoles, GpuCutOuts},
         faces::{FaceBuffer, FaceBuffers},
+        pipelines::Vertex,
     },
 };
 use glam::{Affine3A, Mat4};
@@ -24,21 +25,6 @@ pub(crate) struct Draw {
     pub(crate) layout: VertexLayout,
     pub(crate) vertex: Vertex,
     world_from_local: Option<Affine3A>,
-}
-
-/// What a vertex's position is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Vertex {
-    /// A position in world space.
-    World,
-    /// A position, to be placed into the world by a matrix of the draw.
-    Local,
-    /// A position, to be placed into the world by a matrix of the instance.
-    Instanced,
-    /// Four floats in world space.
-    Homogeneous,
-    /// The number of a corner in the geometry's lists, whose triangles have holes.
-    CutOut(HoleRule),
 }
 
 /// What each cast draws.

@@ -8,7 +8,7 @@ use crate::{
         pipelines::Pipelines,
         tables::Tables,
     },
-    wgsl::{InputImage, InputKind, KernelInterface},
+    wgsl::kernel::{InputKind, KernelInterface},
 };
 use umbrage_core::{Kernel, Recipe};
 use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
@@ -73,13 +73,8 @@ fn slots(shape: &KernelInterface) -> Vec<Slot> {
     if shape.uniforms {
         slots.push(Slot::Uniform);
     }
-    for &InputImage { kind, layered } in &shape.images {
-        slots.push(match kind {
-            InputKind::Floats => Slot::Floats { layered },
-            InputKind::Counts | InputKind::Words => Slot::Whole { layered },
-            InputKind::Compared => Slot::Depth { layered },
-        });
-    }
+    let image_slots = shape.images.iter().map(|i| image_slot(i.kind, i.layered));
+    slots.extend(image_slots);
     for _ in 0..shape.tables {
         slots.push(Slot::Table);
     }
@@ -87,4 +82,13 @@ fn slots(shape: &KernelInterface) -> Vec<Slot> {
         slots.push(Slot::Sampler);
     }
     slots
+}
+
+/// Returns the binding of an image that a kernel reads so.
+pub(crate) fn image_slot(kind: InputKind, layered: bool) -> Slot {
+    match kind {
+        InputKind::Floats => Slot::Floats { layered },
+        InputKind::Counts | InputKind::Words => Slot::Whole { layered },
+        InputKind::Compared => Slot::Depth { layered },
+    }
 }

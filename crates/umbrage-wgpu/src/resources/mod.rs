@@ -3,6 +3,7 @@
 pub(crate) mod bindings;
 pub(crate) mod counters;
 pub(crate) mod counts;
+pub(crate) mod cut_out_buffers;
 pub(crate) mod cut_outs;
 pub(crate) mod draws;
 pub(crate) mod faces;
@@ -17,3 +18,4 @@ pub(crate) mod submissions;
 pub(crate) mod tables;
 pub(crate) mod timestamps;
 pub(crate) mod waiting;
+pub(crate) mod windows;

@@ -2,16 +2,12 @@
 
 use crate::{
     frame::VertexLayout,
-    resources::{
-        bindings::Layouts,
-        counters::ResourceFactory,
-        cut_outs::{HoleRule, holes_wgsl},
-        draws::Vertex,
-    },
+    resources::{bindings::Layouts, counters::ResourceFactory},
     targets::{CastTarget, DepthState},
+    wgsl::stages::{HoleRule, cast_wgsl},
 };
 use std::collections::HashMap;
-use umbrage_core::{Format, MATH, join};
+use umbrage_core::Format;
 use wgpu::{
     BindGroupLayout, CompareFunction, ComputePipeline, ComputePipelineDescriptor, DepthBiasState,
     DepthStencilState, Device, FilterMode, FragmentState, MultisampleState,
@@ -28,6 +24,21 @@ pub(crate) struct CastKey {
     pub(crate) layout: VertexLayout,
     pub(crate) vertex: Vertex,
     pub(crate) peel: Peel,
+}
+
+/// What a vertex's position is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Vertex {
+    /// A position in world space.
+    World,
+    /// A position, to be placed into the world by a matrix of the draw.
+    Local,
+    /// A position, to be placed into the world by a matrix of the instance.
+    Instanced,
+    /// Four floats in world space.
+    Homogeneous,
+    /// The number of a corner in the geometry's lists, whose triangles have holes.
+    CutOut(HoleRule),
 }
 
 /// Which fragments a cast throws away.
@@ -69,9 +80,8 @@ pub(crate) struct Pipelines {
     casts: HashMap<CastKey, RenderPipeline>,
     /// By shader text and target; the text tells the bindings.
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
-    cast_shader: Option<ShaderModule>,
-    /// The same for triangles with holes.
-    cut_out_shaders: HashMap<HoleRule, ShaderModule>,
+    /// By the rule for holes, if there are any.
+    cast_shaders: HashMap<Option<HoleRule>, ShaderModule>,
     sampler: Option<Sampler>,
 }
 
@@ -85,15 +95,12 @@ impl Pipelines {
         if let Some(pipeline) = self.casts.get(&key) {
             return pipeline.clone();
         }
-        let shader = if let Vertex::CutOut(rule) = key.vertex {
-            self.cut_out_shaders.entry(rule).or_insert_with(|| {
-                let text = cast_with_holes_wgsl(rule);
-                shader(factory.device, "umbrage cast with holes", &text)
-            })
-        } else {
-            self.cast_shader
-                .get_or_insert_with(|| shader(factory.device, "umbrage cast", &cast_wgsl()))
+        let holes = match key.vertex {
+            Vertex::CutOut(rule) => Some(rule),
+            _ => None,
         };
+        let make = || shader(factory.device, "umbrage cast", &cast_wgsl(holes));
+        let shader = self.cast_shaders.entry(holes).or_insert_with(make);
         factory.counters.pipelines += 1;
         let pipeline = cast_pipeline(factory.device, shader, key, groups);
         self.casts.entry(key).insert_entry(pipeline).get().clone()
@@ -137,22 +144,6 @@ impl Pipelines {
             groups,
         );
         self.kernels.entry(key).insert_entry(pipeline).get().clone()
-    }
-}
-
-/// Returns the shader of casts.
-pub(crate) fn cast_wgsl() -> String {
-    join(&[MATH]) + include_str!("../cast.wgsl")
-}
-
-/// Returns the shader of casts of triangles with holes.
-pub(crate) fn cast_with_holes_wgsl(rule: HoleRule) -> String {
-    let cast = include_str!("../cast.wgsl");
-    let with_holes = include_str!("../cast_holes.wgsl");
-    let text = holes_wgsl(rule) + cast + with_holes;
-    match rule {
-        HoleRule::Nearest => text,
-        HoleRule::Hashed => text + include_str!("../cast_coverage.wgsl"),
     }
 }
 

@@ -3,8 +3,8 @@
 use crate::{
     cast::CastStage,
     filter::FilterStage,
+    frame::RendererOptions,
     receive::ReceiveStage,
-    renderer::RendererOptions,
     resources::{
         counters::ResourceFactory,
         counts::CountingPair,

@@ -1,101 +1,31 @@
-//! The layers that a frame redraws, and what is drawn into each.
+//! The passes of a frame: the layers that it redraws, and the draws into each.
 
 use crate::{
     cast::Layouts,
     light_set::{
-        buffers::Uploaded,
-        casters::{Casters, Columns, MeshId},
+        casters::{Casters, MeshId},
         culling::{ShownSlots, Wanted},
-        light::{LightCast, LightId},
-        still_layers::LayerCopy,
+        options::{LightId, StillLayers},
+        prices::Prices,
+        state::{LightCast, LightMaps, StillLayer},
+        still_layers,
         timestamps::{PassCasters, PassClock},
     },
     resources::{
         counters::ResourceFactory,
         cut_outs::{CutOutBinding, GpuCutOuts, cut_out_layout},
-        draws::Vertex,
         images::extent,
         matrices::Matrices,
-        pipelines::{CastKey, Peel, Pipelines},
+        pipelines::{CastKey, Peel, Pipelines, Vertex},
     },
     targets::CastTarget,
 };
 use glam::Mat4;
 use std::ops::Range;
 use umbrage_core::CameraRays;
-use wgpu::{
-    Buffer, BufferUsages, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline,
-};
+use wgpu::{CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline};
 
-/// Unchanged instances between changed ones that are written along: a write of its own takes about as long as 12 kB more of another.
-const GREATEST_GAP: u32 = 256;
-
-/// Casts read instances as vertices, and what lists casters as a table.
-const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);
-
-/// World from local of all slots, as vertex shaders read it.
-#[derive(Debug, Default)]
-pub(crate) struct Instances(Option<Buffer>);
-
-impl Instances {
-    /// Writes what changed; all of it into a greater buffer where it doesn't fit.
-    pub(crate) fn upload(
-        &mut self,
-        factory: &mut ResourceFactory<'_>,
-        casters: &mut Casters,
-    ) -> Uploaded {
-        const STRIDE: u64 = size_of::<Columns>() as u64;
-        let mut uploaded = Uploaded::default();
-        let (columns, written) = casters.written();
-        if columns.is_empty() {
-            return uploaded;
-        }
-        let size = columns.len() as u64 * STRIDE;
-        if self.0.as_ref().map_or(0, Buffer::size) < size {
-            let room = size.next_power_of_two();
-            let buffer = factory.buffer("umbrage instances", INSTANCES, room);
-            factory
-                .queue
-                .write_buffer(&buffer, 0, bytemuck::cast_slice(columns));
-            self.0 = Some(buffer);
-            uploaded.bytes = size;
-            return uploaded;
-        }
-        let Some(buffer) = &self.0 else {
-            return uploaded;
-        };
-        let mut rest = written;
-        while let Some(&first) = rest.first() {
-            let count = run_length(rest);
-            let last = rest[count - 1];
-            let bytes: &[u8] = bytemuck::cast_slice(&columns[first as usize..=last as usize]);
-            factory
-                .queue
-                .write_buffer(buffer, u64::from(first) * STRIDE, bytes);
-            uploaded.bytes += bytes.len() as u64;
-            rest = &rest[count..];
-        }
-        uploaded
-    }
-
-    pub(crate) fn buffer(&self) -> Option<&Buffer> {
-        self.0.as_ref()
-    }
-
-    /// Forgets the buffer: the next upload makes and fills another.
-    pub(crate) fn lose_buffer(&mut self) {
-        self.0 = None;
-    }
-}
-
-/// Returns how many of these rising slots are written together.
-fn run_length(slots: &[u32]) -> usize {
-    let is_gap = |pair: &[u32]| pair[1] - pair[0] > GREATEST_GAP;
-    let end = slots.windows(2).position(is_gap);
-    end.map_or(slots.len(), |i| i + 1)
-}
-
-/// Which cast of which light a pass draws.
+/// The cast that a pass draws.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassName {
     pub(crate) light: LightId,
@@ -104,29 +34,21 @@ pub(crate) struct PassName {
     pub(crate) part: PassCasters,
 }
 
-/// What passes draw from.
-#[derive(Clone, Copy, Debug)]
+/// What passes are chosen by, and draw from.
+#[derive(Debug)]
 pub(crate) struct CastSources<'a> {
     pub(crate) layouts: &'a Layouts,
     pub(crate) casters: &'a Casters,
-    /// The slots that show in the cast's layer.
-    pub(crate) shown: &'a ShownSlots,
-}
-
-/// A cast, and what is drawn into it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct DrawnCast<'a> {
-    pub(crate) cast: &'a LightCast,
-    pub(crate) casters: &'a Casters,
-    pub(crate) instances: &'a Instances,
+    pub(crate) option: StillLayers,
+    pub(crate) prices: &'a Prices,
+    /// Bytes that new layers of still casters may take.
+    pub(crate) bytes_left: u64,
 }
 
 /// One pass of this frame.
 #[derive(Debug)]
 struct CastPass {
     name: PassName,
-    /// What is copied first.
-    copy: Option<LayerCopy>,
     /// Its part of the list of draws.
     draws: Range<usize>,
     /// How many triangles it draws.
@@ -142,13 +64,17 @@ struct MeshDraws {
     runs: Range<usize>,
 }
 
-/// The casts of a frame. Its lists keep their memory from frame to frame.
+/// The passes of a frame. Its lists keep their memory from frame to frame.
 #[derive(Debug, Default)]
-pub(crate) struct CastList {
+pub(crate) struct PassList {
+    /// The lights that get new numbers or layers in this frame.
+    pub(crate) lights: Vec<LightId>,
     passes: Vec<CastPass>,
     draws: Vec<MeshDraws>,
     /// Runs of slots.
     runs: Vec<Range<u32>>,
+    /// Scratch: the slots that show in a layer.
+    shown: ShownSlots,
     spaces: Matrices,
     matrices: Vec<Mat4>,
     /// What draws of triangles with holes read; each pass's rays.
@@ -157,8 +83,9 @@ pub(crate) struct CastList {
     rays: Vec<CameraRays>,
 }
 
-impl CastList {
+impl PassList {
     pub(crate) fn clear(&mut self) {
+        self.lights.clear();
         self.passes.clear();
         self.draws.clear();
         self.runs.clear();
@@ -166,8 +93,51 @@ impl CastList {
         self.rays.clear();
     }
 
+    /// Appends the passes that draw the layers of a light in which something changed.
+    pub(crate) fn push_light(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut CastSources<'_>,
+        light: LightId,
+        maps: &mut LightMaps,
+    ) {
+        let may_split = maps.may_split();
+        for (index, cast) in maps.casts.iter_mut().enumerate() {
+            if !cast.is_stale {
+                continue;
+            }
+            cast.volume.find(sources.casters.boxes(), &mut self.shown);
+            let CastSources {
+                casters,
+                option,
+                prices,
+                ..
+            } = *sources;
+            let splits = may_split
+                && still_layers::is_wanted(option, prices, casters, cast, &self.shown)
+                && has_still_layer(factory, cast, &mut sources.bytes_left);
+            if !splits {
+                cast.still = None;
+            }
+            let parts: &[PassCasters] = match &cast.still {
+                None => &[PassCasters::All],
+                Some(still) if !still.is_stale => &[PassCasters::Moving],
+                Some(_) => &[PassCasters::Still, PassCasters::Moving],
+            };
+            for &part in parts {
+                let name = PassName {
+                    light,
+                    cast: index,
+                    part,
+                };
+                self.push(factory, pipelines, sources, cast, name);
+            }
+        }
+    }
+
     /// Appends a pass that draws a cast of a light: the casters that show in it, or a part of them.
-    pub(crate) fn push(
+    fn push(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
@@ -185,7 +155,7 @@ impl CastList {
         let mut triangles = 0;
         for (id, mesh) in sources.casters.meshes() {
             let first_run = self.runs.len();
-            sources.shown.runs(mesh.slots(), wanted, &mut self.runs);
+            self.shown.runs(mesh.slots(), wanted, &mut self.runs);
             let runs = first_run..self.runs.len();
             if runs.is_empty() {
                 continue;
@@ -216,13 +186,12 @@ impl CastList {
         }
         self.passes.push(CastPass {
             name,
-            copy: layer_copy(cast, name.part),
             draws: first_draw..self.draws.len(),
             triangles,
         });
     }
 
-    /// Writes the casts' matrices, and what tells holes where there are any.
+    /// Writes the casts' matrices, and the rays of casts with holes.
     pub(crate) fn upload(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -238,7 +207,7 @@ impl CastList {
         }
     }
 
-    /// Returns how many casts there are.
+    /// Returns how many passes there are.
     pub(crate) fn count(&self) -> usize {
         self.passes.len()
     }
@@ -253,28 +222,23 @@ impl CastList {
         &self,
         encoder: &mut CommandEncoder,
         pass_index: usize,
-        drawn: &DrawnCast<'_>,
+        cast: &LightCast,
+        casters: &Casters,
         own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
         clock: &mut PassClock<'_, '_>,
     ) {
-        let DrawnCast {
-            cast,
-            casters,
-            instances,
-        } = *drawn;
         let CastPass {
             name,
-            copy,
+            draws,
             triangles,
-            ..
         } = &self.passes[pass_index];
         let part = name.part;
-        if let Some(copy) = copy {
+        if let (PassCasters::Moving, Some(still)) = (part, &cast.still) {
             let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
-            let record = |encoder: &mut CommandEncoder| copy.encode(encoder, &cast.target);
+            let copy = |encoder: &mut CommandEncoder| copy_still_layer(encoder, still, cast);
             match &mut clock.meter {
-                Some(meter) => meter.copy(encoder, texels, record),
-                None => record(encoder),
+                Some(meter) => meter.copy(encoder, texels, copy),
+                None => copy(encoder),
             }
         }
         let target = match (part, &cast.still) {
@@ -292,11 +256,11 @@ impl CastList {
         if cast.target.behind.is_some() {
             pass.set_bind_group(2, cast.peeled.group(), &[]);
         }
-        if let Some(buffer) = &instances.0 {
+        if let Some(buffer) = casters.instances() {
             pass.set_vertex_buffer(1, buffer.slice(..));
         }
         let mut last = None;
-        for draws in &self.draws[self.passes[pass_index].draws.clone()] {
+        for draws in &self.draws[draws.clone()] {
             let Some(mesh) = casters.mesh(draws.mesh) else {
                 continue;
             };
@@ -319,32 +283,28 @@ impl CastList {
     }
 }
 
-/// Returns what is copied before a part of a cast is drawn.
-fn layer_copy(cast: &LightCast, part: PassCasters) -> Option<LayerCopy> {
-    let still = cast.still.as_ref()?;
-    (part == PassCasters::Moving).then(|| LayerCopy {
-        from: still.texture.clone(),
-        to: cast.target.layer.texture().clone(),
-        layer: cast.texture_layer,
-    })
+/// Records that the layer of still casters is copied into the cast's.
+fn copy_still_layer(encoder: &mut CommandEncoder, still: &StillLayer, cast: &LightCast) {
+    let mut to = cast.target.layer.texture().as_image_copy();
+    to.origin.z = cast.texture_layer;
+    let from = still.texture.as_image_copy();
+    encoder.copy_texture_to_texture(from, to, extent(cast.target.size, 1));
 }
 
-impl LayerCopy {
-    fn encode(&self, encoder: &mut CommandEncoder, target: &CastTarget) {
-        let mut to = self.to.as_image_copy();
-        to.origin.z = self.layer;
-        encoder.copy_texture_to_texture(self.from.as_image_copy(), to, extent(target.size, 1));
+/// Returns whether a cast has a layer for the casters that are still. Makes one if it takes no more than the bytes that are left.
+fn has_still_layer(
+    factory: &mut ResourceFactory<'_>,
+    cast: &mut LightCast,
+    bytes_left: &mut u64,
+) -> bool {
+    if cast.still.is_some() {
+        return true;
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::run_length;
-
-    #[test]
-    fn near_slots_are_written_together() {
-        assert_eq!(run_length(&[3]), 1);
-        assert_eq!(run_length(&[3, 4, 9, 40, 400]), 4);
-        assert_eq!(run_length(&[3, 300, 301]), 1, "a gap of 297");
+    let bytes = still_layers::bytes_of(&cast.target);
+    if bytes > *bytes_left {
+        return false;
     }
+    *bytes_left -= bytes;
+    cast.still = Some(StillLayer::like(factory, &cast.target));
+    true
 }

@@ -11,6 +11,16 @@ struct Surface {
     @location(1) normal: vec4f,
 }
 
+@group(UMBRAGE_GROUP) @binding(0) var<uniform> camera: DepthCamera;
+
+fn load_depth(pixel: vec2i) -> f32 {
+    return textureLoad(depth_texture, pixel, 0).x;
+}
+
+fn depth_size() -> vec2i {
+    return vec2i(textureDimensions(depth_texture));
+}
+
 fn depth_at(pixel: vec2i) -> f32 {
     return load_depth(clamp(pixel, vec2i(0), depth_size() - 1));
 }

@@ -1,0 +1,1 @@
+@group(UMBRAGE_GROUP) @binding(3) var<storage> coverage: array<vec4u>;
