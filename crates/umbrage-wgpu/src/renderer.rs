@@ -1,4 +1,4 @@
-//! [`ShadowRenderer`]: plays recipes on the caller's device, into the caller's encoder.
+//! [`ShadowRenderer`]: executes recipes on the caller's device, into the caller's encoder.
 
 use crate::{
     device::{
@@ -22,7 +22,7 @@ use crate::{
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
 
-/// Plays recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes and writes what a frame
+/// Executes recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes and writes what a frame
 /// needs, [`encode`](Self::encode) records the passes.
 ///
 /// ```no_run
@@ -49,7 +49,7 @@ use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureVie
 /// `prepare` uses others, made when they are first needed. So all that is recorded between two submissions may read
 /// the masks and the [`receive_bind_group`](Self::receive_bind_group)s of all lights that were encoded there, and that many
 /// lights take that many masks and maps. After the submission the next `prepare` uses them again: take masks and bind
-/// groups anew after each, and submit all that reads them before it or together with the encoder.
+/// groups again after each, and submit all that reads them before it or together with the encoder.
 #[derive(Debug)]
 pub struct ShadowRenderer {
     options: RendererOptions,
@@ -97,7 +97,7 @@ impl ShadowRenderer {
     ///
     /// # Errors
     /// Errors if the recipe or the frame cannot be used, the device is another than the renderer's, memory runs out, or a kernel's
-    /// WGSL is at fault (with the compiler's message). After an error nothing is prepared, and everything is made anew.
+    /// WGSL is at fault (with the compiler's message). After an error nothing is prepared, and all GPU objects are made again.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -324,8 +324,8 @@ impl ShadowRenderer {
         self.gpu_picture().map(|image| &image.whole)
     }
 
-    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, nothing is
-    /// prepared, and everything is made anew.
+    /// Returns an error of the graphics API that came since the last call, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, nothing is
+    /// prepared, and all GPU objects are made again.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         (self.shared, self.lights) = Default::default();
@@ -352,11 +352,11 @@ impl ShadowRenderer {
     }
 
     pub(crate) fn mask(&self) -> Option<&GpuImage> {
-        self.light().ok()?.receive.mask()
+        self.light().ok()?.receive.image()
     }
 
     pub(crate) fn gpu_picture(&self) -> Option<&GpuImage> {
-        self.light().ok()?.shading.picture()
+        self.light().ok()?.shading.image()
     }
 
     /// Returns what was prepared last.

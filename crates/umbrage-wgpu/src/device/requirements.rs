@@ -4,7 +4,7 @@ use crate::resources::{counts::check_counting, images::texture_format};
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{Adapter, Device, DownlevelFlags, TextureFormat, TextureUsages};
 
-/// Checks whether an adapter can play a recipe: draw into its float images, clamp a polygon offset, count into depth of
+/// Checks whether an adapter can execute a recipe: draw into its float images, clamp a polygon offset, count into depth of
 /// 32 bits, and compare while sampling. Useful before [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only
 /// sees the device.
 ///
@@ -65,7 +65,7 @@ pub(crate) fn check_device(device: &Device, own: &Device) -> Result<(), Invalid>
 }
 
 /// Errors if an adapter cannot find receivers, which every [`Gpu`](crate::Gpu) has to.
-pub(crate) fn check_player(adapter: &Adapter) -> Result<(), BackendError> {
+pub(crate) fn check_receivers(adapter: &Adapter) -> Result<(), BackendError> {
     check_drawable(adapter, TextureFormat::R32Float)?;
     check_drawable(adapter, TextureFormat::Rgba32Float)?;
     check_drawable(adapter, TextureFormat::R32Uint)?;

@@ -41,7 +41,7 @@ pub(crate) struct Records {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Uploaded {
     pub(crate) bytes: u64,
-    /// Whether a buffer was made anew, so that bind groups must be, too.
+    /// Whether a new buffer was made, which bind groups must bind.
     pub(crate) made_buffer: bool,
 }
 
@@ -262,7 +262,7 @@ pub(crate) struct LightEntry {
     /// Index of the kernel's uniforms.
     pub(crate) kernel: u32,
     pub(crate) images: [ImagePlace; MAX_IMAGES],
-    /// The last one lies where images 1 to 3 do, and excludes these.
+    /// The last one is stored in place of images 1 to 3.
     pub(crate) tables: [TablePlace; MAX_TABLES],
 }
 
@@ -395,13 +395,13 @@ impl SharedTables {
         16 * made.map(|held| u64::from(held.count)).sum::<u64>()
     }
 
-    /// Returns a number that grows whenever what the device made is lost or lies elsewhere.
+    /// Returns a number that grows whenever rows of the device are lost or moved.
     pub(crate) fn moves(&self) -> u64 {
         self.moves
     }
 
     /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_listed`, and moves them together. Returns whether
-    /// any moved: then all places are to be asked for again.
+    /// any moved: then all places are out of date.
     pub(crate) fn retain(
         &mut self,
         is_used: impl Fn(&Arc<[[u32; 4]]>) -> bool,

@@ -1,6 +1,6 @@
-//! Lists of casters that the device makes, for kernels that ask such lists.
+//! Lists of casters that the device makes, for kernels that read them.
 //!
-//! All casters' corners, and each light's tables, lie among the tables that the set's shaders read. Lists are made anew when casters
+//! All casters' corners, and each light's tables, are among the tables that the set's shaders read. Lists are made again when casters
 //! or their light's grid change. How many items they take the device alone knows: it counts first, and where there is no room it
 //! takes wider cells, so that the frame is right anyway; the count is read some frames later, without waiting, and makes room.
 
@@ -248,7 +248,7 @@ impl CasterLists {
             let bytes = tables_bytes.max(room.scratch_bytes(made));
             if bytes > most {
                 let why = format!(
-                    "its lists of {triangles} triangles need {} MiB, and shaders of the device read {} MiB at once; ask for a device with a greater `max_storage_buffer_binding_size`",
+                    "its lists of {triangles} triangles need {} MiB, and shaders of the device read {} MiB at once; request a device with a greater `max_storage_buffer_binding_size`",
                     bytes >> 20,
                     most >> 20
                 );

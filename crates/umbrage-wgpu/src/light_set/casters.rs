@@ -1,6 +1,6 @@
 //! The casters of a light set: meshes in the caller's buffers, placed into the world.
 //!
-//! What culling and drawing read lies in plain arrays, one entry a slot. The casters of a mesh have slots side by side, so that
+//! Culling and drawing read plain arrays, one entry a slot. The casters of a mesh have consecutive slots, so that
 //! neighbours are drawn by one instanced draw.
 
 use crate::{
@@ -54,14 +54,14 @@ pub struct CasterMesh<'a> {
 /// A mesh that outlives the borrow.
 #[derive(Debug)]
 pub(crate) struct MeshDraw {
-    label: String,
-    vertices: Buffer,
+    pub(crate) label: String,
+    pub(crate) vertices: Buffer,
     pub(crate) layout: VertexLayout,
-    indices: Option<(Buffer, IndexFormat)>,
-    range: Range<u32>,
-    base_vertex: i32,
+    pub(crate) indices: Option<(Buffer, IndexFormat)>,
+    pub(crate) range: Range<u32>,
+    pub(crate) base_vertex: i32,
     bounds: Aabb,
-    /// How its triangles' holes are told, if they have any: shaders read it from the lists of its geometry, where it lies in world space.
+    /// The rule for its triangles' holes, if they have any. Shaders read such triangles from the lists of their geometry, in world space.
     pub(crate) holes: Option<HoleRule>,
 }
 
@@ -144,27 +144,6 @@ impl MeshDraw {
     /// Returns how many triangles a caster has.
     pub(crate) fn triangles(&self) -> u64 {
         u64::from(self.range.end - self.range.start) / 3
-    }
-
-    pub(crate) fn label(&self) -> &str {
-        &self.label
-    }
-
-    pub(crate) fn vertices(&self) -> &Buffer {
-        &self.vertices
-    }
-
-    pub(crate) fn indices(&self) -> Option<(&Buffer, IndexFormat)> {
-        let (buffer, format) = self.indices.as_ref()?;
-        Some((buffer, *format))
-    }
-
-    pub(crate) fn range(&self) -> &Range<u32> {
-        &self.range
-    }
-
-    pub(crate) fn base_vertex(&self) -> i32 {
-        self.base_vertex
     }
 
     /// Binds the mesh's buffers.
@@ -317,7 +296,7 @@ impl Casters {
         Ok(())
     }
 
-    /// Places a caster anew, without a note of where something changed: everything is drawn again. It stays among those that move, or
+    /// Places a caster without a note of where something changed: everything is drawn again. It stays among those that move, or
     /// among those that are still.
     pub(crate) fn rebase(
         &mut self,

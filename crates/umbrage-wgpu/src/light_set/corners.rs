@@ -9,7 +9,7 @@ use crate::{
         pipelines::{Pipelines, compute_pipeline, shader},
         windows::Windows,
     },
-    wgsl::stages::corners_wgsl,
+    wgsl::stages::shader_of,
 };
 use slotmap::SecondaryMap;
 use std::num::NonZeroU64;
@@ -80,7 +80,7 @@ impl CornerStage {
             .layouts
             .get(factory, ShaderStages::COMPUTE, &slots);
         self.pipeline.get_or_insert_with(|| {
-            let module = shader(factory.device, "umbrage corners", &corners_wgsl());
+            let module = shader(factory.device, "umbrage corners", &shader_of(&["corners"]));
             factory.counters.pipelines += 1;
             compute_pipeline(
                 factory.device,
@@ -94,11 +94,12 @@ impl CornerStage {
             let Some(mesh) = casters.mesh(id) else {
                 continue;
             };
+            // Without indices the vertices fill the binding, unread.
+            let indices = mesh.indices.as_ref().map_or(&mesh.vertices, |(b, _)| b);
             let bound = vec![
                 Bound::Window(numbers.clone(), NUMBERS),
-                Bound::Buffer(mesh.vertices().clone()),
-                // Without indices the vertices fill the binding, unread.
-                Bound::Buffer(mesh.indices().map_or(mesh.vertices(), |(b, _)| b).clone()),
+                Bound::Buffer(mesh.vertices.clone()),
+                Bound::Buffer(indices.clone()),
                 Bound::Buffer(instances.clone()),
                 Bound::Buffer(tables.clone()),
             ];
@@ -145,7 +146,7 @@ fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
         PositionFormat::Float16x4 => 1,
         PositionFormat::Snorm16x4 => 2,
     };
-    let index_bits = match draw.indices() {
+    let index_bits = match draw.indices {
         None => 0,
         Some((_, IndexFormat::Uint16)) => 16,
         Some((_, IndexFormat::Uint32)) => 32,
@@ -159,8 +160,8 @@ fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
         (draw.layout.position_offset / 4) as u32,
         format,
         index_bits,
-        draw.range().start,
-        draw.base_vertex().cast_unsigned(),
+        draw.range.start,
+        draw.base_vertex.cast_unsigned(),
     ]
 }
 
@@ -169,7 +170,8 @@ pub(crate) fn why_unreadable(casters: &Casters, limits: &Limits) -> Option<Strin
     let most = limits.max_storage_buffer_binding_size;
     for (_, mesh) in casters.meshes() {
         let MeshSlots { draw, .. } = mesh;
-        let buffers = [Some(draw.vertices()), draw.indices().map(|(b, _)| b)];
+        let indices = draw.indices.as_ref().map(|(buffer, _)| buffer);
+        let buffers = [Some(&draw.vertices), indices];
         for buffer in buffers.into_iter().flatten() {
             if let Some(why) = why_unbound(draw, buffer, most) {
                 return Some(why);
@@ -180,7 +182,7 @@ pub(crate) fn why_unreadable(casters: &Casters, limits: &Limits) -> Option<Strin
 }
 
 fn why_unbound(mesh: &MeshDraw, buffer: &Buffer, most: u64) -> Option<String> {
-    let label = mesh.label();
+    let label = &mesh.label;
     let bytes = buffer.size();
     if !buffer.usage().contains(BufferUsages::STORAGE) {
         return Some(format!(

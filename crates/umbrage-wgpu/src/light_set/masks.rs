@@ -2,29 +2,28 @@
 
 use crate::{
     filter::color_attachment,
-    frame::{GBuffer, check, check_readable},
+    frame::{GBuffer, check_readable},
     gbuffer_from_depth::{DepthBuffer, DepthCamera},
     light_set::{
         options::LightId,
         shader::{self, SetShader},
         timestamps::{PassTimer, SetPass},
     },
-    receive::gbuffer,
+    receive::gbuffer_entries,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
-        images::extent,
+        images::{extent, layers_view},
         pipelines::{Pipelines, Targets, fullscreen_pipeline},
     },
     wgsl::stages::{ReceiverSource, mask_shader},
 };
-use encase::UniformBuffer;
 use glam::UVec2;
 use umbrage_core::{BackendError, Invalid};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Extent3d, RenderPassDescriptor,
-    RenderPipeline, ShaderStages, Texture, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
+    RenderPipeline, ShaderStages, Texture, TextureAspect, TextureFormat, TextureUsages,
+    TextureView, TextureViewDimension,
 };
 
 /// What masks are made for.
@@ -123,9 +122,6 @@ pub(crate) struct MaskStage {
     lights: Vec<(LightId, Option<u32>)>,
 }
 
-/// Bytes of the depth buffer's camera in shaders.
-const CAMERA_BYTES: usize = 80;
-
 /// The caller's textures that are bound: depth and normals, or positions, normals and triangles.
 #[derive(Debug)]
 struct SeenTextures([Option<TextureView>; 3]);
@@ -162,14 +158,7 @@ impl MaskInputs<'_> {
             return Err(Invalid::new("masks", why, "use at least one pixel each way").into());
         }
         match &self.receivers {
-            SetReceivers::Positions(gbuffer) => {
-                let floats = TextureFormat::Rgba32Float;
-                check(gbuffer.position, "position", floats, self.size)?;
-                check(gbuffer.normal, "normal", floats, self.size)?;
-                if let Some(triangle) = gbuffer.triangle {
-                    check(triangle, "triangle", TextureFormat::R32Uint, self.size)?;
-                }
-            }
+            SetReceivers::Positions(gbuffer) => gbuffer.validate(self.size)?,
             SetReceivers::Depth { depth, normals } => {
                 depth.validate()?;
                 self.check_texture(depth.depth.texture(), "depth buffer")?;
@@ -296,38 +285,24 @@ impl MaskStage {
             .is_some_and(|held| held.size() == mask_extent(inputs) && held.format() == format)
     }
 
-    /// Makes the texture anew if it doesn't fit.
+    /// Makes another texture if it doesn't fit.
     fn fit_texture(&mut self, factory: &mut ResourceFactory<'_>, inputs: &MaskInputs<'_>) {
         if self.fits(inputs) {
             return;
         }
         let size = mask_extent(inputs);
         let format = inputs.format.texture_format();
-        let texture = factory.texture(&TextureDescriptor {
-            label: Some("umbrage masks"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format,
-            usage: TextureUsages::RENDER_ATTACHMENT
-                | TextureUsages::TEXTURE_BINDING
-                | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let view = |first: u32, count: u32, dimension| {
-            texture.create_view(&TextureViewDescriptor {
-                label: Some("umbrage masks"),
-                dimension: Some(dimension),
-                base_array_layer: first,
-                array_layer_count: Some(count),
-                ..TextureViewDescriptor::default()
-            })
-        };
+        let usage = TextureUsages::RENDER_ATTACHMENT
+            | TextureUsages::TEXTURE_BINDING
+            | TextureUsages::COPY_SRC;
+        let label = "umbrage masks";
+        let texture = factory.texture(label, size, format, usage);
+        let view =
+            |dimension, layers| layers_view(&texture, label, dimension, TextureAspect::All, layers);
         let layers = size.depth_or_array_layers;
-        self.whole = Some(view(0, layers, TextureViewDimension::D2Array));
+        self.whole = Some(view(TextureViewDimension::D2Array, 0..layers));
         self.layers = (0..layers)
-            .map(|layer| view(layer, 1, TextureViewDimension::D2))
+            .map(|layer| view(TextureViewDimension::D2, layer..layer + 1))
             .collect();
         self.texture = Some(texture);
     }
@@ -339,24 +314,19 @@ impl MaskStage {
         pipelines: &mut Pipelines,
         receivers: &SetReceivers<'_>,
     ) -> BindGroupLayout {
-        let (slots, bound) = match receivers {
-            SetReceivers::Positions(textures) => gbuffer(textures),
-            SetReceivers::Depth { depth, normals } => self.bound_depth(depth, normals.as_ref()),
+        let entries = match receivers {
+            SetReceivers::Positions(textures) => gbuffer_entries(textures),
+            SetReceivers::Depth { depth, normals } => self.depth_entries(depth, normals.as_ref()),
         };
-        let layout = pipelines
-            .layouts
-            .get(factory, ShaderStages::FRAGMENT, &slots);
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::FRAGMENT;
         self.receivers
-            .set(factory, "umbrage receivers", &layout, bound);
-        layout
+            .bind(factory, layouts, stage, "umbrage receivers", entries)
     }
 
     /// Writes the depth buffer's camera, if it is another one.
     fn write_camera(&mut self, factory: &mut ResourceFactory<'_>, camera: &DepthCamera) {
-        let mut bytes = UniformBuffer::new([0; CAMERA_BYTES]);
-        // The struct fits: `CAMERA_BYTES` is its size.
-        bytes.write(camera).unwrap_or_default();
-        let bytes = bytes.into_inner();
+        let bytes = camera.bytes();
         if self.camera.is_some() && self.camera_bytes == bytes {
             return;
         }
@@ -366,23 +336,19 @@ impl MaskStage {
         factory.write(&mut self.camera, "umbrage camera", usage, &bytes);
     }
 
-    fn bound_depth(
+    fn depth_entries(
         &self,
         depth: &DepthBuffer<'_>,
         normals: Option<&SetNormals<'_>>,
-    ) -> (Vec<Slot>, Vec<Bound>) {
-        let floats = Slot::Floats { layered: false };
-        let has_samples = depth.depth.texture().sample_count() > 1;
-        let depth_slot = if has_samples { Slot::Samples } else { floats };
-        let mut slots = vec![Slot::Uniform, depth_slot];
+    ) -> Vec<(Slot, Bound)> {
         let camera = self.camera.iter().cloned().map(Bound::Buffer);
-        let mut bound: Vec<Bound> = camera.collect();
-        bound.push(Bound::View(depth.depth.clone()));
+        let mut entries: Vec<_> = camera.map(|camera| (Slot::Uniform, camera)).collect();
+        entries.push((depth.slot(), Bound::View(depth.depth.clone())));
         if let Some(normals) = normals {
-            slots.push(floats);
-            bound.push(Bound::View(normals.texture.clone()));
+            let floats = Slot::Floats { layered: false };
+            entries.push((floats, Bound::View(normals.texture.clone())));
         }
-        (slots, bound)
+        entries
     }
 }
 
@@ -408,7 +374,7 @@ impl SetReceivers<'_> {
                 triangles: gbuffer.triangle.is_some(),
             },
             Self::Depth { depth, normals } => {
-                let samples = depth.depth.texture().sample_count() > 1;
+                let samples = depth.has_samples();
                 let Some(SetNormals { coding, .. }) = normals else {
                     return ReceiverSource::Depth { samples };
                 };
@@ -433,7 +399,7 @@ fn own_group(set_group: u32) -> u32 {
     u32::from(set_group == 0)
 }
 
-/// Returns the error of masks that are asked for before they are prepared.
+/// Returns the error of masks that are not prepared.
 pub(crate) fn unprepared() -> BackendError {
     let help = "call `prepare_masks` first, and look at its error";
     Invalid::new("masks", "have nothing prepared", help).into()

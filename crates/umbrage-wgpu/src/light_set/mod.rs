@@ -33,7 +33,6 @@ pub use options::{
 pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
 use crate::{
-    cast::Layouts,
     device::{later_errors::LaterErrors, requirements::limits},
     light_set::{
         buffers::MAX_LIGHTS, caster_lists::CasterLists, casters::Casters,
@@ -122,7 +121,6 @@ pub struct LightSet {
     pipelines: Pipelines,
     /// Tables of filters.
     tables: Tables,
-    layouts: Option<Layouts>,
 }
 
 /// The casters with holes of a set.
@@ -141,12 +139,12 @@ struct PlannedFor {
 }
 
 impl LightSet {
-    /// The features without which a set can't play: none. Where the device has `TIMESTAMP_QUERY` and
+    /// The features that a set requires: none. Where the device has `TIMESTAMP_QUERY` and
     /// `TIMESTAMP_QUERY_INSIDE_ENCODERS`, [`StillLayers::Auto`] goes by what copies and draws take there.
     pub const REQUIRED_FEATURES: Features = Features::empty();
 
-    /// The limits within which a set can play: those of WebGL 2, and two storage buffers in fragment shaders. Larger maps and more
-    /// layers than these limits have ask for more.
+    /// The limits that a set requires: those of WebGL 2, and two storage buffers in fragment shaders. Larger maps and more
+    /// layers than these limits allow require more.
     pub const REQUIRED_LIMITS: Limits = Limits {
         max_storage_buffers_per_shader_stage: 2,
         max_storage_buffer_binding_size: 1 << 27,
@@ -187,7 +185,6 @@ impl LightSet {
             counters: Counters::default(),
             pipelines: Pipelines::default(),
             tables: Tables::default(),
-            layouts: None,
         })
     }
 
@@ -232,11 +229,11 @@ impl LightSet {
         self.casters.place(caster, world_from_local)
     }
 
-    /// Places a caster anew because the [`Anchor`](umbrage_core::Anchor) changed, to which all placements are relative. Call it for every
+    /// Places a caster again because the [`Anchor`](umbrage_core::Anchor) changed, to which all placements are relative. Call it for every
     /// caster in that frame, and [`set_light`](Self::set_light) for every light with a place.
     ///
     /// The next [`prepare`](Self::prepare) finds all layers to be drawn, whatever [`SetBudget::redraws`] says: those that waited would
-    /// show what lies a kilometre away. Unlike after [`move_caster`](Self::move_caster), casters that were still count as still.
+    /// show what is a kilometre away. Unlike after [`move_caster`](Self::move_caster), casters that were still count as still.
     ///
     /// # Errors
     /// Errors if [`move_caster`](Self::move_caster) does.
@@ -256,11 +253,11 @@ impl LightSet {
         self.casters.remove(caster)
     }
 
-    /// Sets the triangles with holes that cast beside the set's casters, those of a geometry, where that has them (world space). They
+    /// Sets the triangles with holes that cast in addition to the set's casters (world space). They
     /// replace those before; none leaves the set without any. Maps leave their holes out by the rule of all backends.
     ///
     /// The set's own meshes must not hold these triangles: they hold [`Geometry::casters_without_holes`](umbrage_core::Geometry::casters_without_holes).
-    /// Techniques that ask triangles ([`SetFrame::geometry`]) find the holes in that geometry.
+    /// Techniques that read triangles ([`SetFrame::geometry`]) find the holes in that geometry.
     ///
     /// # Errors
     /// Errors if positions are not finite.
@@ -404,18 +401,18 @@ impl LightSet {
     /// trace rays need.
     ///
     /// The text changes with the kinds of kernels and the sizes of maps that lights use, as
-    /// [`wgsl_revision`](Self::wgsl_revision) tells.
+    /// [`wgsl_revision`](Self::wgsl_revision) shows.
     pub fn wgsl(&self) -> &str {
         self.shader.prefixed_text()
     }
 
-    /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout change: then make the pipelines anew that
+    /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout change: then rebuild the pipelines that
     /// contain the text.
     pub fn wgsl_revision(&self) -> u64 {
         self.shader.revision()
     }
 
-    /// Returns what [`wgsl`](Self::wgsl) reads: set it at [`LightSetOptions::group`]. Ask for it in every frame, after
+    /// Returns what [`wgsl`](Self::wgsl) reads: set it at [`LightSetOptions::group`]. Get it in every frame, after
     /// [`prepare`](Self::prepare).
     ///
     /// # Errors
@@ -424,8 +421,8 @@ impl LightSet {
         self.shader.bind_group().ok_or_else(shader::unprepared)
     }
 
-    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, everything is
-    /// made anew with the next frame.
+    /// Returns an error of the graphics API that came since the last call, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, the
+    /// next frame makes all GPU objects again.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         self.forget_objects();

@@ -48,7 +48,7 @@ pub struct LightSetOptions {
     pub budget: SetBudget,
     /// Whether layers are split by what moves.
     pub still_layers: StillLayers,
-    /// When errors of the graphics API are told.
+    /// When errors of the graphics API are reported.
     pub errors: ApiErrors,
 }
 
@@ -57,7 +57,7 @@ pub struct LightSetOptions {
 pub struct SetFrame<'a> {
     /// The camera.
     pub camera: &'a Camera,
-    /// The casters' triangles, where the program has them: techniques that trace rays need them. Without them, techniques that ask lists of
+    /// The casters' triangles, where the program has them: techniques that trace rays need them. Without them, techniques that read lists of
     /// casters have the device list them ([`ShadowTechnique::device_recipe`](umbrage_core::ShadowTechnique::device_recipe)), from
     /// buffers that have usage `STORAGE`, too.
     pub geometry: Option<FrameGeometry<'a>>,
@@ -127,7 +127,7 @@ pub struct SetReport {
     pub redrawn: u32,
     /// Lights whose lists of casters this frame makes.
     pub listed: u32,
-    /// Layers that wait for one of the next frames, as [`SetBudget::redraws`](crate::SetBudget::redraws) asks.
+    /// Layers that wait for one of the next frames, as [`SetBudget::redraws`](crate::SetBudget::redraws) demands.
     pub waiting: u32,
     /// Bytes written to the GPU.
     pub uploaded: u64,

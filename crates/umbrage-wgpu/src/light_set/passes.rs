@@ -1,28 +1,26 @@
 //! The passes of a frame: the layers that it redraws, and the draws into each.
 
 use crate::{
-    cast::Layouts,
+    cast::CastBindings,
     light_set::{
         casters::{Casters, MeshId},
         culling::{ShownSlots, Wanted},
         options::{LightId, StillLayers},
         prices::Prices,
-        state::{LightCast, LightMaps, StillLayer},
+        state::{HeldLight, LightCast, LightMaps, StillLayer},
         still_layers,
         timestamps::{PassCasters, PassClock},
     },
     resources::{
         counters::ResourceFactory,
-        cut_outs::{CutOutBinding, GpuCutOuts, cut_out_layout},
+        cut_outs::GpuCutOuts,
         images::extent,
-        matrices::Matrices,
-        pipelines::{CastKey, Peel, Pipelines, Vertex},
+        pipelines::{Pipelines, Vertex},
     },
     targets::CastTarget,
 };
-use glam::Mat4;
+use slotmap::SlotMap;
 use std::ops::Range;
-use umbrage_core::CameraRays;
 use wgpu::{CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline};
 
 /// The cast that a pass draws.
@@ -37,7 +35,6 @@ pub(crate) struct PassName {
 /// What passes are chosen by, and draw from.
 #[derive(Debug)]
 pub(crate) struct CastSources<'a> {
-    pub(crate) layouts: &'a Layouts,
     pub(crate) casters: &'a Casters,
     pub(crate) option: StillLayers,
     pub(crate) prices: &'a Prices,
@@ -75,12 +72,7 @@ pub(crate) struct PassList {
     runs: Vec<Range<u32>>,
     /// Scratch: the slots that show in a layer.
     shown: ShownSlots,
-    spaces: Matrices,
-    matrices: Vec<Mat4>,
-    /// What draws of triangles with holes read; each pass's rays.
-    holes: CutOutBinding,
-    /// Of each pass, where there are triangles with holes.
-    rays: Vec<CameraRays>,
+    bindings: CastBindings,
 }
 
 impl PassList {
@@ -89,8 +81,6 @@ impl PassList {
         self.passes.clear();
         self.draws.clear();
         self.runs.clear();
-        self.matrices.clear();
-        self.rays.clear();
     }
 
     /// Appends the passes that draw the layers of a light in which something changed.
@@ -165,24 +155,15 @@ impl PassList {
                 .map(|run| u64::from(run.end - run.start))
                 .sum();
             triangles += instances * mesh.draw.triangles();
-            let key = CastKey {
-                depth: cast.target.state(),
-                layout: mesh.draw.layout,
-                vertex: match mesh.draw.holes {
-                    Some(rule) => Vertex::CutOut(rule),
-                    None => Vertex::Instanced,
-                },
-                peel: Peel::of(&cast.target),
+            let vertex = match mesh.draw.holes {
+                Some(rule) => Vertex::CutOut(rule),
+                None => Vertex::Instanced,
             };
             self.draws.push(MeshDraws {
                 mesh: id,
-                pipeline: pipelines.cast(factory, key, &sources.layouts.of(&key)),
+                pipeline: pipelines.cast(factory, &cast.target, mesh.draw.layout, vertex),
                 runs,
             });
-        }
-        self.matrices.push(cast.target.clip_from_world);
-        if sources.layouts.cut_outs.is_some() {
-            self.rays.push(cast.target.rays());
         }
         self.passes.push(CastPass {
             name,
@@ -191,20 +172,17 @@ impl PassList {
         });
     }
 
-    /// Writes the casts' matrices, and the rays of casts with holes.
+    /// Writes what the passes read.
     pub(crate) fn upload(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
+        lights: &SlotMap<LightId, HeldLight>,
         holes: Option<&GpuCutOuts>,
     ) {
-        self.spaces
-            .write(factory, pipelines, self.matrices.iter().copied());
-        if let Some(holes) = holes {
-            let layout = cut_out_layout(factory, pipelines, holes.rule());
-            let rays = self.rays.iter().copied();
-            self.holes.write(factory, &layout, holes, rays);
-        }
+        let passes = self.passes.iter();
+        let targets = passes.map(|pass| &lights[pass.name.light].maps.casts[pass.name.cast].target);
+        self.bindings.write(factory, pipelines, targets, holes);
     }
 
     /// Returns how many passes there are.
@@ -252,10 +230,7 @@ impl PassList {
             timestamp_writes: clock.cast(name.light, cast.layer, part, *triangles),
             ..RenderPassDescriptor::default()
         });
-        self.spaces.bind(&mut pass, 0, pass_index);
-        if cast.target.behind.is_some() {
-            pass.set_bind_group(2, cast.peeled.group(), &[]);
-        }
+        self.bindings.bind(&mut pass, pass_index, &cast.peeled);
         if let Some(buffer) = casters.instances() {
             pass.set_vertex_buffer(1, buffer.slice(..));
         }
@@ -269,7 +244,7 @@ impl PassList {
                 last = Some(&draws.pipeline);
             }
             if mesh.holes.is_some() {
-                self.holes.bind(&mut pass, 1, pass_index);
+                self.bindings.bind_holes(&mut pass, pass_index);
             }
             mesh.bind(&mut pass);
             for run in &self.runs[draws.runs.clone()] {

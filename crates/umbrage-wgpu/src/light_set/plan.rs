@@ -33,7 +33,7 @@ pub(crate) struct LightPlan {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Difference {
     Nothing,
-    /// What the kernel reads beside the maps.
+    /// What the kernel reads in addition to the maps.
     Numbers,
     /// What the maps hold.
     Maps,

@@ -1,7 +1,6 @@
 //! A frame's preparation: plans, layers, the choice of redraws, and what is written for them.
 
 use crate::{
-    cast::Layouts,
     device::{error_scopes::Scopes, requirements::check_device},
     light_set::{
         LightSet, PlannedFor,
@@ -17,8 +16,7 @@ use crate::{
         unknown_light,
     },
     resources::{
-        counters::ResourceFactory, cut_outs::cut_out_layout, kernel_stage::Sources,
-        pipelines::Pipelines, tables::Tables,
+        counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
     },
 };
 use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique};
@@ -272,27 +270,14 @@ impl LightSet {
 
     /// Makes and writes what the chosen lights, moved casters and the shaders need.
     fn write(&mut self, queue: &Queue) -> Result<(), BackendError> {
-        let layouts = self.make_layouts(queue);
         let textures_changed = self.make_textures(queue);
-        self.show_plans(queue, &layouts);
-        self.list_passes(queue, &layouts);
-        self.layouts = Some(layouts);
+        self.show_plans(queue);
+        self.list_passes(queue);
         let mut uploaded = self.upload_passes(queue);
         uploaded.add(self.write_shader(queue, textures_changed)?);
         self.report.redrawn = self.passes.count() as u32;
         self.report.uploaded = uploaded.bytes + 64 * u64::from(self.report.redrawn);
         Ok(())
-    }
-
-    /// Returns the layouts of the casts' bind groups.
-    fn make_layouts(&mut self, queue: &Queue) -> Layouts {
-        let factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
-        let pipelines = &mut self.pipelines;
-        let held = self.layouts.take();
-        let mut layouts = held.unwrap_or_else(|| Layouts::new(&factory, pipelines));
-        let holes = self.cut_outs.as_ref();
-        layouts.cut_outs = holes.map(|held| cut_out_layout(&factory, pipelines, held.lists.rule()));
-        layouts
     }
 
     /// Makes the textures that are too small again. Returns whether there were any.
@@ -314,7 +299,7 @@ impl LightSet {
     }
 
     /// Shows the newest plans of the chosen lights.
-    fn show_plans(&mut self, queue: &Queue, layouts: &Layouts) {
+    fn show_plans(&mut self, queue: &Queue) {
         let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
         for &id in &self.passes.lights {
             let light = &mut self.lights[id];
@@ -338,17 +323,16 @@ impl LightSet {
                 };
                 let pipelines = &mut self.pipelines;
                 maps.filters.prepare(&mut factory, pipelines, &mut sources);
-                maps.make_casts(&mut factory, plan, &layouts.peeled);
+                maps.make_casts(&mut factory, pipelines, plan);
             }
         }
         self.tables.forget_unreachable();
     }
 
     /// Lists the passes that draw the chosen lights' layers.
-    fn list_passes(&mut self, queue: &Queue, layouts: &Layouts) {
+    fn list_passes(&mut self, queue: &Queue) {
         let held = self.pool.bytes() + still_bytes(&self.lights);
         let mut sources = CastSources {
-            layouts,
             casters: &self.casters,
             option: self.options.still_layers,
             prices: self.meter.prices(),
@@ -369,7 +353,8 @@ impl LightSet {
         let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
         let uploaded = self.casters.upload(&mut factory);
         let holes = self.cut_outs.as_ref().map(|held| &held.lists);
-        self.passes.upload(&mut factory, &mut self.pipelines, holes);
+        self.passes
+            .upload(&mut factory, &mut self.pipelines, &self.lights, holes);
         uploaded
     }
 
@@ -418,7 +403,6 @@ impl LightSet {
     /// Forgets all GPU objects, so that the next frame makes them again.
     pub(super) fn forget_objects(&mut self) {
         self.pipelines = Pipelines::default();
-        self.layouts = None;
         self.masks = MaskStage::default();
         self.tables = Tables::default();
         self.lists = CasterLists::default();

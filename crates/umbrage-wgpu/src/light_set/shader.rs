@@ -18,7 +18,7 @@ use crate::{
         pipelines::Pipelines,
     },
     wgsl::{
-        kernel::InputKind,
+        kernel::{InputImage, InputKind},
         resolver::{check_prefix, with_prefix},
         set::{KernelKind, MapBinding, TextParts},
     },
@@ -151,8 +151,8 @@ impl SetShader {
         self.has_changed = true;
     }
 
-    /// Writes the numbers of all lights, and makes text and bind group anew where that is needed. `maps_changed` says that textures
-    /// were made anew.
+    /// Writes the numbers of all lights, and replaces text and bind group if needed. `maps_changed`: whether textures were
+    /// replaced.
     ///
     /// Errors if a kernel's WGSL can't be put under a prefix.
     pub(crate) fn write(
@@ -285,10 +285,16 @@ impl SetShader {
             let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
                 continue;
             };
-            let kernels = &mut self.numbers.kernels[kind];
-            let held = self.records.get(id).filter(|record| record.kind == kind);
-            let index = held.map_or_else(|| kernels.take(), |record| record.index);
-            kernels.set(index, &plan.uniforms);
+            let index = match self.records.get(id) {
+                Some(held) if held.kind == kind => held.index,
+                held => {
+                    if let Some(other) = held {
+                        self.numbers.kernels[other.kind].give_back(other.index);
+                    }
+                    self.numbers.kernels[kind].take()
+                }
+            };
+            self.numbers.kernels[kind].set(index, &plan.uniforms);
             let record = KernelRecord { kind, index };
             self.records.insert(id, record);
             entries[light.index as usize] = self.entry(id, plan, light, record);
@@ -368,7 +374,7 @@ impl SetShader {
             } else {
                 counted.truncate(counted_before);
                 let why = format!(
-                    "the tables of the set's lights need {} KiB with its own, and shaders of the device read {} KiB at once; ask for a device with a greater `max_storage_buffer_binding_size`",
+                    "the tables of the set's lights need {} KiB with its own, and shaders of the device read {} KiB at once; request a device with a greater `max_storage_buffer_binding_size`",
                     with_own >> 10,
                     most >> 10
                 );
@@ -415,8 +421,6 @@ impl SetShader {
         pipelines: &mut Pipelines,
         pool: &LayerPool,
     ) {
-        let mut slots = Vec::new();
-        let mut bound = Vec::new();
         let numbers = match self.numbers.space() {
             NumberSpace::Uniform => Slot::Uniform,
             NumberSpace::Storage => Slot::Table,
@@ -425,30 +429,27 @@ impl SetShader {
             (numbers, self.numbers.buffer()),
             (Slot::Table, self.tables.buffer()),
         ];
+        let mut entries = Vec::new();
         for (slot, buffer) in buffers {
             // Both were uploaded.
-            let Some(buffer) = buffer else {
-                continue;
-            };
-            slots.push(slot);
-            bound.push(Bound::Buffer(buffer.clone()));
+            entries.extend(buffer.map(|buffer| (slot, Bound::Buffer(buffer.clone()))));
         }
         let mut compares = false;
-        for map in &self.maps {
-            let Some(view) = pool.whole(map.class) else {
-                continue;
-            };
-            slots.push(image_slot(map.kind, true));
-            compares |= map.kind == InputKind::Compared;
-            bound.push(Bound::View(view.clone()));
+        for &MapBinding { class, kind } in &self.maps {
+            let layered = true;
+            let slot = image_slot(InputImage { kind, layered });
+            let view = pool.whole(class).cloned();
+            entries.extend(view.map(|view| (slot, Bound::View(view))));
+            compares |= kind == InputKind::Compared;
         }
         if compares {
-            slots.push(Slot::Sampler);
-            bound.push(Bound::Sampler(pipelines.sampler(factory.device)));
+            let sampler = pipelines.sampler(factory.device);
+            entries.push((Slot::Sampler, Bound::Sampler(sampler)));
         }
-        let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
-        let layout = pipelines.layouts.get(factory, visibility, &slots);
-        self.binding.set(factory, "umbrage lights", &layout, bound);
+        let stages = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
+        let layouts = &mut pipelines.layouts;
+        self.binding
+            .bind(factory, layouts, stages, "umbrage lights", entries);
     }
 }
 

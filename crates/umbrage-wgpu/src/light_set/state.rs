@@ -1,6 +1,7 @@
 //! The state of a light in a set, and its maps.
 
 use crate::{
+    cast::bind_peeled,
     filter::FilterStage,
     light_set::{
         culling::Volume,
@@ -9,14 +10,12 @@ use crate::{
         pool::LayerRange,
     },
     resources::{
-        bindings::{Binding, Bound},
-        counters::ResourceFactory,
-        images::GpuImage,
+        bindings::Binding, counters::ResourceFactory, images::GpuImage, pipelines::Pipelines,
     },
     targets::CastTarget,
 };
 use umbrage_core::{Aabb, RecipeError};
-use wgpu::{BindGroupLayout, Texture};
+use wgpu::Texture;
 
 /// The state of a light. A light that is not [`Shown`](Self::Shown) is lit everywhere.
 #[derive(Debug, Default)]
@@ -270,8 +269,8 @@ impl LightMaps {
     pub(crate) fn make_casts(
         &mut self,
         factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
         plan: &LightPlan,
-        peeled_layout: &BindGroupLayout,
     ) {
         let casts = &plan.recipe.casts;
         let mut held = std::mem::take(&mut self.casts).into_iter();
@@ -281,10 +280,7 @@ impl LightMaps {
                 Some(held) => (held.peeled, held.still),
                 None => (Binding::default(), None),
             };
-            if let Some(other) = &target.behind {
-                let bound = vec![Bound::View(other.clone())];
-                peeled.set(factory, "umbrage peeled layer", peeled_layout, bound);
-            }
+            bind_peeled(&mut peeled, factory, pipelines, &target);
             // Casts are kept only as long as the light's layers are, so the still layer fits and is drawn again.
             let still = still.map(|still| StillLayer {
                 target: target.with_layer(still.target.layer),

@@ -15,14 +15,12 @@ use crate::{
     },
     resources::{
         counters::ResourceFactory,
-        images::{extent, texture_format},
+        images::{extent, layers_view, texture_format},
     },
     targets::CastTarget,
 };
 use slotmap::SlotMap;
-use wgpu::{
-    TextureDescriptor, TextureDimension, TextureUsages, TextureViewDescriptor, TextureViewDimension,
-};
+use wgpu::{TextureAspect, TextureUsages, TextureViewDimension};
 
 /// A layer that is split stays so until the copy takes this much longer than what it saves: measured prices waver.
 const PATIENCE: f64 = 1.5;
@@ -62,21 +60,12 @@ fn triangles(casters: &Casters, shown: &ShownSlots, wanted: Wanted<'_>) -> u64 {
 impl StillLayer {
     /// Returns an empty layer like that of a cast.
     pub(crate) fn like(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
-        let texture = factory.texture(&TextureDescriptor {
-            label: Some("umbrage still casters"),
-            size: extent(target.size, 1),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format: texture_format(target.format()),
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let layer = texture.create_view(&TextureViewDescriptor {
-            label: Some("umbrage still casters"),
-            dimension: Some(TextureViewDimension::D2),
-            ..TextureViewDescriptor::default()
-        });
+        let label = "umbrage still casters";
+        let format = texture_format(target.format());
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
+        let texture = factory.texture(label, extent(target.size, 1), format, usage);
+        let dimension = TextureViewDimension::D2;
+        let layer = layers_view(&texture, label, dimension, TextureAspect::All, 0..1);
         Self {
             target: target.with_layer(layer),
             texture,

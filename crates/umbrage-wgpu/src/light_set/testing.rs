@@ -1,4 +1,4 @@
-//! What tests alone ask of a set.
+//! Access to a set for tests.
 
 use crate::{
     light_set::{LightSet, caster_lists::Listing, options::LightId, prices::Prices},

@@ -7,7 +7,7 @@ use crate::{
         cut_outs::GpuCutOuts,
         geometry::GpuGeometry,
     },
-    wgsl::{resolver::with_prefix, stages::bound_holes_wgsl},
+    wgsl::{resolver::with_prefix, stages::holes_wgsl},
 };
 use std::ops::Range;
 use umbrage_core::{Aabb, Geometry, Invalid};
@@ -25,7 +25,7 @@ const MOST_BUFFERS: u32 = 4;
 /// A geometry's triangles with holes, on the device.
 ///
 /// [`LightSet::set_cut_outs`](crate::LightSet::set_cut_outs) casts them. For a pass of the program's own, such as the camera's,
-/// [`wgsl`](Self::wgsl) is the rule that tells holes, and [`bind_group`](Self::bind_group) what it reads.
+/// [`wgsl`](Self::wgsl) is the rule for holes, and [`bind_group`](Self::bind_group) what it reads.
 #[derive(Clone, Debug)]
 pub struct CutOutBuffers {
     pub(crate) lists: GpuCutOuts,
@@ -52,7 +52,7 @@ impl CutOutBuffers {
                 "are read from up to {MOST_BUFFERS} storage buffers, and the device allows {stage}"
             );
             let help =
-                format!("ask for `max_storage_buffers_per_shader_stage` of {MOST_BUFFERS} or more");
+                format!("request `max_storage_buffers_per_shader_stage` of {MOST_BUFFERS} or more");
             return Err(Invalid::new("triangles with holes", why, help));
         }
         let mut counters = Counters::default();
@@ -75,9 +75,9 @@ impl CutOutBuffers {
         Ok(uploaded.cut_outs.map(|lists| Self { lists, parts }))
     }
 
-    /// Returns the WGSL that tells holes, to paste before your own shader. Bind [`bind_group`](Self::bind_group) at `group`.
+    /// Returns the WGSL of the rule for holes, to paste before your own shader. Bind [`bind_group`](Self::bind_group) at `group`.
     ///
-    /// * `is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool`: whether a pixel lies in a hole of a triangle's. `at` is
+    /// * `is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool`: whether a pixel is in a hole of a triangle. `at` is
     ///   `@builtin(position)`, `rays` are [`Camera::rays`](umbrage_core::Camera::rays) or [`CastTarget::rays`](crate::CastTarget::rays),
     ///   in a uniform of yours, and `triangle` is the id in the geometry; with `draw(3 * first..3 * end, ..)` that is `vertex_index / 3`.
     /// * `corner(i: u32) -> vec3f`: where the i-th corner of all triangles is.
@@ -88,7 +88,7 @@ impl CutOutBuffers {
     /// Errors if the prefix can't begin a WGSL identifier.
     pub fn wgsl(&self, group: u32, prefix: &str) -> Result<String, Invalid> {
         let rule = self.lists.rule();
-        with_prefix(&bound_holes_wgsl(rule, group), prefix)
+        with_prefix(&holes_wgsl(rule, group), prefix)
     }
 
     /// Returns what [`wgsl`](Self::wgsl) reads, and its layout for pipelines.

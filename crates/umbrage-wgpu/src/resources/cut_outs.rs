@@ -5,14 +5,14 @@ use crate::{
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
-        pipelines::Pipelines,
+        pipelines::{Pipelines, RAYS_SLOT},
         windows::Windows,
     },
     wgsl::stages::HoleRule,
 };
-use std::{num::NonZeroU64, ops::Range, sync::Arc};
+use std::{ops::Range, sync::Arc};
 use umbrage_core::{CameraRays, CutOuts};
-use wgpu::{BindGroupLayout, Buffer, RenderPass, ShaderStages};
+use wgpu::{Buffer, RenderPass, ShaderStages};
 
 /// A geometry's cut-outs: its lists of triangles, and the table of holes.
 #[derive(Clone, Debug)]
@@ -21,22 +21,19 @@ pub(crate) struct GpuCutOuts {
     pub(crate) positions: Buffer,
     pub(crate) indices: Buffer,
     pub(crate) rows: Buffer,
-    /// Mipmapped coverages of alpha textures; none where all are asked for the nearest texel.
+    /// Mipmapped coverages of alpha textures; `None` if all are looked up at the nearest texel.
     pub(crate) coverage: Option<Buffer>,
     pub(crate) casters: Range<u32>,
     pub(crate) triangles: u32,
 }
 
-/// What a frame draws: the drawables of its inputs, and triangles with holes beside them.
+/// What a frame draws: the drawables of its inputs, and triangles with holes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameWithHoles<'a> {
     pub(crate) inputs: &'a FrameInputs<'a>,
     /// None where nothing has holes.
     pub(crate) holes: Option<&'a GpuCutOuts>,
 }
-
-/// Bytes of the rays through an image's pixels.
-const RAYS: NonZeroU64 = NonZeroU64::new(96).unwrap();
 
 impl GpuCutOuts {
     pub(crate) fn rule(&self) -> HoleRule {
@@ -45,20 +42,6 @@ impl GpuCutOuts {
             Some(_) => HoleRule::Hashed,
         }
     }
-}
-
-/// Returns the layout of what casts of triangles with holes read, in group 1.
-pub(crate) fn cut_out_layout(
-    factory: &ResourceFactory<'_>,
-    pipelines: &mut Pipelines,
-    rule: HoleRule,
-) -> BindGroupLayout {
-    let mut slots = vec![Slot::Window(RAYS), Slot::Table, Slot::Table, Slot::Table];
-    if rule == HoleRule::Hashed {
-        slots.push(Slot::Table);
-    }
-    let stages = ShaderStages::VERTEX_FRAGMENT;
-    pipelines.layouts.get(factory, stages, &slots)
 }
 
 /// The lists, and the rays of each cast.
@@ -72,7 +55,7 @@ impl CutOutBinding {
     pub(crate) fn write(
         &mut self,
         factory: &mut ResourceFactory<'_>,
-        layout: &BindGroupLayout,
+        pipelines: &mut Pipelines,
         holes: &GpuCutOuts,
         rays: impl Iterator<Item = CameraRays>,
     ) {
@@ -90,14 +73,15 @@ impl CutOutBinding {
         let Some(buffer) = self.rays.write(factory, "umbrage texels' rays", rows) else {
             return;
         };
-        let mut bound = vec![
-            Bound::Window(buffer, RAYS),
-            Bound::Buffer(holes.positions.clone()),
-            Bound::Buffer(holes.indices.clone()),
-            Bound::Buffer(holes.rows.clone()),
-        ];
-        bound.extend(holes.coverage.clone().map(Bound::Buffer));
-        self.binding.set(factory, "umbrage cut-outs", layout, bound);
+        let mut entries = vec![(RAYS_SLOT, Bound::of_slot(RAYS_SLOT, buffer))];
+        let tables = [&holes.positions, &holes.indices, &holes.rows];
+        for table in tables.into_iter().chain(&holes.coverage) {
+            entries.push((Slot::Table, Bound::Buffer(table.clone())));
+        }
+        let layouts = &mut pipelines.layouts;
+        let stages = ShaderStages::VERTEX_FRAGMENT;
+        self.binding
+            .bind(factory, layouts, stages, "umbrage cut-outs", entries);
     }
 
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, group: u32, cast: usize) {

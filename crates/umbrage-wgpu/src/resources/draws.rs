@@ -130,7 +130,7 @@ impl Draw {
         }
     }
 
-    /// Returns the draw of those triangles of a drawable that lie in `runs`, or of all where their ids are not known; `None` if
+    /// Returns the draw of those triangles of a drawable that are in `runs`, or of all if their ids are not known; `None` if
     /// nothing is to be drawn.
     fn some(drawable: &Drawable<'_>, runs: &[Range<u32>]) -> Option<Self> {
         let mut draw = Self::new(drawable);
@@ -197,7 +197,7 @@ fn within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
         .collect()
 }
 
-/// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the
+/// Returns the ranges of indices that draw the part of `runs` in `triangles`, where `first` is the index of the
 /// first of these triangles' corners.
 fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Range<u32>> {
     let mut ranges = Vec::new();

@@ -1,26 +1,13 @@
 //! Matrices for vertex shaders.
 
 use crate::resources::{
-    bindings::{Binding, Bound, Slot},
+    bindings::{Binding, Bound},
     counters::ResourceFactory,
-    pipelines::Pipelines,
+    pipelines::{MATRIX_SLOT, Pipelines},
     windows::Windows,
 };
 use glam::Mat4;
-use std::num::NonZeroU64;
-use wgpu::{BindGroupLayout, RenderPass, ShaderStages};
-
-/// Bytes of a matrix.
-const MATRIX: NonZeroU64 = NonZeroU64::new(64).unwrap();
-
-pub(crate) fn matrix_layout(
-    factory: &ResourceFactory<'_>,
-    pipelines: &mut Pipelines,
-) -> BindGroupLayout {
-    pipelines
-        .layouts
-        .get(factory, ShaderStages::VERTEX, &[Slot::Window(MATRIX)])
-}
+use wgpu::{RenderPass, ShaderStages};
 
 /// Matrices, bound one at a time.
 #[derive(Debug, Default)]
@@ -39,13 +26,15 @@ impl Matrices {
         let Some(buffer) = self.matrices.write(factory, "umbrage matrices", matrices) else {
             return;
         };
-        let window = Bound::Window(buffer, MATRIX);
+        let window = Bound::of_slot(MATRIX_SLOT, buffer);
         if self.binding.is_of(&window) {
             return;
         }
-        let layout = matrix_layout(factory, pipelines);
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::VERTEX;
+        let entries = vec![(MATRIX_SLOT, window)];
         self.binding
-            .set(factory, "umbrage matrices", &layout, vec![window]);
+            .bind(factory, layouts, stage, "umbrage matrices", entries);
     }
 
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, group: u32, index: usize) {

@@ -13,6 +13,7 @@ pub(crate) mod kernel_stage;
 pub(crate) mod late_read;
 pub(crate) mod matrices;
 pub(crate) mod pipelines;
+pub(crate) mod query_pairs;
 pub(crate) mod renderer_state;
 pub(crate) mod submissions;
 pub(crate) mod tables;

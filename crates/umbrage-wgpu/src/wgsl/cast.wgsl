@@ -1,3 +1,4 @@
+// import math
 // Draws triangles into a light's depth map. Sums are written out and products are guarded, so that
 // drivers that keep the order of sums round them alike. Positions are invariant, so that casts with
 // different shaders meet in the same depths.

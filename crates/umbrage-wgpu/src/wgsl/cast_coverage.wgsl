@@ -1,3 +1,4 @@
-// What casts of triangles with holes read besides where an alpha texture is mipmapped and hashed: after cast_holes.wgsl.
+// import holes_hashed
+// What casts of triangles with holes read in addition if an alpha texture is mipmapped and hashed.
 
 @group(1) @binding(4) var<storage> coverage: array<vec4u>;

@@ -1,3 +1,4 @@
+// import math
 // Places the casters of one mesh into the world: three rows a triangle, as kernels read the corners
 // of listed casters. The arithmetic is that of cast.wgsl.
 

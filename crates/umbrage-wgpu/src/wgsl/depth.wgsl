@@ -1,3 +1,4 @@
+// import math
 // A G-buffer from a depth buffer: positions by unprojection, geometric normals from neighbouring pixels.
 
 struct DepthCamera {

@@ -1,3 +1,4 @@
+// import fullscreen_instances
 // The filter stage of images that store two channels a word.
 
 // Returns words of two channels, each the nearest of 65536 steps from 0 to 1. WGSL's `pack2x16unorm` leaves the rounding of halves to

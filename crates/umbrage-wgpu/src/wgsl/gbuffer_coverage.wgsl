@@ -1,3 +1,4 @@
-// What the camera's pass over triangles with holes reads besides where an alpha texture is mipmapped and hashed: after gbuffer_holes.wgsl.
+// import holes_hashed
+// What the camera's pass over triangles with holes reads in addition if an alpha texture is mipmapped and hashed.
 
 @group(0) @binding(4) var<storage> coverage: array<vec4u>;

@@ -1,4 +1,5 @@
-// Which triangle each pixel shows, of those with holes: after gbuffer_visibility.wgsl.
+// import gbuffer_visibility, holes
+// Which triangle each pixel shows, of those with holes.
 
 @group(0) @binding(3) var<storage> cut_outs: array<vec4u>;
 

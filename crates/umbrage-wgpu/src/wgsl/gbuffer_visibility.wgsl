@@ -1,3 +1,4 @@
+// import math, resolve
 // Which triangle each pixel shows: an id a pixel, nearest first, and of equally near ones the first.
 
 struct Seen {

@@ -1,4 +1,5 @@
-// Whether a pixel lies in a hole of a triangle's: after holes.wgsl, where an alpha texture is mipmapped and hashed. Needs `coverage`, the table of
+// import holes, hashed_alpha, hashed_hole
+// Whether a pixel is in a hole of a triangle, if an alpha texture is mipmapped and hashed. Needs `coverage`, the table of
 // hashed_alpha.rs.
 
 fn coverage_row(i: u32) -> vec4u {

@@ -1,4 +1,5 @@
-// Whether a pixel lies in a hole of a triangle's: after holes.wgsl, where all alpha textures are asked for the nearest texel.
+// import holes
+// Whether a pixel is in a hole of a triangle, if all alpha textures are looked up at the nearest texel.
 
 fn is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool {
     opaque_zero = triangle >> 31u;

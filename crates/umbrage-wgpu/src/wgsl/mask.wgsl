@@ -1,3 +1,4 @@
+// import fullscreen_instances
 // The mask of a light of a set; the instance is the light's index.
 
 @fragment fn umbrage_mask(pixel: UmbragePixel) -> @location(0) f32 {

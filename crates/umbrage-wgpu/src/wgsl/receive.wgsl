@@ -1,3 +1,4 @@
+// import fullscreen
 // The receive stage: calls the kernel for every pixel that receives.
 
 @fragment fn umbrage_receive(@builtin(position) at: vec4f) -> @location(0) f32 {

@@ -1,10 +1,40 @@
-//! Changes to WGSL texts: a prefix before their names, constants that select their variants, and where a kernel's inputs are.
+//! The resolver of WGSL texts. No other code changes a text.
 //!
-//! Texts are lists of [`Module`](umbrage_core::Module)s that [`join`](umbrage_core::join) puts one after another. No other code changes
-//! one.
+//! * [`assemble`] follows the imports of files and puts all of them one after another.
+//! * [`constant`] declares a condition: files that read the constant have a variant for each of its values.
+//! * [`with_prefix`] puts a prefix before every name that a text declares.
+//! * [`InputPlaces`] moves a kernel's uniforms and tables to where a light of a set has them.
 
 use std::{collections::BTreeSet, fmt::Display};
-use umbrage_core::Invalid;
+use umbrage_core::{Invalid, Module, join};
+
+/// Returns the text of some files and of all files that they import, each once. A file imports others by a line
+/// `// import NAME, NAME`.
+pub(crate) fn assemble(files: &[Module], entries: &[&str]) -> String {
+    let mut found = Vec::new();
+    for name in entries {
+        import(files, name, &mut found);
+    }
+    join(&found)
+}
+
+/// Appends a file after those that it imports.
+fn import(files: &[Module], name: &str, found: &mut Vec<Module>) {
+    let Some(file) = files.iter().find(|file| file.name == name) else {
+        return;
+    };
+    if found.contains(file) {
+        return;
+    }
+    let imports = file
+        .text
+        .lines()
+        .filter_map(|line| line.strip_prefix("// import "));
+    for name in imports.flat_map(|names| names.split(", ")) {
+        import(files, name, found);
+    }
+    found.push(*file);
+}
 
 /// A piece of WGSL: an identifier or keyword, or what is between two.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,5 @@
-// Reads `umbrage_seen` from a depth buffer, after depth.wgsl.
+// import seen, depth
+// Reads `umbrage_seen` from a depth buffer.
 
 fn umbrage_seen(texel: vec2i) -> UmbrageSeen {
     let surface = surface_at(texel);

@@ -1,4 +1,5 @@
-// Reads `umbrage_seen` from a depth buffer and a texture of normals, after depth.wgsl.
+// import seen, depth
+// Reads `umbrage_seen` from a depth buffer and a texture of normals.
 
 @group(UMBRAGE_GROUP) @binding(2) var umbrage_normals: texture_2d<f32>;
 

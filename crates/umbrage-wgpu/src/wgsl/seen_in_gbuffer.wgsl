@@ -1,3 +1,4 @@
+// import seen
 // Reads `umbrage_seen` from positions and normals.
 
 @group(UMBRAGE_GROUP) @binding(0) var umbrage_position: texture_2d<f32>;

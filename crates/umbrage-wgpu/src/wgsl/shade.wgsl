@@ -1,3 +1,4 @@
+// import triangle_ids, fullscreen
 // The shade pass: colours the pixels that show a triangle. The mask is the last binding.
 
 @group(UMBRAGE_GROUP) @binding(3) var umbrage_mask: texture_2d<f32>;

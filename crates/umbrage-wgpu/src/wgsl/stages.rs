@@ -1,12 +1,11 @@
-//! The files of each shader that is not a kernel's alone.
+//! The shaders that consist of files, alone or after the text of a kernel or a set.
 
-use crate::wgsl::resolver::constant;
+use crate::wgsl::resolver::{assemble, constant};
 use umbrage_core::{
     Format, MATH, Module,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     cut_out::{CUT_OUT, HOLE},
     hashed_alpha::{HASHED_ALPHA, HASHED_HOLE},
-    join,
     resolve::RESOLVE,
 };
 
@@ -20,8 +19,49 @@ macro_rules! file {
     };
 }
 
-/// Vertex shader of one triangle that covers the target.
-pub(crate) const FULLSCREEN: Module = file!("fullscreen");
+/// All modules that files import.
+const FILES: &[Module] = &[
+    MATH,
+    RESOLVE,
+    RAY_BOX,
+    RAY_TRIANGLE,
+    CUT_OUT,
+    HOLE,
+    HASHED_ALPHA,
+    HASHED_HOLE,
+    file!("cast"),
+    file!("cast_coverage"),
+    file!("cast_holes"),
+    file!("convert"),
+    file!("corners"),
+    file!("depth"),
+    file!("depth_pass"),
+    file!("depth_samples"),
+    file!("depth_single"),
+    file!("filter"),
+    file!("filter_words"),
+    file!("fullscreen"),
+    file!("fullscreen_instances"),
+    file!("gbuffer_coverage"),
+    file!("gbuffer_holes"),
+    file!("gbuffer_resolve"),
+    file!("gbuffer_visibility"),
+    file!("holes"),
+    file!("holes_bindings"),
+    file!("holes_coverage"),
+    file!("holes_hashed"),
+    file!("holes_nearest"),
+    file!("mask"),
+    file!("no_triangle_ids"),
+    file!("probe_fusing"),
+    file!("receive"),
+    file!("seen"),
+    file!("seen_in_depth"),
+    file!("seen_in_depth_and_normals"),
+    file!("seen_in_gbuffer"),
+    file!("shade"),
+    file!("triangle_ids"),
+];
 
 /// How images look up alpha textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,108 +86,97 @@ pub(crate) enum ReceiverSource {
     },
 }
 
-/// Returns the shader that calls a kernel's `receive` for every pixel of the G-buffer in group `group`.
+/// Returns the shader of some files.
+pub(crate) fn shader_of(files: &[&str]) -> String {
+    assemble(FILES, files)
+}
+
+/// Returns the shader that calls a kernel's `receive` for every pixel of the G-buffer in bind group `group`.
 pub(crate) fn receive_shader(kernel: &str, group: u32, triangles: bool) -> String {
-    let seen = seen_wgsl(group, ReceiverSource::GBuffer { triangles });
-    kernel.to_owned() + &seen + &join(&[file!("receive"), FULLSCREEN])
+    let receivers = ReceiverSource::GBuffer { triangles };
+    kernel.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["receive"])
 }
 
 /// Returns the shader that calls a kernel's `shade`. The mask is the last binding of the G-buffer's group.
 pub(crate) fn shade_shader(kernel: &str, group: u32) -> String {
-    let seen = seen_wgsl(group, ReceiverSource::GBuffer { triangles: true });
-    kernel.to_owned() + &seen + &join(&[file!("shade"), FULLSCREEN])
+    kernel.to_owned() + &group_constant(group) + &shader_of(&["shade"])
 }
 
 /// Returns the shader that computes a layer of an image by a kernel's `filter_texel`; the instance is the layer.
 pub(crate) fn filter_shader(kernel: &str, output: Format) -> String {
-    let stage = match output {
-        Format::Rg16 | Format::Rgba16 => file!("filter_words"),
-        _ => file!("filter"),
+    let file = match output {
+        Format::Rg16 | Format::Rgba16 => "filter_words",
+        _ => "filter",
     };
-    kernel.to_owned() + &join(&[file!("fullscreen_instances"), stage])
+    kernel.to_owned() + &shader_of(&[file])
 }
 
 /// Returns the shader of masks, which calls a set's `shadow_on`; the instance is the light.
 pub(crate) fn mask_shader(set: &str, group: u32, receivers: ReceiverSource) -> String {
-    let seen = seen_wgsl(group, receivers);
-    set.to_owned() + &seen + &join(&[file!("fullscreen_instances"), file!("mask")])
+    set.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["mask"])
 }
 
 /// Returns `umbrage_seen`, which reads bind group `group`.
 fn seen_wgsl(group: u32, receivers: ReceiverSource) -> String {
-    let seen = file!("seen");
-    let declared = constant("UMBRAGE_GROUP", format!("{group}u"));
-    declared
-        + &match receivers {
-            ReceiverSource::GBuffer { triangles: true } => {
-                join(&[seen, file!("triangle_ids"), file!("seen_in_gbuffer")])
-            }
-            ReceiverSource::GBuffer { triangles: false } => {
-                join(&[seen, file!("no_triangle_ids"), file!("seen_in_gbuffer")])
-            }
-            ReceiverSource::Depth { samples } => {
-                unproject_wgsl(samples) + &join(&[seen, file!("seen_in_depth")])
-            }
-            ReceiverSource::DepthAndNormals {
-                samples,
-                halved,
-                octahedral,
-            } => {
-                constant("NORMALS_ARE_HALVED", halved)
-                    + &constant("NORMALS_ARE_OCTAHEDRAL", octahedral)
-                    + &unproject_wgsl(samples)
-                    + &join(&[seen, file!("seen_in_depth_and_normals")])
-            }
+    let text = match receivers {
+        ReceiverSource::GBuffer { triangles: true } => shader_of(&["triangle_ids"]),
+        ReceiverSource::GBuffer { triangles: false } => shader_of(&["no_triangle_ids"]),
+        ReceiverSource::Depth { samples } => shader_of(&[depth_file(samples), "seen_in_depth"]),
+        ReceiverSource::DepthAndNormals {
+            samples,
+            halved,
+            octahedral,
+        } => {
+            constant("NORMALS_ARE_HALVED", halved)
+                + &constant("NORMALS_ARE_OCTAHEDRAL", octahedral)
+                + &shader_of(&[depth_file(samples), "seen_in_depth_and_normals"])
         }
+    };
+    group_constant(group) + &text
 }
 
-/// Returns the functions that unproject the depth buffer in group `UMBRAGE_GROUP`.
-fn unproject_wgsl(samples: bool) -> String {
-    let texture = if samples {
-        file!("depth_samples")
+fn group_constant(group: u32) -> String {
+    constant("UMBRAGE_GROUP", format!("{group}u"))
+}
+
+fn depth_file(samples: bool) -> &'static str {
+    if samples {
+        "depth_samples"
     } else {
-        file!("depth_single")
-    };
-    join(&[MATH, texture, file!("depth")])
+        "depth_single"
+    }
 }
 
 /// Returns the shader that makes a G-buffer of the depth buffer in group 0.
 pub(crate) fn depth_wgsl(samples: bool) -> String {
-    let group = constant("UMBRAGE_GROUP", "0u");
-    group + &unproject_wgsl(samples) + &join(&[file!("depth_pass"), FULLSCREEN])
+    group_constant(0) + &shader_of(&[depth_file(samples), "depth_pass"])
 }
 
 /// Returns the shader of casts, of triangles with holes by this rule if there is one.
 pub(crate) fn cast_wgsl(holes: Option<HoleRule>) -> String {
     match holes {
-        None => join(&[MATH, file!("cast")]),
-        Some(HoleRule::Nearest) => {
-            holes_wgsl(HoleRule::Nearest) + &join(&[file!("cast"), file!("cast_holes")])
-        }
-        Some(HoleRule::Hashed) => {
-            let files = [file!("cast"), file!("cast_holes"), file!("cast_coverage")];
-            holes_wgsl(HoleRule::Hashed) + &join(&files)
-        }
+        None => shader_of(&["cast"]),
+        Some(HoleRule::Nearest) => shader_of(&["cast_holes", "holes_nearest"]),
+        Some(HoleRule::Hashed) => shader_of(&["cast_holes", "cast_coverage"]),
     }
 }
 
 /// Returns the shader that draws triangle ids, of triangles with holes by this rule if there is one.
 pub(crate) fn ids_wgsl(holes: Option<HoleRule>) -> String {
-    let visibility = file!("gbuffer_visibility");
     match holes {
-        None => join(&[MATH, RESOLVE, visibility]),
-        Some(HoleRule::Nearest) => {
-            holes_wgsl(HoleRule::Nearest) + &join(&[visibility, file!("gbuffer_holes")])
-        }
-        Some(HoleRule::Hashed) => {
-            let files = [
-                visibility,
-                file!("gbuffer_holes"),
-                file!("gbuffer_coverage"),
-            ];
-            holes_wgsl(HoleRule::Hashed) + &join(&files)
-        }
+        None => shader_of(&["gbuffer_visibility"]),
+        Some(HoleRule::Nearest) => shader_of(&["gbuffer_holes", "holes_nearest"]),
+        Some(HoleRule::Hashed) => shader_of(&["gbuffer_holes", "gbuffer_coverage"]),
     }
+}
+
+/// Returns `is_hole` with what it reads, in bind group `group`.
+pub(crate) fn holes_wgsl(rule: HoleRule, group: u32) -> String {
+    let text = match rule {
+        HoleRule::Nearest => shader_of(&["holes_bindings", "holes_nearest"]),
+        HoleRule::Hashed => shader_of(&["holes_bindings", "holes_coverage"]),
+    };
+    group_constant(group) + &text
 }
 
 /// Returns the name and the text of each shader that places vertices or receivers.
@@ -162,46 +191,38 @@ pub fn placing_shaders() -> Vec<(&'static str, String)> {
         ("ids", ids_wgsl(None)),
         ("ids with holes", ids_wgsl(nearest)),
         ("ids with hashed holes", ids_wgsl(hashed)),
-        ("receivers", points_wgsl()),
+        ("receivers", shader_of(&["gbuffer_resolve"])),
         ("receivers from depth", depth_wgsl(false)),
         ("receivers from samples of depth", depth_wgsl(true)),
-        ("corners", corners_wgsl()),
+        ("corners", shader_of(&["corners"])),
     ]
 }
 
-/// Returns the shader that turns triangle ids into receivers.
-pub(crate) fn points_wgsl() -> String {
-    ids_wgsl(None) + &join(&[file!("gbuffer_resolve"), FULLSCREEN])
-}
+#[cfg(test)]
+mod tests {
+    use super::{FILES, shader_of};
 
-/// Returns the shader that places the corners of casters.
-pub(crate) fn corners_wgsl() -> String {
-    join(&[MATH, file!("corners")])
-}
-
-/// Returns `is_hole`, which reads `cut_outs`, `corner` and, by the hashed rule, `coverage`.
-fn holes_wgsl(rule: HoleRule) -> String {
-    let common = join(&[MATH, RESOLVE, RAY_BOX, RAY_TRIANGLE, CUT_OUT, HOLE]);
-    let rule = match rule {
-        HoleRule::Nearest => join(&[file!("holes"), file!("holes_nearest")]),
-        HoleRule::Hashed => {
-            let files = [
-                HASHED_ALPHA,
-                HASHED_HOLE,
-                file!("holes"),
-                file!("holes_hashed"),
-            ];
-            join(&files)
+    #[test]
+    fn imports_are_there_once() {
+        let text = shader_of(&["gbuffer_holes", "gbuffer_coverage"]);
+        for name in [
+            "math",
+            "gbuffer_visibility",
+            "holes",
+            "hashed_hole",
+            "gbuffer_coverage",
+        ] {
+            let headers = text.matches(&format!("// ---- {name}.wgsl\n")).count();
+            assert_eq!(headers, 1, "{name}");
         }
-    };
-    common + &rule
-}
-
-/// Returns `is_hole` with what it reads, in bind group `group`.
-pub(crate) fn bound_holes_wgsl(rule: HoleRule, group: u32) -> String {
-    let files = match rule {
-        HoleRule::Nearest => &[file!("holes_bindings")][..],
-        HoleRule::Hashed => &[file!("holes_bindings"), file!("holes_coverage")],
-    };
-    holes_wgsl(rule) + &constant("UMBRAGE_GROUP", format!("{group}u")) + &join(files)
+        for file in FILES {
+            for line in file.text.lines() {
+                let names = line.strip_prefix("// import ").unwrap_or_default();
+                for name in names.split(", ").filter(|name| !name.is_empty()) {
+                    let is_there = FILES.iter().any(|other| other.name == name);
+                    assert!(is_there, "{} imports {name}", file.name);
+                }
+            }
+        }
+    }
 }

@@ -1,3 +1,4 @@
+// import seen_in_gbuffer
 // Triangle ids of a G-buffer that has them.
 
 @group(UMBRAGE_GROUP) @binding(2) var umbrage_triangle: texture_2d<u32>;

@@ -2,6 +2,7 @@
 
 mod comparing;
 mod counting;
+mod drivers;
 mod embedded;
 mod embedded_inputs;
 mod embedded_lights;

@@ -1,4 +1,5 @@
-// What the device makes of a product that goes into a sum: one way a row, other numbers in each column. After math.wgsl.
+// import math, fullscreen
+// What the device makes of a product that goes into a sum: one way a row, other numbers in each column.
 
 @fragment
 fn product_and_sum(@builtin(position) at: vec4f) -> @location(0) f32 {

@@ -1,6 +1,9 @@
-//! The driver on which the two backends promise the same bits: for tests.
+//! The driver on which both backends return the same bits, and workarounds for its behaviour.
+//!
+//! Code that follows a [`Workaround`] names it; no other code follows a single driver. `tests/player/drivers.rs` runs each one on the
+//! pinned driver and fails once that driver no longer needs it. Then remove the rule and the workaround.
 
-use crate::Gpu;
+use crate::backend::Gpu;
 use std::sync::Once;
 
 /// The driver's `driver_info`.
@@ -8,6 +11,40 @@ pub const PINNED_DRIVER: &str = "Mesa 22.3.6 (LLVM 15.0.6)";
 
 /// Environment variable that makes tests fail on other drivers, where its value is `required`. CI sets it.
 pub const PINNED_DRIVER_VARIABLE: &str = "UMBRAGE_PINNED_DRIVER";
+
+/// A driver's behaviour, and the rule by which code avoids it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Workaround {
+    /// The driver, and the version in which the symptom was seen.
+    pub driver: &'static str,
+    /// What the driver does.
+    pub symptom: &'static str,
+    /// What code does about it, and where.
+    pub rule: &'static str,
+}
+
+const LAVAPIPE: &str = "Mesa's lavapipe 22.3";
+
+/// Loops end early.
+pub const SHORT_LOOPS: Workaround = Workaround {
+    driver: LAVAPIPE,
+    symptom: "ends all loops of an invocation after 65,535 turns, those of its eight neighbours counted together",
+    rule: "soft/hidden.wgsl looks at two rows of the light and takes others for open",
+};
+
+/// Sums are reordered.
+pub const SUM_ORDER: Workaround = Workaround {
+    driver: LAVAPIPE,
+    symptom: "adds a + (b * c + d * e) from left to right",
+    rule: "`padded_box` in ray_box.rs pads by a maximum, not by a sum",
+};
+
+/// Shaders are compiled again.
+pub const STEADY_FIRST_WORD: Workaround = Workaround {
+    driver: LAVAPIPE,
+    symptom: "compiles a shader that branches on uniforms again for each value of their buffer's first word",
+    rule: "uniform structs begin with a word that does not depend on the light",
+};
 
 impl Gpu {
     /// Checks that the adapter is the software driver whose rounding the CPU backend copies bit for bit: lavapipe of Mesa
