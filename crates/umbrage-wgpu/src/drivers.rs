@@ -42,7 +42,7 @@ pub const SUM_ORDER: Workaround = Workaround {
 /// Shaders are compiled again.
 pub const STEADY_FIRST_WORD: Workaround = Workaround {
     driver: LAVAPIPE,
-    symptom: "compiles a shader that branches on uniforms again for each value of their buffer's first word",
+    symptom: "compiles a shader that branches on the first word of a uniform buffer again for the first values of that word",
     rule: "uniform structs begin with a word that does not depend on the light",
 };
 

@@ -20,12 +20,13 @@ pub(crate) fn draw_and_read<T: Pod>(
     device: &Device,
     queue: &Queue,
     label: &str,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     format: TextureFormat,
     record: impl FnOnce(&mut CommandEncoder, &TextureView),
 ) -> Result<Vec<T>, BackendError> {
     let mut counters = Counters::default();
     let mut spare = Spare::default();
+    let [width, height] = size;
     let size = Extent3d {
         width,
         height,
