@@ -12,6 +12,7 @@ mod foreign;
 mod formats;
 mod from_depth;
 mod kernels;
+mod light_set;
 mod peeling;
 mod probing;
 mod random_faces;
