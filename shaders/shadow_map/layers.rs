@@ -48,8 +48,7 @@ uniforms! {
 uniforms! {
     /// What a lookup in a shadow map needs to know, in both halves.
     pub struct ShadowMapUniforms {
-        /// How many layers there are, 1 to [`MAX_LAYERS`]. It comes first since it has few values: Mesa's lavapipe (seen in 22.3) compiles a shader that branches on
-        /// uniforms anew for every value of their buffer's first word.
+        /// Number of layers, 1 to [`MAX_LAYERS`]. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
         pub layer_count: u32,
         /// 1 if depth is packed into four channels, else 0.
         pub packed: u32,

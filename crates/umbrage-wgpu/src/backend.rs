@@ -1,7 +1,6 @@
 //! [`Gpu`]: a backend with a device of its own.
 
 use crate::{
-    FrameInputs, RendererOptions, ShadowRenderer,
     device::{
         adapter::AdapterChoice,
         convert::Converter,
@@ -14,8 +13,9 @@ use crate::{
         results::Tickets,
         timestamp_queries::{StagesWithPasses, TimestampQueries},
     },
+    frame::{FrameInputs, RendererOptions, check_size},
     gbuffer::{GBufferPass, ReceiverTextures},
-    renderer::check_size,
+    renderer::ShadowRenderer,
     resources::{
         counters::{Counters, ResourceFactory},
         counts::COUNTING,
@@ -44,7 +44,7 @@ macro_rules! factory {
 #[cfg(feature = "testing")]
 pub(crate) use factory;
 
-/// Plays recipes on a graphics adapter, uploads what they need and reads the mask back.
+/// Executes recipes on a graphics adapter, uploads what they need and reads the mask back.
 ///
 /// [`Shadows::timings`] are timestamps of the graphics adapter around the passes, so they hold no upload, compilation or
 /// read-back of ours; but drivers finish compiling a shader when it is first drawn with, so leave the first runs of a
@@ -75,7 +75,7 @@ impl Gpu {
     /// images.
     pub fn new(choice: &AdapterChoice) -> Result<Self, BackendError> {
         let adapter = choice.find()?;
-        requirements::check_player(&adapter)?;
+        requirements::check_receivers(&adapter)?;
         #[cfg(feature = "testing")]
         let of_tests = crate::driver_model::features();
         #[cfg(not(feature = "testing"))]
@@ -174,7 +174,7 @@ impl Gpu {
         outcome
     }
 
-    fn play(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+    fn execute(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let triangles = self.prepare(view, recipe)?;
         let mut encoder = self.begin(triangles);
         let stamps = self.timestamps.as_ref().map(TimestampQueries::stamps);
@@ -233,7 +233,7 @@ impl Gpu {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if let (Some(triangles), Some(textures)) = (triangles, &self.receivers) {
-            let queries = self.timestamps.as_ref().map(|c| &c.queries);
+            let queries = self.timestamps.as_ref().map(TimestampQueries::queries);
             self.gbuffer_pass
                 .encode(&mut encoder, textures, triangles, queries);
         }
@@ -254,7 +254,7 @@ impl Gpu {
         recipe: &Recipe,
         finds_receivers: bool,
     ) -> Result<Shadows, BackendError> {
-        let played = StagesWithPasses::new(recipe, finds_receivers);
+        let stages = StagesWithPasses::new(recipe, finds_receivers);
         let kept = if recipe.keep_images {
             self.readable_images(&mut encoder)
         } else {
@@ -269,7 +269,7 @@ impl Gpu {
         let time_ticket = self
             .timestamps
             .as_ref()
-            .map(|queries| queries.read(&mut encoder, played, &mut back));
+            .map(|queries| queries.read(&mut encoder, stages, &mut back));
         self.queue.submit([encoder.finish()]);
         back.wait()?;
         let receivers = match receiver_tickets {
@@ -277,7 +277,7 @@ impl Gpu {
             None => None,
         };
         let timings = match (&self.timestamps, time_ticket) {
-            (Some(queries), Some(ticket)) => queries.timings(played, &back, ticket)?,
+            (Some(queries), Some(ticket)) => queries.timings(stages, &back, ticket)?,
             _ => Timings::default(),
         };
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
@@ -329,7 +329,7 @@ impl Backend for Gpu {
         check(view, recipe)?;
         check_size(view.camera.size, self.limits().image_side)?;
         check_adapter(&self.adapter, recipe)?;
-        self.guarded(|gpu| gpu.play(view, recipe))
+        self.guarded(|gpu| gpu.execute(view, recipe))
     }
 }
 

@@ -3,22 +3,21 @@
 use crate::{
     filter::clear,
     resources::{
-        bindings::{Binding, Bound, Slot},
+        bindings::{Binding, Bound},
         counters::ResourceFactory,
-        cut_outs::{CutOutBinding, FrameWithHoles, cut_out_layout},
-        draws::{DrawList, Vertex},
+        cut_outs::{CutOutBinding, FrameWithHoles, GpuCutOuts},
+        draws::{Draw, DrawList},
         faces::FaceBuffers,
         images::GpuImage,
-        matrices::{Matrices, matrix_layout},
-        pipelines::{CastKey, Peel, Pipelines},
+        matrices::Matrices,
+        pipelines::{PEELED_SLOT, Pipelines, Vertex},
         timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
     targets::CastTarget,
 };
 use umbrage_core::{Cast, CastMode, Format, Source};
 use wgpu::{
-    BindGroupLayout, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline,
-    ShaderStages, TextureView,
+    CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline, ShaderStages, TextureView,
 };
 
 /// All of a recipe's casts, ready to be encoded.
@@ -34,12 +33,9 @@ pub(crate) struct CastStage {
     peeled: Vec<Binding>,
     /// Layers that casts read before any cast writes them.
     clears: Vec<(Format, TextureView)>,
-    /// Each target's clip from world.
-    spaces: Matrices,
+    bindings: CastBindings,
     /// Each draw's world from local.
     places: Matrices,
-    /// What draws of triangles with holes read; each target's rays.
-    holes: CutOutBinding,
 }
 
 impl CastStage {
@@ -61,50 +57,19 @@ impl CastStage {
             .collect();
         self.list = DrawList::new(factory, faces, casts, frame);
         self.clears = read_unwritten(casts, images);
-        self.spaces.write(
-            factory,
-            pipelines,
-            self.targets.iter().map(|t| t.clip_from_world),
-        );
+        self.bindings
+            .write(factory, pipelines, self.targets.iter(), frame.holes);
         self.places.write(factory, pipelines, self.list.places());
-        let mut layouts = Layouts::new(factory, pipelines);
-        if let Some(holes) = frame.holes {
-            let layout = cut_out_layout(factory, pipelines, holes.rule());
-            let rays = casts
-                .iter()
-                .map(|cast| cast.space.rays(images[cast.image].desc.size));
-            self.holes.write(factory, &layout, holes, rays);
-            layouts.cut_outs = Some(layout);
-        }
-        self.bind_peeled(factory, &layouts);
-        self.pipelines.clear();
-        for (target, part) in self.targets.iter().zip(&self.list.casts) {
-            let mut of_target = Vec::new();
-            for draw in &self.list.draws[part.clone()] {
-                let key = CastKey {
-                    depth: target.state(),
-                    layout: draw.layout,
-                    vertex: draw.vertex,
-                    peel: Peel::of(target),
-                };
-                of_target.push(pipelines.cast(factory, key, &layouts.of(&key)));
-            }
-            self.pipelines.push(of_target);
-        }
-    }
-
-    fn bind_peeled(&mut self, factory: &mut ResourceFactory<'_>, layouts: &Layouts) {
         self.peeled
             .resize_with(self.targets.len(), Binding::default);
-        for (binding, target) in self.peeled.iter_mut().zip(&self.targets) {
-            if let Some(other) = &target.behind {
-                binding.set(
-                    factory,
-                    "umbrage peeled layer",
-                    &layouts.peeled,
-                    vec![Bound::View(other.clone())],
-                );
-            }
+        for (peeled, target) in self.peeled.iter_mut().zip(&self.targets) {
+            bind_peeled(peeled, factory, pipelines, target);
+        }
+        self.pipelines.clear();
+        for (target, part) in self.targets.iter().zip(&self.list.casts) {
+            let draws = self.list.draws[part.clone()].iter();
+            let pipeline = |draw: &Draw| pipelines.cast(factory, target, draw.layout, draw.vertex);
+            self.pipelines.push(draws.map(pipeline).collect());
         }
     }
 
@@ -150,10 +115,7 @@ impl CastStage {
             timestamp_writes: pass_stamps(stamps, TimedStage::Cast, i, self.targets.len()),
             ..RenderPassDescriptor::default()
         });
-        self.spaces.bind(&mut pass, 0, i);
-        if self.targets[i].behind.is_some() {
-            pass.set_bind_group(2, self.peeled[i].group(), &[]);
-        }
+        self.bindings.bind(&mut pass, i, &self.peeled[i]);
         self.draw(&mut pass, i);
     }
 
@@ -169,47 +131,65 @@ impl CastStage {
                 self.places.bind(pass, 1, index);
             }
             if matches!(draw.vertex, Vertex::CutOut(_)) {
-                self.holes.bind(pass, 1, cast);
+                self.bindings.bind_holes(pass, cast);
             }
             draw.encode(pass);
         }
     }
 }
 
-/// Layouts of the bind groups of casts: 0 holds clip from world, 1 world from local or what tells holes, 2 the layer that is peeled
-/// off.
-#[derive(Debug)]
-pub(crate) struct Layouts {
-    matrix: BindGroupLayout,
-    pub(crate) peeled: BindGroupLayout,
-    /// Where triangles have holes.
-    pub(crate) cut_outs: Option<BindGroupLayout>,
+/// What the shaders of some casts read: clip from world and, for triangles with holes, the rays through texels.
+#[derive(Debug, Default)]
+pub(crate) struct CastBindings {
+    spaces: Matrices,
+    holes: CutOutBinding,
 }
 
-impl Layouts {
-    pub(crate) fn new(factory: &ResourceFactory<'_>, pipelines: &mut Pipelines) -> Self {
-        let matrix = matrix_layout(factory, pipelines);
-        let peeled = pipelines.layouts.get(
-            factory,
-            ShaderStages::FRAGMENT,
-            &[Slot::Floats { layered: false }],
-        );
-        Self {
-            matrix,
-            peeled,
-            cut_outs: None,
+impl CastBindings {
+    pub(crate) fn write<'t>(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        targets: impl Iterator<Item = &'t CastTarget> + Clone,
+        holes: Option<&GpuCutOuts>,
+    ) {
+        let spaces = targets.clone().map(|target| target.clip_from_world);
+        self.spaces.write(factory, pipelines, spaces);
+        if let Some(holes) = holes {
+            let rays = targets.map(CastTarget::rays);
+            self.holes.write(factory, pipelines, holes, rays);
         }
     }
 
-    pub(crate) fn of(&self, key: &CastKey) -> [Option<&BindGroupLayout>; 3] {
-        let second = match key.vertex {
-            Vertex::Local => Some(&self.matrix),
-            Vertex::CutOut(_) => self.cut_outs.as_ref(),
-            Vertex::World | Vertex::Instanced | Vertex::Homogeneous => None,
-        };
-        let peeled = (key.peel != Peel::Nothing).then_some(&self.peeled);
-        [Some(&self.matrix), second, peeled]
+    /// Binds what all draws of a cast read.
+    pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, cast: usize, peeled: &Binding) {
+        self.spaces.bind(pass, 0, cast);
+        if peeled.group().is_some() {
+            pass.set_bind_group(2, peeled.group(), &[]);
+        }
     }
+
+    /// Binds what draws of triangles with holes read.
+    pub(crate) fn bind_holes(&self, pass: &mut RenderPass<'_>, cast: usize) {
+        self.holes.bind(pass, 1, cast);
+    }
+}
+
+/// Binds the layer that a cast peels off, if it does.
+pub(crate) fn bind_peeled(
+    peeled: &mut Binding,
+    factory: &mut ResourceFactory<'_>,
+    pipelines: &mut Pipelines,
+    target: &CastTarget,
+) {
+    let Some(other) = &target.behind else {
+        *peeled = Binding::default();
+        return;
+    };
+    let layouts = &mut pipelines.layouts;
+    let stage = ShaderStages::FRAGMENT;
+    let entries = vec![(PEELED_SLOT, Bound::View(other.clone()))];
+    peeled.bind(factory, layouts, stage, "umbrage peeled layer", entries);
 }
 
 /// Returns the layers that casts read before any cast writes them, with their formats.

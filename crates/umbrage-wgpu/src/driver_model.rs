@@ -1,15 +1,5 @@
-//! Shaders rewritten so that a software driver rounds as another driver does, and the texts of the
-//! shaders that place vertices and receivers: for tests.
+//! Shaders rewritten for tests, so that a software driver rounds as another driver does.
 
-use crate::{
-    gbuffer::{ids_wgsl, ids_with_holes_wgsl, points_wgsl},
-    gbuffer_from_depth::whole_shader_text,
-    light_set::corners::corners_wgsl,
-    resources::{
-        cut_outs::HoleRule,
-        pipelines::{cast_wgsl, cast_with_holes_wgsl},
-    },
-};
 use std::{borrow::Cow, sync::OnceLock};
 use wgpu::Features;
 
@@ -47,26 +37,4 @@ pub(crate) fn features() -> Features {
     REWRITER
         .get()
         .map_or(Features::empty(), |rewriter| rewriter.features)
-}
-
-/// Returns the name and the text of each shader that places vertices or receivers.
-pub fn placing_shaders() -> Vec<(&'static str, String)> {
-    vec![
-        ("cast", cast_wgsl()),
-        ("cast with holes", cast_with_holes_wgsl(HoleRule::Nearest)),
-        (
-            "cast with hashed holes",
-            cast_with_holes_wgsl(HoleRule::Hashed),
-        ),
-        ("ids", ids_wgsl()),
-        ("ids with holes", ids_with_holes_wgsl(HoleRule::Nearest)),
-        (
-            "ids with hashed holes",
-            ids_with_holes_wgsl(HoleRule::Hashed),
-        ),
-        ("receivers", points_wgsl()),
-        ("receivers from depth", whole_shader_text(false)),
-        ("receivers from samples of depth", whole_shader_text(true)),
-        ("corners", corners_wgsl()),
-    ]
 }

@@ -9,7 +9,7 @@ use crate::{
         timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
     targets::attachment,
-    wgsl::{filter_shader, kernel_wgsl},
+    wgsl::{kernel::kernel_wgsl, stages::filter_shader},
 };
 use umbrage_core::{Format, Recipe};
 use wgpu::{

@@ -1,5 +1,6 @@
 //! The caller's input for one frame: casters in its own buffers, and the G-buffer of its camera.
 
+use crate::device::later_errors::ApiErrors;
 use glam::{Affine3A, UVec2};
 use std::ops::Range;
 use umbrage_core::{BackendError, Invalid, Recipe, Source, invalid};
@@ -7,6 +8,23 @@ use wgpu::{
     Buffer, BufferUsages, IndexFormat, Limits, Texture, TextureFormat, TextureUsages, TextureView,
     VertexFormat,
 };
+
+/// Options that hold for all that a renderer does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RendererOptions {
+    /// Index of the bind group that holds what the receive kernel reads, so that [`receive_wgsl`](crate::receive_wgsl) and
+    /// [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
+    pub kernel_group: u32,
+    /// When errors of the graphics API are reported.
+    pub errors: ApiErrors,
+}
+
+impl RendererOptions {
+    /// Returns the index of the G-buffer's bind group: 0, or 1 where the kernel's is 0.
+    pub(crate) fn gbuffer_group(self) -> u32 {
+        u32::from(self.kernel_group == 0)
+    }
+}
 
 /// One frame's casters and receivers.
 #[derive(Clone, Copy, Debug)]
@@ -110,10 +128,21 @@ pub struct GBuffer<'a> {
     pub position: &'a TextureView,
     /// `Rgba32Float`: geometric unit normal in world space, turned to the camera, 0 where nothing is seen; w is unread.
     pub normal: &'a TextureView,
-    /// `R32Uint`: triangle ids, [`NO_TRIANGLE`](umbrage_core::NO_TRIANGLE) where nothing is seen. For kernels that ask
+    /// `R32Uint`: triangle ids, [`NO_TRIANGLE`](umbrage_core::NO_TRIANGLE) where nothing is seen. For kernels that read them
     /// (ray tracing does, so that a triangle doesn't shadow itself) and for recipes that shade: they colour every pixel
     /// with an id, for which position and normal must then be right even where no shadow may fall.
     pub triangle: Option<&'a TextureView>,
+}
+
+impl GBuffer<'_> {
+    /// Errors if a texture has another format, size or usage.
+    pub(crate) fn validate(&self, size: UVec2) -> Result<(), BackendError> {
+        check(self.position, "position", TextureFormat::Rgba32Float, size)?;
+        check(self.normal, "normal", TextureFormat::Rgba32Float, size)?;
+        self.triangle.map_or(Ok(()), |triangle| {
+            check(triangle, "triangle", TextureFormat::R32Uint, size)
+        })
+    }
 }
 
 impl FrameInputs<'_> {
@@ -128,21 +157,7 @@ impl FrameInputs<'_> {
         }
         self.check_everything(recipe)?;
         self.check_triangles(recipe)?;
-        check(
-            self.receivers.position,
-            "position",
-            TextureFormat::Rgba32Float,
-            self.size,
-        )?;
-        check(
-            self.receivers.normal,
-            "normal",
-            TextureFormat::Rgba32Float,
-            self.size,
-        )?;
-        if let Some(view) = self.receivers.triangle {
-            check(view, "triangle", TextureFormat::R32Uint, self.size)?;
-        }
+        self.receivers.validate(self.size)?;
         Ok(())
     }
 
@@ -297,7 +312,7 @@ impl VertexLayout {
         Ok(())
     }
 
-    /// Returns how many vertices lie in a buffer of this many bytes. The last one may end with its position.
+    /// Returns how many vertices fit in a buffer of this many bytes. The last one may end with its position.
     fn vertices(self, bytes: u64) -> u64 {
         bytes
             .checked_sub(self.position_offset + self.format.bytes())
@@ -352,4 +367,13 @@ pub(crate) fn check_readable(texture: &Texture, what: &str) -> Result<(), Invali
     }
     let why = "was made without the usage `TextureUsages::TEXTURE_BINDING`";
     Err(Invalid::new(what, why, "add it where the texture is made"))
+}
+
+/// Errors if a frame is empty or has more than `most` pixels on a side.
+pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
+    if size.min_element() > 0 && size.max_element() <= most {
+        return Ok(());
+    }
+    let why = format!("is {} x {} pixels", size.x, size.y);
+    Err(Invalid::new("frame", why, format!("use 1 to {most} on each side")).into())
 }

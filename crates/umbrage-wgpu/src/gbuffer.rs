@@ -6,24 +6,24 @@ use crate::{
     resources::{
         bindings::{Binding, Bound, Layouts, Slot},
         counters::ResourceFactory,
-        cut_outs::{GpuCutOuts, HoleRule, holes_wgsl},
+        cut_outs::GpuCutOuts,
         geometry::GpuGeometry,
         images::extent,
         pipelines::{Targets, fullscreen_pipeline, pipeline_layout, shader},
     },
     targets::{DepthState, attachment},
-    wgsl::FULLSCREEN,
+    wgsl::stages::{HoleRule, ids_wgsl, shader_of},
 };
 use encase::{ShaderType, UniformBuffer};
 use glam::{Mat4, UVec2};
 use std::ops::Range;
-use umbrage_core::{Camera, CameraRays, Format, MATH, Receivers, join, resolve::RESOLVE};
+use umbrage_core::{Camera, CameraRays, Format, Receivers};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Device, FragmentState,
     MultisampleState, PipelineCompilationOptions, QuerySet, Queue, RenderPass,
     RenderPassDescriptor, RenderPassTimestampWrites, RenderPipeline, RenderPipelineDescriptor,
-    ShaderStages, TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension,
-    TextureFormat, TextureUsages, TextureView, VertexState,
+    ShaderStages, TexelCopyBufferLayout, Texture, TextureFormat, TextureUsages, TextureView,
+    VertexState,
 };
 
 /// Twin of `Seen` in visibility.wgsl.
@@ -91,16 +91,8 @@ impl ReceiverTextures {
         let drawn_and_read = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
         let copied = TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
         let mut make = |label, format| {
-            let texture = factory.texture(&TextureDescriptor {
-                label: Some(label),
-                size: extent(size, 1),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: TextureDimension::D2,
-                format,
-                usage: drawn_and_read | copied,
-                view_formats: &[],
-            });
+            let usage = drawn_and_read | copied;
+            let texture = factory.texture(label, extent(size, 1), format, usage);
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
             (texture, view)
         };
@@ -140,8 +132,8 @@ impl ReceiverTextures {
     /// Bytes per pixel: position, normal, triangle and depth.
     pub(crate) const BYTES: u64 = 16 + 16 + 4 + 4;
 
-    /// Writes positions, normals and triangle ids, but no depth, which nothing reads. Nothing is written where they are there already:
-    /// whoever compares many settings plays all of them on the same receivers.
+    /// Writes positions, normals and triangle ids, but no depth, which nothing reads. Nothing is written if the textures hold them already:
+    /// comparisons execute many recipes on the same receivers.
     pub(crate) fn upload(&mut self, factory: &ResourceFactory<'_>, r: &Receivers) {
         if self.uploaded.as_ref().is_some_and(|held| held.are(r)) {
             return;
@@ -175,82 +167,74 @@ pub(crate) fn write(queue: &Queue, texture: &Texture, bytes: &[u8]) {
 /// Finds receivers in two passes: ids, then points.
 #[derive(Debug)]
 pub(crate) struct GBufferPass {
-    ids: RenderPipeline,
-    points: RenderPipeline,
-    ids_layout: BindGroupLayout,
-    points_layout: BindGroupLayout,
     uniforms: Option<Buffer>,
-    ids_binding: Binding,
+    ids: IdsPass,
+    /// Draws triangles with holes. Made when a geometry first has some, and when one first has another rule.
+    ids_with_holes: Option<IdsPass>,
+    points: RenderPipeline,
+    points_layout: BindGroupLayout,
     points_binding: Binding,
-    /// Made when a geometry first has holes, and when one first has another rule.
-    holes: Option<HolesPass>,
     /// The triangles with holes that are drawn; both empty if there are none.
     cut_out: [Range<u32>; 2],
 }
 
-/// Draws ids of triangles with holes.
+/// Draws ids of triangles, without holes or with them.
 #[derive(Debug)]
-struct HolesPass {
-    rule: HoleRule,
-    ids: RenderPipeline,
+struct IdsPass {
+    holes: Option<HoleRule>,
+    pipeline: RenderPipeline,
     layout: BindGroupLayout,
     binding: Binding,
 }
 
-/// Returns the shader that draws triangle ids.
-pub(crate) fn ids_wgsl() -> String {
-    join(&[MATH, RESOLVE]) + include_str!("gbuffer_visibility.wgsl")
-}
-
-/// Returns the shader that draws ids of triangles with holes.
-pub(crate) fn ids_with_holes_wgsl(rule: HoleRule) -> String {
-    let visibility = include_str!("gbuffer_visibility.wgsl");
-    let text = holes_wgsl(rule) + visibility + include_str!("gbuffer_holes.wgsl");
-    match rule {
-        HoleRule::Nearest => text,
-        HoleRule::Hashed => text + include_str!("gbuffer_coverage.wgsl"),
-    }
-}
-
-/// Returns the shader that turns triangle ids into receivers.
-pub(crate) fn points_wgsl() -> String {
-    ids_wgsl() + include_str!("gbuffer_resolve.wgsl") + FULLSCREEN
-}
-
-impl HolesPass {
-    fn new(factory: &ResourceFactory<'_>, rule: HoleRule) -> Self {
-        let mut slots = vec![Slot::Uniform, Slot::Table, Slot::Table, Slot::Table];
-        if rule == HoleRule::Hashed {
-            slots.push(Slot::Table);
-        }
-        let text = ids_with_holes_wgsl(rule);
-        let layout = Layouts::default().get(factory, ShaderStages::VERTEX_FRAGMENT, &slots);
+impl IdsPass {
+    fn new(factory: &ResourceFactory<'_>, holes: Option<HoleRule>) -> Self {
+        // Camera, positions and indices; of holes records and perhaps coverages.
+        let tables = match holes {
+            None => 2,
+            Some(HoleRule::Nearest) => 3,
+            Some(HoleRule::Hashed) => 4,
+        };
+        let mut slots = vec![Slot::Uniform];
+        slots.extend(vec![Slot::Table; tables]);
+        let entry = match holes {
+            None => "write_id",
+            Some(_) => "write_id_outside_holes",
+        };
+        let stages = ShaderStages::VERTEX_FRAGMENT;
+        let layout = Layouts::default().get(factory, stages, &slots);
         Self {
-            rule,
-            ids: ids_pipeline(factory.device, &text, "write_id_outside_holes", &layout),
+            holes,
+            pipeline: ids_pipeline(factory.device, &ids_wgsl(holes), entry, &layout),
             layout,
             binding: Binding::default(),
         }
+    }
+
+    fn draw(&self, pass: &mut RenderPass<'_>, triangles: Range<u32>) {
+        if triangles.is_empty() {
+            return;
+        }
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, self.binding.group(), &[]);
+        pass.draw(3 * triangles.start..3 * triangles.end, 0..1);
     }
 }
 
 impl GBufferPass {
     pub(crate) fn new(factory: &ResourceFactory<'_>) -> Self {
-        let mut layouts = Layouts::default();
-        // Camera, positions and indices; the second pass also reads the ids that the first one drew.
-        let mut slots = vec![Slot::Uniform, Slot::Table, Slot::Table];
-        let ids_layout = layouts.get(factory, ShaderStages::VERTEX, &slots);
-        slots.push(Slot::Whole { layered: false });
-        let points_layout = layouts.get(factory, ShaderStages::FRAGMENT, &slots);
+        // The ids that the first pass drew come last.
+        let ids = Slot::Whole { layered: false };
+        let slots = [Slot::Uniform, Slot::Table, Slot::Table, ids];
+        let stage = ShaderStages::FRAGMENT;
+        let points_layout = Layouts::default().get(factory, stage, &slots);
         Self {
-            ids: ids_pipeline(factory.device, &ids_wgsl(), "write_id", &ids_layout),
-            points: points_pipeline(factory.device, &points_wgsl(), &points_layout),
-            ids_layout,
-            points_layout,
             uniforms: None,
-            ids_binding: Binding::default(),
+            ids: IdsPass::new(factory, None),
+            ids_with_holes: None,
+            points: points_pipeline(factory.device, &points_layout),
+            points_layout,
             points_binding: Binding::default(),
-            holes: None,
             cut_out: [0..0, 0..0],
         }
     }
@@ -282,12 +266,9 @@ impl GBufferPass {
             Bound::Buffer(geometry.positions.clone()),
             Bound::Buffer(geometry.indices.clone()),
         ];
-        self.ids_binding.set(
-            factory,
-            "umbrage visibility",
-            &self.ids_layout,
-            bound.clone(),
-        );
+        let ids = &mut self.ids;
+        ids.binding
+            .set(factory, "umbrage visibility", &ids.layout, bound.clone());
         self.prepare_holes(factory, geometry.cut_outs.as_ref(), &bound);
         bound.push(Bound::View(textures.triangle.1.clone()));
         self.points_binding
@@ -306,11 +287,11 @@ impl GBufferPass {
             return;
         };
         self.cut_out = cut_outs.cut_outs.runs().clone();
-        let rule = cut_outs.rule();
-        self.holes.take_if(|pass| pass.rule != rule);
-        let pass = self.holes.get_or_insert_with(|| {
+        let holes = Some(cut_outs.rule());
+        self.ids_with_holes.take_if(|pass| pass.holes != holes);
+        let pass = self.ids_with_holes.get_or_insert_with(|| {
             factory.counters.pipelines += 1;
-            HolesPass::new(factory, rule)
+            IdsPass::new(factory, holes)
         });
         let mut bound = bound.to_vec();
         bound.push(Bound::Buffer(cut_outs.rows.clone()));
@@ -327,27 +308,13 @@ impl GBufferPass {
     fn draw_ids(&self, pass: &mut RenderPass<'_>, triangles: u32) {
         let mut next = 0;
         for run in &self.cut_out {
-            self.draw_whole(pass, next..run.start.max(next));
-            if let Some(holes) = &self.holes
-                && !run.is_empty()
-            {
-                pass.set_pipeline(&holes.ids);
-                pass.set_bind_group(0, holes.binding.group(), &[]);
-                pass.draw(3 * run.start..3 * run.end, 0..1);
+            self.ids.draw(pass, next..run.start.max(next));
+            if let Some(holes) = &self.ids_with_holes {
+                holes.draw(pass, run.clone());
             }
             next = run.end.max(next);
         }
-        self.draw_whole(pass, next..triangles);
-    }
-
-    /// Draws triangles without holes.
-    fn draw_whole(&self, pass: &mut RenderPass<'_>, run: Range<u32>) {
-        if run.is_empty() {
-            return;
-        }
-        pass.set_pipeline(&self.ids);
-        pass.set_bind_group(0, self.ids_binding.group(), &[]);
-        pass.draw(3 * run.start..3 * run.end, 0..1);
+        self.ids.draw(pass, next..triangles);
     }
 
     /// Records both passes; `queries` get timestamps 0 and 1.
@@ -429,13 +396,13 @@ fn ids_pipeline(
     })
 }
 
-fn points_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> RenderPipeline {
+fn points_pipeline(device: &Device, layout: &BindGroupLayout) -> RenderPipeline {
     let entries = ["umbrage_fullscreen", "resolve_pixel"];
     let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
     fullscreen_pipeline(
         device,
         "umbrage resolve",
-        text,
+        &shader_of(&["gbuffer_resolve"]),
         entries,
         &targets,
         &[Some(layout)],

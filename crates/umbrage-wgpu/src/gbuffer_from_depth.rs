@@ -13,12 +13,12 @@ use crate::{
         images::{GpuImage, fit_images},
         pipelines::{Targets, fullscreen_pipeline},
     },
-    wgsl::FULLSCREEN,
+    wgsl::stages::depth_wgsl,
 };
 use encase::{ShaderType, UniformBuffer};
 use glam::{DVec3, Mat4, UVec2};
 use std::collections::HashMap;
-use umbrage_core::{BackendError, Format, ImageDesc, Invalid, MATH, invalid, join};
+use umbrage_core::{BackendError, Format, ImageDesc, Invalid, invalid};
 use wgpu::{
     Buffer, BufferUsages, Color, CommandEncoder, Device, Queue, RenderPassDescriptor,
     RenderPipeline, ShaderStages, TextureFormat, TextureView,
@@ -50,7 +50,7 @@ pub struct DepthBuffer<'a> {
     pub empty: f32,
 }
 
-/// Twin of `DepthCamera` in from_depth.wgsl.
+/// Twin of `DepthCamera` in depth.wgsl.
 #[derive(ShaderType)]
 pub(crate) struct DepthCamera {
     world_from_clip: Mat4,
@@ -67,7 +67,18 @@ impl DepthCamera {
             handedness: source.handedness()?,
         })
     }
+
+    /// Returns the bytes as shaders read them.
+    pub(crate) fn bytes(&self) -> [u8; CAMERA_BYTES] {
+        let mut bytes = UniformBuffer::new([0; CAMERA_BYTES]);
+        // The struct fits: `CAMERA_BYTES` is its size.
+        bytes.write(self).unwrap_or_default();
+        bytes.into_inner()
+    }
 }
+
+/// Bytes of a camera in shaders.
+const CAMERA_BYTES: usize = 80;
 
 impl GBufferFromDepth {
     /// Returns a converter that has made no GPU objects yet: they are made with the first frame.
@@ -112,7 +123,7 @@ impl GBufferFromDepth {
     ) {
         let texture = source.depth.texture();
         let size = UVec2::new(texture.width(), texture.height());
-        self.samples = texture.sample_count() > 1;
+        self.samples = source.has_samples();
         let positions = ImageDesc {
             label: "umbrage positions",
             size,
@@ -124,28 +135,21 @@ impl GBufferFromDepth {
             ..positions
         };
         fit_images(factory, &mut self.images, &[positions, normals], &[]);
-        let mut bytes = UniformBuffer::new(Vec::new());
-        // Writing to a growing vector cannot fail.
-        bytes.write(camera).unwrap_or_default();
-        let uniforms = factory.write(
-            &mut self.uniforms,
-            "umbrage camera",
-            BufferUsages::UNIFORM,
-            &bytes.into_inner(),
-        );
-        let depth = if self.samples {
-            Slot::Samples
-        } else {
-            Slot::Floats { layered: false }
-        };
+        let usage = BufferUsages::UNIFORM;
+        let bytes = camera.bytes();
+        let uniforms = factory.write(&mut self.uniforms, "umbrage camera", usage, &bytes);
+        let entries = vec![
+            (Slot::Uniform, Bound::Buffer(uniforms)),
+            (source.slot(), Bound::View(source.depth.clone())),
+        ];
+        let layouts = &mut self.layouts;
+        let stage = ShaderStages::FRAGMENT;
         let layout = self
-            .layouts
-            .get(factory, ShaderStages::FRAGMENT, &[Slot::Uniform, depth]);
-        let bound = vec![Bound::Buffer(uniforms), Bound::View(source.depth.clone())];
-        self.binding.set(factory, "umbrage depth", &layout, bound);
+            .binding
+            .bind(factory, layouts, stage, "umbrage depth", entries);
         self.pipelines.entry(self.samples).or_insert_with(|| {
             factory.counters.pipelines += 1;
-            let text = whole_shader_text(self.samples);
+            let text = depth_wgsl(self.samples);
             let entries = ["umbrage_fullscreen", "unproject_pixel"];
             let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
             fullscreen_pipeline(
@@ -159,8 +163,8 @@ impl GBufferFromDepth {
         });
     }
 
-    /// Returns an error of the graphics API that came since this was last asked: in browsers, where [`prepare`](Self::prepare) can't
-    /// wait for it. After one, everything is made anew.
+    /// Returns an error of the graphics API that came since the last call: in browsers, where [`prepare`](Self::prepare) can't
+    /// wait for it. After one, all GPU objects are made again.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         *self = Self::default();
@@ -238,17 +242,30 @@ impl DepthBuffer<'_> {
         self.check_empty()
     }
 
+    /// Returns whether there are several samples a pixel.
+    pub(crate) fn has_samples(&self) -> bool {
+        self.depth.texture().sample_count() > 1
+    }
+
+    pub(crate) fn slot(&self) -> Slot {
+        if self.has_samples() {
+            Slot::Samples
+        } else {
+            Slot::Floats { layered: false }
+        }
+    }
+
     /// Errors if `empty` is the depth of what is nearest. Only with perspective does the matrix tell which depth that is.
     fn check_empty(&self) -> Result<(), Invalid> {
         // All rays meet where clip x, y and w are 0.
         let eye = self.world_from_clip.as_dmat4().z_axis;
-        // The fourth component is 1/far - 1/near, beside 1/near or 1/far; without perspective 0, or what inverting rounds.
+        // The fourth component is 1/far - 1/near, next to 1/near or 1/far; without perspective 0, or what inverting rounds.
         if eye.w.abs() <= 1e-4 * f64::from(self.world_from_clip.w_axis.w.abs()) {
             return Ok(());
         }
         let eye = eye.truncate() / eye.w;
         let nearest = self.middle(f64::from(1.0 - self.empty)).distance(eye);
-        // One of the two ends may lie at infinity, so the nearest is compared with the middle of the depths.
+        // One of the two ends may be at infinity, so the nearest is compared with the middle of the depths.
         let between = self.middle(0.5).distance(eye);
         if nearest < between {
             return Ok(());
@@ -293,34 +310,4 @@ impl DepthBuffer<'_> {
             help,
         ))
     }
-}
-
-/// The fragment shader that writes what a pixel sees.
-const ENTRY: &str = "
-@fragment
-fn unproject_pixel(@builtin(position) at: vec4f) -> Surface {
-    return surface_at(vec2i(at.xy));
-}
-";
-
-/// Returns the whole shader of the pass; `samples`: whether the depth buffer has several a pixel.
-pub(crate) fn whole_shader_text(samples: bool) -> String {
-    shader_text(0, samples) + ENTRY + FULLSCREEN
-}
-
-/// Returns the functions that unproject a depth buffer, `surface_at` among them. The camera and the depth are bound in `group`.
-pub(crate) fn shader_text(group: u32, samples: bool) -> String {
-    let ty = if samples {
-        "texture_multisampled_2d<f32>"
-    } else {
-        "texture_2d<f32>"
-    };
-    let access = format!(
-        "@group({group}) @binding(0) var<uniform> camera: DepthCamera;
-@group({group}) @binding(1) var depth_texture: {ty};
-fn load_depth(pixel: vec2i) -> f32 {{ return textureLoad(depth_texture, pixel, 0).x; }}
-fn depth_size() -> vec2i {{ return vec2i(textureDimensions(depth_texture)); }}
-"
-    );
-    join(&[MATH]) + &access + include_str!("gbuffer_from_depth.wgsl")
 }

@@ -1,10 +1,10 @@
-//! Plays umbrage's recipes on wgpu.
+//! Executes umbrage's recipes on wgpu.
 //!
 //! * [`ShadowRenderer`] is middleware: the caller's device, the caller's encoder, no submission.
 //! * [`Gpu`] is a [`Backend`](umbrage_core::Backend) with a device of its own: upload, render, read back, time.
 //!
 //! Recipes whose casts count ([`CastMode::StencilDepthFail`](umbrage_core::CastMode::StencilDepthFail)) need a device with
-//! the feature `DEPTH32FLOAT_STENCIL8`; [`Gpu`] asks for it where the adapter has it, and for `TIMESTAMP_QUERY`, without
+//! the feature `DEPTH32FLOAT_STENCIL8`; [`Gpu`] requests it if the adapter has it, and `TIMESTAMP_QUERY`, without
 //! which there are no timings. All else is in every WebGPU device that can draw into images of 32-bit floats
 //! ([`check_adapter`]).
 //!
@@ -15,22 +15,19 @@ mod cast;
 mod device;
 #[cfg(feature = "testing")]
 mod driver_model;
+#[cfg(feature = "testing")]
+mod drivers;
 mod filter;
 mod frame;
 mod gbuffer;
 mod gbuffer_from_depth;
 mod light_set;
-#[cfg(feature = "testing")]
-mod pinned_driver;
-mod prefix;
 mod receive;
 mod renderer;
 #[cfg(feature = "testing")]
 mod replay;
 mod resources;
-mod shade;
 mod targets;
-mod tokens;
 mod wgsl;
 
 pub use backend::Gpu;
@@ -42,8 +39,14 @@ pub use device::{
     requirements::check_adapter,
 };
 #[cfg(feature = "testing")]
-pub use driver_model::{ShaderRewriter, placing_shaders, rewrite_shaders};
-pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexLayout};
+pub use driver_model::{ShaderRewriter, rewrite_shaders};
+#[cfg(feature = "testing")]
+pub use drivers::{
+    PINNED_DRIVER, PINNED_DRIVER_VARIABLE, SHORT_LOOPS, STEADY_FIRST_WORD, SUM_ORDER, Workaround,
+};
+pub use frame::{
+    Drawable, FrameInputs, GBuffer, Indices, PositionFormat, RendererOptions, VertexLayout,
+};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 #[cfg(feature = "testing")]
 pub use light_set::Listing;
@@ -52,12 +55,14 @@ pub use light_set::{
     MaskInputs, MeshId, NormalCoding, PassCasters, SetBudget, SetFrame, SetLight, SetNormals,
     SetPass, SetReceivers, SetReport, SetTimestamps, StillLayers, TimedPass, Unserved,
 };
-#[cfg(feature = "testing")]
-pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};
-pub use renderer::{RendererOptions, ShadowRenderer};
+pub use renderer::ShadowRenderer;
 #[cfg(feature = "testing")]
 pub use resources::counters::Counters;
-pub use resources::{cut_outs::CutOutBuffers, images::texture_format, timestamps::PassTimestamps};
+pub use resources::{
+    cut_out_buffers::CutOutBuffers, images::texture_format, timestamps::PassTimestamps,
+};
 pub use targets::CastTarget;
 pub use wgpu;
-pub use wgsl::receive_wgsl;
+pub use wgsl::kernel::receive_wgsl;
+#[cfg(feature = "testing")]
+pub use wgsl::stages::placing_shaders;

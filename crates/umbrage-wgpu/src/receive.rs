@@ -1,92 +1,174 @@
-//! The receive stage: the recipe's kernel, run for every pixel of the G-buffer.
+//! The stages that run a kernel for every pixel of the G-buffer: receive and shade.
 
 use crate::{
     filter::color_attachment,
-    frame::{FrameInputs, GBuffer},
-    renderer::RendererOptions,
+    frame::{FrameInputs, GBuffer, RendererOptions},
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
-        images::{GpuImage, fit_images},
+        images::{GpuImage, fit_images, texture_format},
         kernel_stage::{KernelStage, Sources},
         pipelines::Pipelines,
-        timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
-    wgsl::{kernel_wgsl, receive_shader},
+    wgsl::{
+        kernel::kernel_wgsl,
+        stages::{receive_shader, shade_shader},
+    },
 };
-use umbrage_core::{Format, ImageDesc};
+use glam::UVec2;
+use umbrage_core::{Format, ImageDesc, Kernel};
 use wgpu::{
-    BindGroup, BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor, ShaderStages,
-    TextureFormat, TextureView,
+    BindGroup, BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor,
+    RenderPassTimestampWrites, ShaderStages,
 };
 
-/// The receive stage, ready to be encoded.
+/// A stage that writes one image, ready to be encoded. It has none if the recipe lacks the stage.
 #[derive(Debug, Default)]
-pub(crate) struct ReceiveStage {
+pub(crate) struct PixelStage {
     kernel: KernelStage,
     gbuffer: Binding,
-    mask: Vec<GpuImage>,
+    image: Vec<GpuImage>,
+    /// The image where no pixel is written.
+    background: Color,
 }
 
-impl ReceiveStage {
-    /// Makes the mask, the bindings and the pipeline. Returns the mask that will be written.
-    pub(crate) fn prepare(
+/// A stage's kernel, and its image.
+struct PixelKernel<'a> {
+    kernel: &'a dyn Kernel,
+    images: &'a [usize],
+    tables: &'a [usize],
+    label: &'static str,
+    size: UVec2,
+    format: Format,
+    entry: &'static str,
+}
+
+impl PixelStage {
+    /// Makes the receive stage. Returns the mask that it writes.
+    pub(crate) fn prepare_receive(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
         options: RendererOptions,
         frame: &FrameInputs<'_>,
-    ) -> &GpuImage {
-        let mask = ImageDesc {
+    ) -> Option<&GpuImage> {
+        let receive = &sources.recipe.receive;
+        let kernel = PixelKernel {
+            kernel: &*receive.kernel,
+            images: &receive.inputs,
+            tables: &receive.tables,
             label: "umbrage mask",
             size: frame.size,
-            layers: 1,
             format: Format::R32,
+            entry: "umbrage_receive",
         };
-        fit_images(factory, &mut self.mask, &[mask], &[]);
-        let receive = &sources.recipe.receive;
+        let seen = gbuffer_entries(&frame.receivers);
+        let has_triangles = frame.receivers.triangle.is_some();
+        let shader = |text: &str, group| receive_shader(text, group, has_triangles);
+        self.background = Color::WHITE;
+        self.prepare(factory, pipelines, sources, options, kernel, seen, shader);
+        self.image()
+    }
+
+    /// Makes the shade stage, if the recipe has one.
+    pub(crate) fn prepare_shade(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut Sources<'_>,
+        options: RendererOptions,
+        frame: &FrameInputs<'_>,
+        mask: &GpuImage,
+    ) {
+        let Some(shade) = &sources.recipe.shade else {
+            return *self = Self::default();
+        };
+        let kernel = PixelKernel {
+            kernel: &*shade.kernel,
+            images: &[],
+            tables: &shade.tables,
+            label: "umbrage picture",
+            size: frame.size,
+            format: Format::Rgba32,
+            entry: "umbrage_shade",
+        };
+        let mut seen = gbuffer_entries(&frame.receivers);
+        let view = Bound::View(mask.whole.clone());
+        seen.push((Slot::Floats { layered: false }, view));
+        let [r, g, b, a] = shade.background.map(f64::from);
+        self.background = Color { r, g, b, a };
+        self.prepare(
+            factory,
+            pipelines,
+            sources,
+            options,
+            kernel,
+            seen,
+            shade_shader,
+        );
+    }
+
+    /// Makes the image, the bindings and the pipeline. `shader` returns the text, given the kernel's and the group of `seen`.
+    #[expect(clippy::too_many_arguments, reason = "the two stages share all of it")]
+    fn prepare(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut Sources<'_>,
+        options: RendererOptions,
+        pixel: PixelKernel<'_>,
+        seen: Vec<(Slot, Bound)>,
+        shader: impl Fn(&str, u32) -> String,
+    ) {
+        let image = ImageDesc {
+            label: pixel.label,
+            size: pixel.size,
+            layers: 1,
+            format: pixel.format,
+        };
+        fit_images(factory, &mut self.image, &[image], &[]);
         let shape = self.kernel.bind(
             factory,
             pipelines,
             sources,
-            &*receive.kernel,
-            &receive.inputs,
-            &receive.tables,
+            pixel.kernel,
+            pixel.images,
+            pixel.tables,
         );
-        let (slots, bound) = gbuffer(&frame.receivers);
-        let layout = pipelines
-            .layouts
-            .get(factory, ShaderStages::FRAGMENT, &slots);
-        self.gbuffer
-            .set(factory, "umbrage receivers", &layout, bound);
-        let kernel_text = kernel_wgsl(&*receive.kernel, &shape, options.kernel_group);
-        let has_triangles = frame.receivers.triangle.is_some();
-        let text = receive_shader(&kernel_text, options.gbuffer_group(), has_triangles);
-        let groups = groups(options, &self.kernel, &layout);
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::FRAGMENT;
+        let seen_layout = self
+            .gbuffer
+            .bind(factory, layouts, stage, "umbrage receivers", seen);
+        let gbuffer_group = options.gbuffer_group();
+        let text = kernel_wgsl(pixel.kernel, &shape, options.kernel_group);
+        let text = shader(&text, gbuffer_group);
+        let mut groups = vec![None; options.kernel_group.max(1) as usize + 1];
+        groups[options.kernel_group as usize] = self.kernel.binding.layout();
+        groups[gbuffer_group as usize] = Some(&seen_layout);
         self.kernel.pipeline = Some(pipelines.kernel(
             factory,
-            "umbrage receive",
+            pixel.label,
             text,
-            "umbrage_receive",
-            TextureFormat::R32Float,
+            pixel.entry,
+            texture_format(pixel.format),
             &groups,
         ));
-        &self.mask[0]
     }
 
-    /// Records the pass and returns the mask.
+    /// Records the pass, and returns the image; `None` if there is no such stage.
     pub(crate) fn encode(
         &self,
         encoder: &mut CommandEncoder,
         options: RendererOptions,
-        stamps: Option<&PassTimestamps<'_>>,
-    ) -> Option<&TextureView> {
-        let mask = &self.mask()?.whole;
+        timestamp_writes: Option<RenderPassTimestampWrites<'_>>,
+    ) -> Option<&GpuImage> {
+        let image = self.image()?;
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-            label: Some("umbrage receive"),
-            color_attachments: &[Some(color_attachment(mask, Color::WHITE))],
-            timestamp_writes: pass_stamps(stamps, TimedStage::Receive, 0, 1),
+            label: Some(image.desc.label),
+            color_attachments: &[Some(color_attachment(&image.whole, self.background))],
+            timestamp_writes,
             ..RenderPassDescriptor::default()
         });
         pass.set_pipeline(self.kernel.pipeline.as_ref()?);
@@ -94,45 +176,31 @@ impl ReceiveStage {
         pass.set_bind_group(options.gbuffer_group(), self.gbuffer.group(), &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
-        Some(mask)
+        Some(image)
     }
 
-    pub(crate) fn mask(&self) -> Option<&GpuImage> {
-        self.mask.first()
+    /// Returns the image that the stage writes.
+    pub(crate) fn image(&self) -> Option<&GpuImage> {
+        self.image.first()
     }
 
     /// Returns the bind group of what the kernel reads; `None` before anything is prepared.
     pub(crate) fn kernel_group(&self) -> Option<(&BindGroup, &BindGroupLayout)> {
-        self.kernel
-            .binding
-            .group()
-            .zip(self.kernel.binding.layout())
+        let binding = &self.kernel.binding;
+        binding.group().zip(binding.layout())
     }
 }
 
-/// Returns the G-buffer's bindings, kinds and views: positions, normals, and triangle ids if there are any.
-pub(crate) fn gbuffer(receivers: &GBuffer<'_>) -> (Vec<Slot>, Vec<Bound>) {
+/// Returns the G-buffer's bindings: positions, normals, and triangle ids if there are any.
+pub(crate) fn gbuffer_entries(receivers: &GBuffer<'_>) -> Vec<(Slot, Bound)> {
     let floats = Slot::Floats { layered: false };
-    let mut slots = vec![floats, floats];
-    let mut views = vec![
-        Bound::View(receivers.position.clone()),
-        Bound::View(receivers.normal.clone()),
+    let mut entries = vec![
+        (floats, Bound::View(receivers.position.clone())),
+        (floats, Bound::View(receivers.normal.clone())),
     ];
     if let Some(triangle) = receivers.triangle {
-        slots.push(Slot::Whole { layered: false });
-        views.push(Bound::View(triangle.clone()));
+        let whole = Slot::Whole { layered: false };
+        entries.push((whole, Bound::View(triangle.clone())));
     }
-    (slots, views)
-}
-
-/// Returns the bind group layouts of a pipeline that runs a kernel over a G-buffer.
-pub(crate) fn groups<'a>(
-    options: RendererOptions,
-    kernel: &'a KernelStage,
-    gbuffer: &'a BindGroupLayout,
-) -> Vec<Option<&'a BindGroupLayout>> {
-    let mut groups = vec![None; options.kernel_group.max(1) as usize + 1];
-    groups[options.kernel_group as usize] = kernel.binding.layout();
-    groups[options.gbuffer_group() as usize] = Some(gbuffer);
-    groups
+    entries
 }

@@ -1,11 +1,12 @@
-//! [`ShadowRenderer`]: plays recipes on the caller's device, into the caller's encoder.
+//! [`ShadowRenderer`]: executes recipes on the caller's device, into the caller's encoder.
 
 use crate::{
     device::{
         error_scopes::Scopes,
-        later_errors::{ApiErrors, LaterErrors},
+        later_errors::LaterErrors,
+        requirements::{check_device, limits},
     },
-    frame::FrameInputs,
+    frame::{FrameInputs, RendererOptions, check_size},
     resources::{
         counters::{Counters, ResourceFactory},
         counts::{check_counting, pairs},
@@ -18,21 +19,10 @@ use crate::{
     },
     targets::CastTarget,
 };
-use glam::UVec2;
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
 
-/// Options that hold for all that a renderer does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RendererOptions {
-    /// Index of the bind group that holds what the receive kernel reads, so that [`receive_wgsl`](crate::receive_wgsl) and
-    /// [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
-    pub kernel_group: u32,
-    /// When errors of the graphics API are told.
-    pub errors: ApiErrors,
-}
-
-/// Plays recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes and writes what a frame
+/// Executes recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes and writes what a frame
 /// needs, [`encode`](Self::encode) records the passes.
 ///
 /// ```no_run
@@ -59,7 +49,7 @@ pub struct RendererOptions {
 /// `prepare` uses others, made when they are first needed. So all that is recorded between two submissions may read
 /// the masks and the [`receive_bind_group`](Self::receive_bind_group)s of all lights that were encoded there, and that many
 /// lights take that many masks and maps. After the submission the next `prepare` uses them again: take masks and bind
-/// groups anew after each, and submit all that reads them before it or together with the encoder.
+/// groups again after each, and submit all that reads them before it or together with the encoder.
 #[derive(Debug)]
 pub struct ShadowRenderer {
     options: RendererOptions,
@@ -107,7 +97,7 @@ impl ShadowRenderer {
     ///
     /// # Errors
     /// Errors if the recipe or the frame cannot be used, the device is another than the renderer's, memory runs out, or a kernel's
-    /// WGSL is at fault (with the compiler's message). After an error nothing is prepared, and everything is made anew.
+    /// WGSL is at fault (with the compiler's message). After an error nothing is prepared, and all GPU objects are made again.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -334,8 +324,8 @@ impl ShadowRenderer {
         self.gpu_picture().map(|image| &image.whole)
     }
 
-    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`]. After one, nothing is
-    /// prepared, and everything is made anew.
+    /// Returns an error of the graphics API that came since the last call, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, nothing is
+    /// prepared, and all GPU objects are made again.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         (self.shared, self.lights) = Default::default();
@@ -362,11 +352,11 @@ impl ShadowRenderer {
     }
 
     pub(crate) fn mask(&self) -> Option<&GpuImage> {
-        self.light().ok()?.receive.mask()
+        self.light().ok()?.receive.image()
     }
 
     pub(crate) fn gpu_picture(&self) -> Option<&GpuImage> {
-        self.light().ok()?.shading.picture()
+        self.light().ok()?.shading.image()
     }
 
     /// Returns what was prepared last.
@@ -382,48 +372,6 @@ impl ShadowRenderer {
         self.submissions.watch(encoder, &light.pending);
         Ok(light)
     }
-}
-
-impl RendererOptions {
-    /// Returns the index of the G-buffer's bind group: 0, or 1 where the kernel's is 0.
-    pub(crate) fn gbuffer_group(self) -> u32 {
-        u32::from(self.kernel_group == 0)
-    }
-}
-
-/// Returns the limits for recipes on a device.
-pub(crate) fn limits(device: &Device) -> BackendLimits {
-    let limits = device.limits();
-    BackendLimits {
-        image_side: limits.max_texture_dimension_2d,
-        layers: limits.max_texture_array_layers,
-        table_bytes: limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size),
-    }
-}
-
-/// Errors if `device` is not the renderer's `own`.
-pub(crate) fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
-    if device == own {
-        return Ok(());
-    }
-    let help =
-        "prepare with the device that the renderer was made with, or make a renderer for each";
-    Err(Invalid::new(
-        "device",
-        "is not the one that the shadow renderer was made with",
-        help,
-    ))
-}
-
-/// Errors if a frame is empty or has more than `most` pixels on a side.
-pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
-    if size.min_element() > 0 && size.max_element() <= most {
-        return Ok(());
-    }
-    let why = format!("is {} x {} pixels", size.x, size.y);
-    Err(Invalid::new("frame", why, format!("use 1 to {most} on each side")).into())
 }
 
 fn unprepared() -> BackendError {

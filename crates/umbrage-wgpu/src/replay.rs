@@ -1,9 +1,9 @@
-//! Plays one stage from given images, so that tests can compare stages by themselves.
+//! Executes one stage from given images, so that tests can compare stages by themselves.
 
 use crate::{
-    FrameInputs, Gpu,
-    backend::{check, factory},
+    backend::{Gpu, check, factory},
     device::{readback::ReadBack, results::Tickets},
+    frame::FrameInputs,
     gbuffer::ReceiverTextures,
 };
 use glam::UVec2;
@@ -11,7 +11,7 @@ use umbrage_core::{BackendError, Image, Invalid, Recipe, View};
 use wgpu::CommandEncoder;
 
 impl Gpu {
-    /// Plays only the receive stage, from these images instead of those that the recipe's casts and filters would make. The
+    /// Executes only the receive stage, from these images instead of those that the recipe's casts and filters would make. The
     /// view needs receivers or geometry. Returns the mask.
     ///
     /// # Errors
@@ -40,7 +40,7 @@ impl Gpu {
         })
     }
 
-    /// Plays only the filter with this index, from these images. Returns what it wrote.
+    /// Executes only the filter with this index, from these images. Returns what it wrote.
     ///
     /// # Errors
     /// Errors if [`replay_receive`](Self::replay_receive) does; and if there is no such filter.

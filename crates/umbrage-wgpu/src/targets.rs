@@ -67,7 +67,7 @@ impl CastTarget {
         }
     }
 
-    /// Returns the rays through the centres of the layer's texels: what a program's own shader asks for holes along, with
+    /// Returns the rays through the centres of the layer's texels: along which a program's own shader looks for holes, with
     /// [`CutOutBuffers::wgsl`](crate::CutOutBuffers::wgsl).
     pub fn rays(&self) -> CameraRays {
         self.space.rays(self.size)

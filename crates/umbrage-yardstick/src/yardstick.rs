@@ -97,8 +97,7 @@ fn table() -> Arc<[[u32; 4]]> {
 uniforms! {
     /// Uniforms of [`YardstickKernel`].
     pub struct YardstickUniforms {
-        /// One less than the table's rows, a power of two. It comes first since it is always the same: Mesa's lavapipe
-        /// compiles a shader that branches on uniforms anew for every value of their buffer's first word.
+        /// One less than the table's rows, a power of two. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
         pub mask: u32,
         /// Links of each receiver's chain.
         pub links: u32,

@@ -50,8 +50,7 @@ fn run_of_bits(since: f32, until: f32) -> u32 {
 
 // The light's points that nothing is known to hide, a word for each row; and the rows that have any.
 //
-// Loops are kept short here: Mesa's lavapipe (seen in 22.3) ends all loops of an invocation after 65,535 turns, those of eight neighbours
-// counted together.
+// Loops are kept short here: see `SHORT_LOOPS` in umbrage-wgpu's drivers.rs.
 var<private> open: array<u32, MAX_ROWS>;
 var<private> open_rows: u32;
 

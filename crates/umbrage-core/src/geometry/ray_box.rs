@@ -63,8 +63,7 @@ pub(crate) fn enters_box(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> bool 
 }
 
 /// Returns the box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its longest side or by 2^-22 of
-/// its greatest coordinate, whichever is more. (Not by a sum: Mesa's lavapipe 22.3 adds `a + (b * c + d * e)` from left to
-/// right.)
+/// its greatest coordinate, whichever is more. (Not by a sum: see `SUM_ORDER` in umbrage-wgpu's drivers.rs.)
 #[inline(always)]
 pub(crate) fn padded_box(corners: [Vec3A; 3]) -> [Vec3A; 2] {
     let [a, b, c] = corners;

@@ -41,8 +41,7 @@ pub const LIFT: f32 = 1.0 / 1_048_576.0;
 uniforms! {
     /// A light, ready to be sampled.
     pub struct LightSampler {
-        /// The [`kind`]; the rest is unused. It comes first since it has few values: Mesa's lavapipe (seen in 22.3) compiles
-        /// a shader that branches on uniforms anew for every value of their buffer's first word.
+        /// The [`kind`]; the rest is unused. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
         pub shape: UVec4,
         /// World position of the light's middle; for directions the unit vector towards the light. Fourth: unused.
         pub center: Vec4,

@@ -47,8 +47,6 @@ pub struct CatalogueEntry {
     pub random_parameters: fn() -> Vec<RandomParameter>,
     /// Random settings: [`CataloguedTechnique::random`].
     pub random: fn(map: ShadowMap, numbers: &[f32]) -> TechniquePreset,
-    /// Whether any of its shaders branches on a uniform.
-    pub branches_on_uniforms: bool,
     /// As [`CataloguedTechnique::IS_PREVIEWED`].
     pub is_previewed: bool,
 }
@@ -90,7 +88,6 @@ impl CatalogueEntry {
             random_weight: T::RANDOM_WEIGHT,
             random_parameters: T::random_parameters,
             random: |map, numbers| TechniquePreset::from(T::random(map, numbers)),
-            branches_on_uniforms: T::BRANCHES_ON_UNIFORMS,
             is_previewed: T::IS_PREVIEWED,
         }
     }

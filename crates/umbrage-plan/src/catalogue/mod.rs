@@ -170,10 +170,6 @@ pub trait CataloguedTechnique: ListedTechnique {
         Self::default().with_map(map)
     }
 
-    /// Whether any of its shaders branches on a uniform. Mesa's lavapipe 22.3 compiles such shaders anew for every value
-    /// of the uniform buffer's first word, so that word must not follow the light; tests see to it.
-    const BRANCHES_ON_UNIFORMS: bool = true;
-
     /// Whether quick comparisons of all techniques run it. They leave out what takes long and seldom wins.
     /// A technique that is named always runs.
     const IS_PREVIEWED: bool = true;

@@ -19,7 +19,4 @@ impl CataloguedTechnique for Planar {
     fn random(_: ShadowMap, _: &[f32]) -> Self {
         Self { planes: 40 }
     }
-
-    // It begins with the light, but nothing is compiled anew for that.
-    const BRANCHES_ON_UNIFORMS: bool = false;
 }

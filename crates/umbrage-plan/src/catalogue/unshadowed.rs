@@ -9,9 +9,6 @@ impl CataloguedTechnique for Unshadowed {
         kernel::downcast::<UnshadowedKernel>(kernel)
     }
 
-    // It begins with the light, but nothing is compiled anew for that.
-    const BRANCHES_ON_UNIFORMS: bool = false;
-
     fn why_chosen(&self, error: f64, _: &Recipe) -> Option<String> {
         (error > 0.0).then(|| format!("leaving all shadows out errs by only {error:.4}"))
     }

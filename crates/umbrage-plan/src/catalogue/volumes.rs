@@ -13,7 +13,4 @@ impl CataloguedTechnique for ShadowVolumes {
     const MAX_COMPARED_TRIANGLES: Option<usize> = Some(1_000_000);
 
     const RANDOM_WEIGHT: u32 = 2;
-
-    // It begins with the light, but nothing is compiled anew for that.
-    const BRANCHES_ON_UNIFORMS: bool = false;
 }

@@ -10,7 +10,7 @@ use crate::{
         pipelines::{Targets, fullscreen_pipeline},
     },
     targets::attachment,
-    wgsl::FULLSCREEN,
+    wgsl::stages::shader_of,
 };
 use std::collections::HashMap;
 use umbrage_core::{Format, ImageDesc};
@@ -180,7 +180,7 @@ fn pipeline(
     layout: &BindGroupLayout,
 ) -> RenderPipeline {
     factory.counters.pipelines += 1;
-    let text = include_str!("convert.wgsl").to_owned() + FULLSCREEN;
+    let text = shader_of(&["convert"]);
     let format = texture_format(to);
     let (entry, targets) = match to.is_depth() {
         true => ("write_depth", Targets::Depth(format)),

@@ -31,7 +31,7 @@ impl DeviceErrors {
     }
 
     /// # Errors
-    /// Errors if the device is gone, or failed since this was last asked.
+    /// Errors if the device is gone, or failed since the last call.
     pub(crate) fn check(&self) -> Result<(), BackendError> {
         self.change(|s| match (&s.lost, s.uncaptured.take()) {
             (Some(message), _) => Err(BackendError::DeviceLost(message.clone())),

@@ -32,7 +32,7 @@ impl Scopes {
 
     /// Closes the scopes without waiting for what they caught.
     pub(crate) fn close_later(self) -> ClosedScopes {
-        // All are popped now, since scopes that are opened next must lie beside them.
+        // All are popped now, since scopes that are opened next must be next to them.
         let validation = self.validation.pop();
         let memory = self.memory.pop();
         let internal = self.internal.pop();
@@ -76,7 +76,7 @@ type Caught = dyn Future<Output = Result<(), BackendError>>;
 
 /// Scopes that are closed, and whose errors may still be on the way.
 pub(crate) struct ClosedScopes {
-    /// Behind a lock, which nobody waits for, so that what holds it may be shared between threads.
+    /// Behind a lock that is never waited for, so that its owner may be shared between threads.
     pending: Mutex<Pin<Box<Caught>>>,
 }
 
@@ -87,7 +87,7 @@ impl std::fmt::Debug for ClosedScopes {
 }
 
 impl ClosedScopes {
-    /// Returns what the scopes caught, or `None` while that isn't known. Not to be asked again once it is.
+    /// Returns what the scopes caught, or `None` while that isn't known. Not to be called again once it is.
     pub(crate) fn poll(&mut self) -> Option<Result<(), BackendError>> {
         let mut context = Context::from_waker(Waker::noop());
         let pending = self

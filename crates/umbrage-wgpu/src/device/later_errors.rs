@@ -1,9 +1,9 @@
-//! When errors of the graphics API are told.
+//! When errors of the graphics API are reported.
 
 use crate::device::error_scopes::{ClosedScopes, Scopes};
 use umbrage_core::BackendError;
 
-/// When errors of the graphics API are told: memory that runs out, a kernel's WGSL that the compiler refuses.
+/// When errors of the graphics API are reported: memory that runs out, a kernel's WGSL that the compiler refuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ApiErrors {
     /// By the call that made the error: it waits for the device's answer, which on all systems but browsers is there at once. In
@@ -29,7 +29,7 @@ impl Default for ApiErrors {
 pub(crate) struct LaterErrors(Vec<ClosedScopes>);
 
 impl LaterErrors {
-    /// Closes scopes. What they caught is told at once, or remembered to be asked for.
+    /// Closes scopes. What they caught is returned at once, or remembered.
     pub(crate) fn close(&mut self, scopes: Scopes, when: ApiErrors) -> Result<(), BackendError> {
         if when == ApiErrors::AtOnce && cfg!(not(target_arch = "wasm32")) {
             return scopes.close();

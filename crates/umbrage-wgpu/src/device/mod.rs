@@ -7,6 +7,7 @@ pub(crate) mod error_scopes;
 pub(crate) mod later_errors;
 pub(crate) mod probe;
 pub(crate) mod probe_fusing;
+pub(crate) mod probe_image;
 pub(crate) mod probe_offset;
 pub(crate) mod readback;
 pub(crate) mod requirements;

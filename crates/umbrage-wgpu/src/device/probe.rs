@@ -6,21 +6,14 @@
 
 use crate::{
     device::{
+        probe_image::{draw_and_read, record_draw},
         probe_offset::probe_offset_unit,
-        readback::{ReadBack, Spare},
     },
-    filter::color_attachment,
-    resources::{
-        counters::{Counters, ResourceFactory},
-        pipelines::{Targets, fullscreen_pipeline},
-    },
+    resources::pipelines::{Targets, fullscreen_pipeline},
 };
 use glam::DVec2;
 use umbrage_core::{BackendError, DepthPlanes, Snapping};
-use wgpu::{
-    Color, CommandEncoderDescriptor, Device, Extent3d, Queue, RenderPassDescriptor,
-    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
-};
+use wgpu::{Device, Queue, TextureFormat};
 
 /// Number of triangles, side by side.
 const STRIPS: usize = 64;
@@ -45,29 +38,8 @@ pub fn probe_snapping(device: &Device, queue: &Queue) -> Result<Snapping, Backen
 
 /// Returns the depths of the triangles' pixels, 0 elsewhere, row by row.
 fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
-    let mut counters = Counters::default();
-    let mut spare = Spare::default();
-    let mut factory = ResourceFactory {
-        device,
-        queue,
-        counters: &mut counters,
-    };
     let label = "umbrage probe";
     let format = TextureFormat::R32Float;
-    let image = factory.texture(&TextureDescriptor {
-        label: Some(label),
-        size: Extent3d {
-            width: (STRIPS * STRIP) as u32,
-            height: ROWS as u32,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format,
-        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
     let pipeline = fullscreen_pipeline(
         device,
         label,
@@ -76,21 +48,10 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
         &Targets::Colors(&[format]),
         &[],
     );
-    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-    let view = image.create_view(&TextureViewDescriptor::default());
-    let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: &[Some(color_attachment(&view, Color::TRANSPARENT))],
-        ..RenderPassDescriptor::default()
-    });
-    pass.set_pipeline(&pipeline);
-    pass.draw(0..3 * STRIPS as u32, 0..1);
-    drop(pass);
-    let mut back = ReadBack::new(device, &mut counters, &mut spare);
-    let ticket = back.texture(&mut encoder, &image);
-    queue.submit([encoder.finish()]);
-    back.wait()?;
-    back.read(ticket)
+    let size = [(STRIPS * STRIP) as u32, ROWS as u32];
+    draw_and_read(device, queue, label, size, format, |encoder, view| {
+        record_draw(encoder, view, &pipeline, 3 * STRIPS as u32);
+    })
 }
 
 /// Returns the rounding of vertices and planes that the image shows. An image that no known rounding draws counts as the

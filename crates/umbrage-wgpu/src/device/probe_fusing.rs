@@ -1,19 +1,12 @@
 //! Finds out whether a device rounds a product before it adds something to it: WGSL leaves that to drivers.
 
 use crate::{
-    device::readback::{ReadBack, Spare},
-    filter::color_attachment,
-    resources::{
-        counters::{Counters, ResourceFactory},
-        pipelines::{Targets, fullscreen_pipeline},
-    },
-    wgsl::FULLSCREEN,
+    device::probe_image::{draw_and_read, record_draw},
+    resources::pipelines::{Targets, fullscreen_pipeline},
+    wgsl::stages::shader_of,
 };
-use umbrage_core::{BackendError, Fusing, MATH};
-use wgpu::{
-    Color, CommandEncoderDescriptor, Device, Extent3d, Queue, RenderPassDescriptor,
-    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
-};
+use umbrage_core::{BackendError, Fusing};
+use wgpu::{Device, Queue, TextureFormat};
 
 const LABEL: &str = "umbrage probe of fusing";
 
@@ -45,29 +38,8 @@ fn unrounded_sum(column: usize) -> f32 {
 
 /// Returns the sums, row by row.
 fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
-    let mut counters = Counters::default();
-    let mut spare = Spare::default();
-    let mut factory = ResourceFactory {
-        device,
-        queue,
-        counters: &mut counters,
-    };
     let format = TextureFormat::R32Float;
-    let image = factory.texture(&TextureDescriptor {
-        label: Some(LABEL),
-        size: Extent3d {
-            width: COLUMNS as u32,
-            height: 3,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format,
-        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    let text = [MATH.text, FULLSCREEN, include_str!("probe_fusing.wgsl")].concat();
+    let text = shader_of(&["probe_fusing"]);
     let pipeline = fullscreen_pipeline(
         device,
         LABEL,
@@ -76,19 +48,8 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
         &Targets::Colors(&[format]),
         &[],
     );
-    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-    let view = image.create_view(&TextureViewDescriptor::default());
-    let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-        label: Some(LABEL),
-        color_attachments: &[Some(color_attachment(&view, Color::TRANSPARENT))],
-        ..RenderPassDescriptor::default()
-    });
-    pass.set_pipeline(&pipeline);
-    pass.draw(0..3, 0..1);
-    drop(pass);
-    let mut back = ReadBack::new(device, &mut counters, &mut spare);
-    let ticket = back.texture(&mut encoder, &image);
-    queue.submit([encoder.finish()]);
-    back.wait()?;
-    back.read(ticket)
+    let size = [COLUMNS as u32, 3];
+    draw_and_read(device, queue, LABEL, size, format, |encoder, view| {
+        record_draw(encoder, view, &pipeline, 3);
+    })
 }

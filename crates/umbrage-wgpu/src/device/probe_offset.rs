@@ -3,19 +3,14 @@
 //! A triangle at a known depth is drawn into one texel with an offset of many units, and the texel is read back.
 
 use crate::{
-    device::readback::{ReadBack, Spare},
-    resources::{
-        counters::{Counters, ResourceFactory},
-        pipelines::{pipeline_layout, shader},
-    },
+    device::probe_image::draw_and_read,
+    resources::pipelines::{pipeline_layout, shader},
     targets::{DepthState, attachment},
 };
 use umbrage_core::{BackendError, Format, OffsetUnit};
 use wgpu::{
-    CommandEncoderDescriptor, Device, Extent3d, MultisampleState, PipelineCompilationOptions,
-    Queue, RenderPassDescriptor, RenderPipeline, RenderPipelineDescriptor, Texture,
-    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
-    VertexState,
+    Device, MultisampleState, PipelineCompilationOptions, Queue, RenderPassDescriptor,
+    RenderPipeline, RenderPipelineDescriptor, TextureFormat, VertexState,
 };
 
 const LABEL: &str = "umbrage probe of polygon offset";
@@ -50,44 +45,18 @@ fn unit_of(depth: f32) -> OffsetUnit {
 
 /// Returns the texel that was drawn, in steps of 1/65535.
 fn draw(device: &Device, queue: &Queue) -> Result<u16, BackendError> {
-    let mut counters = Counters::default();
-    let mut spare = Spare::default();
-    let mut factory = ResourceFactory {
-        device,
-        queue,
-        counters: &mut counters,
-    };
-    let image = texel(&mut factory);
-    let view = image.create_view(&TextureViewDescriptor::default());
-    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-    let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-        label: Some(LABEL),
-        depth_stencil_attachment: Some(attachment(&view, Format::Depth16, true)),
-        ..RenderPassDescriptor::default()
-    });
-    pass.set_pipeline(&pipeline(device));
-    pass.draw(0..3, 0..1);
-    drop(pass);
-    let mut back = ReadBack::new(device, &mut counters, &mut spare);
-    let ticket = back.texture(&mut encoder, &image);
-    queue.submit([encoder.finish()]);
-    back.wait()?;
-    let texels: Vec<u16> = back.read(ticket)?;
+    let pipeline = pipeline(device);
+    let format = TextureFormat::Depth16Unorm;
+    let texels = draw_and_read(device, queue, LABEL, [1, 1], format, |encoder, view| {
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some(LABEL),
+            depth_stencil_attachment: Some(attachment(view, Format::Depth16, true)),
+            ..RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(&pipeline);
+        pass.draw(0..3, 0..1);
+    })?;
     Ok(texels[0])
-}
-
-/// Creates an image of one texel.
-fn texel(factory: &mut ResourceFactory<'_>) -> Texture {
-    factory.texture(&TextureDescriptor {
-        label: Some(LABEL),
-        size: Extent3d::default(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: TextureFormat::Depth16Unorm,
-        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
 }
 
 fn pipeline(device: &Device) -> RenderPipeline {

@@ -1,10 +1,10 @@
-//! What an adapter must be able to do.
+//! Requirements of recipes on adapters, and limits of devices.
 
 use crate::resources::{counts::check_counting, images::texture_format};
-use umbrage_core::{BackendError, Invalid, Recipe};
-use wgpu::{Adapter, DownlevelFlags, TextureFormat, TextureUsages};
+use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
+use wgpu::{Adapter, Device, DownlevelFlags, TextureFormat, TextureUsages};
 
-/// Checks whether an adapter can play a recipe: draw into its float images, clamp a polygon offset, count into depth of
+/// Checks whether an adapter can execute a recipe: draw into its float images, clamp a polygon offset, count into depth of
 /// 32 bits, and compare while sampling. Useful before [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only
 /// sees the device.
 ///
@@ -38,8 +38,34 @@ pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendEr
     Ok(())
 }
 
+/// Returns the limits for recipes on a device.
+pub(crate) fn limits(device: &Device) -> BackendLimits {
+    let limits = device.limits();
+    BackendLimits {
+        image_side: limits.max_texture_dimension_2d,
+        layers: limits.max_texture_array_layers,
+        table_bytes: limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size),
+    }
+}
+
+/// Errors if `device` is not the renderer's `own`.
+pub(crate) fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
+    if device == own {
+        return Ok(());
+    }
+    let help =
+        "prepare with the device that the renderer was made with, or make a renderer for each";
+    Err(Invalid::new(
+        "device",
+        "is not the one that the shadow renderer was made with",
+        help,
+    ))
+}
+
 /// Errors if an adapter cannot find receivers, which every [`Gpu`](crate::Gpu) has to.
-pub(crate) fn check_player(adapter: &Adapter) -> Result<(), BackendError> {
+pub(crate) fn check_receivers(adapter: &Adapter) -> Result<(), BackendError> {
     check_drawable(adapter, TextureFormat::R32Float)?;
     check_drawable(adapter, TextureFormat::Rgba32Float)?;
     check_drawable(adapter, TextureFormat::R32Uint)?;

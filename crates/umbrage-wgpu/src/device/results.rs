@@ -1,9 +1,9 @@
 //! Reads masks, pictures, images and receivers back from the GPU.
 
 use crate::{
-    ShadowRenderer,
     device::readback::{ReadBack, Ticket},
     gbuffer::ReceiverTextures,
+    renderer::ShadowRenderer,
     resources::images::GpuImage,
 };
 use glam::Vec3;

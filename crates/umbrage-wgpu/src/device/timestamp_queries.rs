@@ -1,21 +1,17 @@
-//! Timestamp queries, which tell how long the stages took on the GPU.
+//! Timestamp queries, which measure how long the stages took on the GPU.
 
 use crate::{
     device::readback::{ReadBack, Ticket},
-    resources::timestamps::PassTimestamps,
+    resources::{query_pairs::QueryPairs, timestamps::PassTimestamps},
 };
 use std::time::Duration;
 use umbrage_core::{BackendError, Recipe, Timings};
-use wgpu::{
-    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, Features,
-    QUERY_RESOLVE_BUFFER_ALIGNMENT, QuerySet, QuerySetDescriptor, QueryType, Queue,
-};
+use wgpu::{CommandEncoder, Device, Features, QuerySet, Queue};
 
 /// Queries for begin and end of four stages: receivers, casts, filters, receive.
 #[derive(Debug)]
 pub(crate) struct TimestampQueries {
-    pub(crate) queries: QuerySet,
-    resolved: Buffer,
+    pairs: QueryPairs,
     /// Nanoseconds a tick.
     nanoseconds: f64,
 }
@@ -28,62 +24,50 @@ impl TimestampQueries {
         if !device.features().contains(Features::TIMESTAMP_QUERY) {
             return None;
         }
-        let queries = device.create_query_set(&QuerySetDescriptor {
-            label: Some("umbrage stages"),
-            ty: QueryType::Timestamp,
-            count: 2 * STAGES,
-        });
-        let resolved = device.create_buffer(&BufferDescriptor {
-            label: Some("umbrage stages"),
-            size: QUERY_RESOLVE_BUFFER_ALIGNMENT * u64::from(STAGES),
-            usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
         Some(Self {
-            queries,
-            resolved,
+            pairs: QueryPairs::new(device, "umbrage stages", STAGES),
             nanoseconds: f64::from(queue.get_timestamp_period()),
         })
     }
 
+    pub(crate) fn queries(&self) -> &QuerySet {
+        &self.pairs.set
+    }
+
     pub(crate) fn stamps(&self) -> PassTimestamps<'_> {
         PassTimestamps {
-            queries: &self.queries,
+            queries: &self.pairs.set,
             first: 2,
         }
     }
 
-    /// Records the copy of the queries that were written. Waiting for others could take forever.
+    /// Records the copy of the queries that were written.
     pub(crate) fn read(
         &self,
         encoder: &mut CommandEncoder,
-        played: StagesWithPasses,
+        stages: StagesWithPasses,
         back: &mut ReadBack<'_>,
     ) -> Ticket {
-        for (stage, has_passes) in (0..STAGES).zip(played.0) {
+        for (stage, has_passes) in (0..STAGES).zip(stages.0) {
             if has_passes {
-                let pair = 2 * stage..2 * stage + 2;
-                let offset = QUERY_RESOLVE_BUFFER_ALIGNMENT * u64::from(stage);
-                encoder.resolve_query_set(&self.queries, pair, &self.resolved, offset);
+                self.pairs.resolve(encoder, stage);
             }
         }
-        back.buffer(encoder, &self.resolved)
+        back.buffer(encoder, &self.pairs.resolved)
     }
 
     pub(crate) fn timings(
         &self,
-        played: StagesWithPasses,
+        stages: StagesWithPasses,
         back: &ReadBack<'_>,
         ticket: Ticket,
     ) -> Result<Timings, BackendError> {
-        let ticks: Vec<u64> = back.read(ticket)?;
-        let stage = |i: usize| -> Option<Duration> {
-            if !played.0[i] {
+        let bytes: Vec<u8> = back.read(ticket)?;
+        let stage = |stage: u32| -> Option<Duration> {
+            if !stages.0[stage as usize] {
                 return None;
             }
-            let begin = i * QUERY_RESOLVE_BUFFER_ALIGNMENT as usize / size_of::<u64>();
-            let elapsed = ticks[begin + 1].checked_sub(ticks[begin])?;
-            let nanoseconds = elapsed as f64 * self.nanoseconds;
+            let nanoseconds = QueryPairs::elapsed(&bytes, stage)? as f64 * self.nanoseconds;
             Some(Duration::from_nanos(nanoseconds as u64))
         };
         Ok(Timings {

@@ -1,14 +1,17 @@
 //! Buffers of a set: the numbers of all lights in one, and all tables in another.
 
-use crate::{
-    light_set::{light::LightId, text::MAX_TABLES},
-    resources::counters::ResourceFactory,
-};
+use crate::{light_set::options::LightId, resources::counters::ResourceFactory};
 use std::sync::Arc;
 use umbrage_core::Table;
 use wgpu::{Buffer, BufferUsages, Queue};
 
-/// Words of a light's entry: `ShadowLight` in text.rs.
+/// Most images of a kernel.
+pub(crate) const MAX_IMAGES: usize = 4;
+/// Most tables of a kernel.
+pub(crate) const MAX_TABLES: usize = 5;
+/// Most images of a kernel with all tables: the last table is where those of further images are.
+pub(crate) const MAX_IMAGES_WITH_ALL_TABLES: usize = 1;
+/// Words of a light's entry: `ShadowLight` in light.wgsl.
 const ENTRY_WORDS: usize = 12;
 /// Most lights of a set, and with them most records of a kind: an index takes 12 bits of a light's entry.
 pub(crate) const MAX_LIGHTS: usize = 1 << 12;
@@ -38,7 +41,7 @@ pub(crate) struct Records {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Uploaded {
     pub(crate) bytes: u64,
-    /// Whether a buffer was made anew, so that bind groups must be, too.
+    /// Whether a new buffer was made, which bind groups must bind.
     pub(crate) made_buffer: bool,
 }
 
@@ -251,15 +254,15 @@ pub(crate) struct TablePlace {
     pub(crate) count: u32,
 }
 
-/// A light's entry: twin of `ShadowLight` in text.rs.
+/// A light's entry: twin of `ShadowLight` in light.wgsl.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LightEntry {
     /// 0 of lights that are not served, else the kind of kernel, counted from 1.
     pub(crate) kind: u32,
     /// Index of the kernel's uniforms.
     pub(crate) kernel: u32,
-    pub(crate) images: [ImagePlace; 4],
-    /// The last one lies where images 1 to 3 do, and excludes these.
+    pub(crate) images: [ImagePlace; MAX_IMAGES],
+    /// The last one is stored in place of images 1 to 3.
     pub(crate) tables: [TablePlace; MAX_TABLES],
 }
 
@@ -392,13 +395,13 @@ impl SharedTables {
         16 * made.map(|held| u64::from(held.count)).sum::<u64>()
     }
 
-    /// Returns a number that grows whenever what the device made is lost or lies elsewhere.
+    /// Returns a number that grows whenever rows of the device are lost or moved.
     pub(crate) fn moves(&self) -> u64 {
         self.moves
     }
 
     /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_listed`, and moves them together. Returns whether
-    /// any moved: then all places are to be asked for again.
+    /// any moved: then all places are out of date.
     pub(crate) fn retain(
         &mut self,
         is_used: impl Fn(&Arc<[[u32; 4]]>) -> bool,

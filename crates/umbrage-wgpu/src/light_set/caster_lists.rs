@@ -1,16 +1,16 @@
-//! Lists of casters that the device makes, for kernels that ask such lists.
+//! Lists of casters that the device makes, for kernels that read them.
 //!
-//! All casters' corners, and each light's tables, lie among the tables that the set's shaders read. Lists are made anew when casters
+//! All casters' corners, and each light's tables, are among the tables that the set's shaders read. Lists are made again when casters
 //! or their light's grid change. How many items they take the device alone knows: it counts first, and where there is no room it
 //! takes wider cells, so that the frame is right anyway; the count is read some frames later, without waiting, and makes room.
 
 use crate::{
     light_set::{
         buffers::{Region, SharedTables},
-        cast_list::Instances,
         casters::Casters,
         corners::{CORNERS, CornerStage, group_counts, triangle_count, why_unreadable},
-        light::{LightId, LightState},
+        options::LightId,
+        state::{HeldLight, LightState},
     },
     resources::{
         bindings::{Binding, Bound, Slot},
@@ -198,9 +198,13 @@ pub(crate) fn why_not_listed(casters: &Casters, limits: &Limits) -> Option<Strin
 }
 
 /// Returns whether a light shows lists that the device makes.
-fn wants_lists(light: &LightState) -> bool {
-    let shown = light.shown.as_ref();
-    shown.is_some_and(|plan| plan.lists.is_some())
+fn wants_lists(light: &HeldLight) -> bool {
+    shown_lists(light).is_some()
+}
+
+/// Returns the lists of the plan that a light shows.
+fn shown_lists(light: &HeldLight) -> Option<&DeviceLists> {
+    light.state.shown()?.lists.as_ref()
 }
 
 impl CasterLists {
@@ -216,7 +220,7 @@ impl CasterLists {
     pub(crate) fn make_room(
         &mut self,
         device: &Device,
-        lights: &mut SlotMap<LightId, LightState>,
+        lights: &mut SlotMap<LightId, HeldLight>,
         casters: &Casters,
         tables: &mut SharedTables,
     ) -> bool {
@@ -229,7 +233,7 @@ impl CasterLists {
         let mut changed = tables.reserve(Region::Corners, CORNERS * triangles.max(1));
         let most = device.limits().max_storage_buffer_binding_size;
         for (id, light) in lights.iter_mut() {
-            let Some(made) = light.shown.as_ref().and_then(|plan| plan.lists.as_ref()) else {
+            let Some(made) = shown_lists(light) else {
                 continue;
             };
             if !self.lights.contains_key(id) {
@@ -244,12 +248,11 @@ impl CasterLists {
             let bytes = tables_bytes.max(room.scratch_bytes(made));
             if bytes > most {
                 let why = format!(
-                    "its lists of {triangles} triangles need {} MiB, and shaders of the device read {} MiB at once; ask for a device with a greater `max_storage_buffer_binding_size`",
+                    "its lists of {triangles} triangles need {} MiB, and shaders of the device read {} MiB at once; request a device with a greater `max_storage_buffer_binding_size`",
                     bytes >> 20,
                     most >> 20
                 );
-                light.refused = Some(RecipeError::unsupported(why));
-                light.shown = None;
+                light.state = LightState::Refused(RecipeError::unsupported(why));
                 tables.free(id);
                 self.lights.remove(id);
                 changed = true;
@@ -272,9 +275,8 @@ impl CasterLists {
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        lights: &SlotMap<LightId, LightState>,
+        lights: &SlotMap<LightId, HeldLight>,
         casters: &Casters,
-        instances: &Instances,
         tables: &SharedTables,
     ) {
         if self.lights.is_empty() {
@@ -290,20 +292,11 @@ impl CasterLists {
         }
         let corners = tables.place_of(Region::Corners);
         if self.corners_stale {
-            self.corners.prepare(
-                factory,
-                pipelines,
-                casters,
-                instances,
-                buffer,
-                corners.first,
-            );
+            self.corners
+                .prepare(factory, pipelines, casters, buffer, corners.first);
         }
         for (id, lists) in &mut self.lights {
-            let made = lights
-                .get(id)
-                .and_then(|light| light.shown.as_ref()?.lists.as_ref());
-            let Some(made) = made else {
+            let Some(made) = lights.get(id).and_then(shown_lists) else {
                 continue;
             };
             let known = self

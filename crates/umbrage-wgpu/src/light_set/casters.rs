@@ -1,18 +1,19 @@
 //! The casters of a light set: meshes in the caller's buffers, placed into the world.
 //!
-//! What culling and drawing read lies in plain arrays, one entry a slot. The casters of a mesh have slots side by side, so that
+//! Culling and drawing read plain arrays, one entry a slot. The casters of a mesh have consecutive slots, so that
 //! neighbours are drawn by one instanced draw.
 
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
-    light_set::culling::Boxes,
-    resources::cut_outs::{GpuCutOuts, HoleRule},
+    light_set::{buffers::Uploaded, culling::Boxes},
+    resources::{counters::ResourceFactory, cut_outs::GpuCutOuts},
+    wgsl::stages::HoleRule,
 };
 use glam::{Affine3A, Vec3};
 use slotmap::{SlotMap, new_key_type};
 use std::ops::Range;
 use umbrage_core::{Aabb, Invalid, invalid};
-use wgpu::{Buffer, IndexFormat, Limits, RenderPass};
+use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, RenderPass};
 
 new_key_type! {
     /// Names a mesh of a [`LightSet`](crate::LightSet).
@@ -23,6 +24,10 @@ new_key_type! {
 
 /// Slots that a mesh gets with its first caster.
 const FIRST_SLOTS: u32 = 4;
+/// Unchanged instances between changed ones that are written along: a write of its own takes about as long as 12 kB more of another.
+const GREATEST_GAP: u32 = 256;
+/// Casts read instances as vertices, and the passes that list casters read them as a table.
+const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);
 /// Frames without a move after which a caster counts as still.
 const REST: u64 = 30;
 
@@ -49,14 +54,14 @@ pub struct CasterMesh<'a> {
 /// A mesh that outlives the borrow.
 #[derive(Debug)]
 pub(crate) struct MeshDraw {
-    label: String,
-    vertices: Buffer,
+    pub(crate) label: String,
+    pub(crate) vertices: Buffer,
     pub(crate) layout: VertexLayout,
-    indices: Option<(Buffer, IndexFormat)>,
-    range: Range<u32>,
-    base_vertex: i32,
+    pub(crate) indices: Option<(Buffer, IndexFormat)>,
+    pub(crate) range: Range<u32>,
+    pub(crate) base_vertex: i32,
     bounds: Aabb,
-    /// How its triangles' holes are told, if they have any: shaders read it from the lists of its geometry, where it lies in world space.
+    /// The rule for its triangles' holes, if they have any. Shaders read such triangles from the lists of their geometry, in world space.
     pub(crate) holes: Option<HoleRule>,
 }
 
@@ -80,7 +85,7 @@ struct Place {
 }
 
 /// World from local as three columns and a translation, what instances are made of.
-pub(crate) type Columns = [f32; 12];
+type Columns = [f32; 12];
 
 /// All meshes and casters.
 #[derive(Debug, Default)]
@@ -91,6 +96,8 @@ pub(crate) struct Casters {
     boxes: Boxes,
     /// By slot.
     columns: Vec<Columns>,
+    /// The columns on the device.
+    instances: Option<Buffer>,
     /// By slot, whether the caster moved lately.
     moving: Vec<bool>,
     /// The casters that moved lately.
@@ -105,6 +112,8 @@ pub(crate) struct Casters {
     written: Vec<u32>,
     /// Whether meshes came or went, or slots were added, since changes were forgotten: then pipelines and buffers may have to be made.
     has_grown: bool,
+    /// Whether casters were placed relative to another anchor since changes were forgotten.
+    is_rebased: bool,
 }
 
 impl CasterMesh<'_> {
@@ -135,27 +144,6 @@ impl MeshDraw {
     /// Returns how many triangles a caster has.
     pub(crate) fn triangles(&self) -> u64 {
         u64::from(self.range.end - self.range.start) / 3
-    }
-
-    pub(crate) fn label(&self) -> &str {
-        &self.label
-    }
-
-    pub(crate) fn vertices(&self) -> &Buffer {
-        &self.vertices
-    }
-
-    pub(crate) fn indices(&self) -> Option<(&Buffer, IndexFormat)> {
-        let (buffer, format) = self.indices.as_ref()?;
-        Some((buffer, *format))
-    }
-
-    pub(crate) fn range(&self) -> &Range<u32> {
-        &self.range
-    }
-
-    pub(crate) fn base_vertex(&self) -> i32 {
-        self.base_vertex
     }
 
     /// Binds the mesh's buffers.
@@ -308,7 +296,7 @@ impl Casters {
         Ok(())
     }
 
-    /// Places a caster anew, without a note of where something changed: everything is drawn again. It stays among those that move, or
+    /// Places a caster without a note of where something changed: everything is drawn again. It stays among those that move, or
     /// among those that are still.
     pub(crate) fn rebase(
         &mut self,
@@ -320,6 +308,7 @@ impl Casters {
         let slot = mesh.block.start + place.index;
         let bounds = world_bounds(&mesh.draw, &world_from_local)?;
         self.put(slot, &bounds, &world_from_local);
+        self.is_rebased = true;
         Ok(())
     }
 
@@ -407,6 +396,12 @@ impl Casters {
         self.still_changed.clear();
         self.written.clear();
         self.has_grown = false;
+        self.is_rebased = false;
+    }
+
+    /// Returns whether casters were rebased since [`forget_changes`](Self::forget_changes).
+    pub(crate) fn is_rebased(&self) -> bool {
+        self.is_rebased
     }
 
     /// Returns whether meshes or slots were added since [`forget_changes`](Self::forget_changes).
@@ -414,11 +409,48 @@ impl Casters {
         self.has_grown
     }
 
-    /// Returns the columns by slot, and those slots whose columns changed, rising.
-    pub(crate) fn written(&mut self) -> (&[Columns], &[u32]) {
+    /// Writes the placements that changed, or all of them into a larger buffer if they don't fit.
+    pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>) -> Uploaded {
+        const STRIDE: u64 = size_of::<Columns>() as u64;
         self.written.sort_unstable();
         self.written.dedup();
-        (&self.columns, &self.written)
+        let mut uploaded = Uploaded::default();
+        let size = self.columns.len() as u64 * STRIDE;
+        if size == 0 {
+            return uploaded;
+        }
+        let queue = factory.queue;
+        let held = self.instances.take().filter(|held| held.size() >= size);
+        if let Some(buffer) = &held {
+            let mut rest = &self.written[..];
+            while let Some(&first) = rest.first() {
+                let count = run_length(rest);
+                let run = first as usize..=rest[count - 1] as usize;
+                let bytes: &[u8] = bytemuck::cast_slice(&self.columns[run]);
+                queue.write_buffer(buffer, u64::from(first) * STRIDE, bytes);
+                uploaded.bytes += bytes.len() as u64;
+                rest = &rest[count..];
+            }
+        }
+        let buffer = held.unwrap_or_else(|| {
+            let capacity = size.next_power_of_two();
+            let buffer = factory.buffer("umbrage instances", INSTANCES, capacity);
+            queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&self.columns));
+            uploaded.bytes = size;
+            buffer
+        });
+        self.instances = Some(buffer);
+        uploaded
+    }
+
+    /// Returns the placements of all slots on the device.
+    pub(crate) fn instances(&self) -> Option<&Buffer> {
+        self.instances.as_ref()
+    }
+
+    /// Forgets the buffer: the next upload makes and fills another.
+    pub(crate) fn lose_buffer(&mut self) {
+        self.instances = None;
     }
 
     pub(crate) fn boxes(&self) -> &Boxes {
@@ -498,4 +530,23 @@ fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, In
 fn unknown(what: &str) -> Invalid {
     let help = "use an id that this set gave and that was not removed since";
     Invalid::new(what, "is not in the light set", help)
+}
+
+/// Returns how many of these rising slots are written together.
+fn run_length(slots: &[u32]) -> usize {
+    let is_gap = |pair: &[u32]| pair[1] - pair[0] > GREATEST_GAP;
+    let end = slots.windows(2).position(is_gap);
+    end.map_or(slots.len(), |i| i + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::run_length;
+
+    #[test]
+    fn near_slots_are_written_together() {
+        assert_eq!(run_length(&[3]), 1);
+        assert_eq!(run_length(&[3, 4, 9, 40, 400]), 4);
+        assert_eq!(run_length(&[3, 300, 301]), 1, "a gap of 297");
+    }
 }

@@ -2,28 +2,21 @@
 
 use crate::{
     frame::PositionFormat,
-    light_set::{
-        cast_list::Instances,
-        casters::{Casters, MeshDraw, MeshId, MeshSlots},
-    },
+    light_set::casters::{Casters, MeshDraw, MeshId, MeshSlots},
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
         pipelines::{Pipelines, compute_pipeline, shader},
+        windows::Windows,
     },
+    wgsl::stages::shader_of,
 };
 use slotmap::SecondaryMap;
 use std::num::NonZeroU64;
-use umbrage_core::{MATH, join};
 use wgpu::{Buffer, BufferUsages, ComputePass, ComputePipeline, IndexFormat, Limits, ShaderStages};
 
 /// Rows of a triangle.
 pub(crate) const CORNERS: u32 = 3;
-
-/// Returns the shader that places corners.
-pub(crate) fn corners_wgsl() -> String {
-    join(&[MATH]) + include_str!("corners.wgsl")
-}
 
 /// Bytes of `PlacedMesh` in corners.wgsl.
 const NUMBERS: NonZeroU64 = NonZeroU64::new(40).unwrap();
@@ -32,11 +25,7 @@ const NUMBERS: NonZeroU64 = NonZeroU64::new(40).unwrap();
 #[derive(Debug, Default)]
 pub(crate) struct CornerStage {
     pipeline: Option<ComputePipeline>,
-    numbers: Option<Buffer>,
-    /// Bytes from one mesh's numbers to the next one's.
-    stride: usize,
-    /// What was written last; its memory is used again.
-    bytes: Vec<u8>,
+    numbers: Windows,
     bindings: SecondaryMap<MeshId, Binding>,
     /// The meshes that have casters, in order, with how many triangles.
     placed: Vec<(MeshId, u32)>,
@@ -58,38 +47,28 @@ impl CornerStage {
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         casters: &Casters,
-        instances: &Instances,
         tables: &Buffer,
         first_row: u32,
     ) {
-        let alignment = factory.device.limits().min_uniform_buffer_offset_alignment;
-        self.stride = (NUMBERS.get() as usize).next_multiple_of(alignment as usize);
-        self.bytes.clear();
         self.placed.clear();
-        let mut row = first_row;
-        for (id, mesh) in casters.meshes() {
-            let triangles = triangles_of(mesh) as u32;
-            if triangles == 0 {
-                continue;
-            }
-            let start = self.placed.len() * self.stride;
-            self.bytes.resize(start + self.stride, 0);
-            let numbers = numbers_of(mesh, row);
-            self.bytes[start..start + NUMBERS.get() as usize]
-                .copy_from_slice(bytemuck::cast_slice(&numbers));
-            self.placed.push((id, triangles));
-            row += CORNERS * triangles;
-        }
-        let Some(instances) = instances.buffer() else {
-            self.placed.clear();
+        let Some(instances) = casters.instances() else {
             return;
         };
-        let numbers = factory.write(
-            &mut self.numbers,
-            "umbrage corners",
-            BufferUsages::UNIFORM,
-            &self.bytes,
-        );
+        let mut row = first_row;
+        let placed = &mut self.placed;
+        let numbers = casters.meshes().filter_map(|(id, mesh)| {
+            let triangles = triangles_of(mesh) as u32;
+            if triangles == 0 {
+                return None;
+            }
+            placed.push((id, triangles));
+            let numbers = numbers_of(mesh, row);
+            row += CORNERS * triangles;
+            Some(numbers)
+        });
+        let Some(numbers) = self.numbers.write(factory, "umbrage corners", numbers) else {
+            return;
+        };
         let slots = [
             Slot::Window(NUMBERS),
             Slot::Table,
@@ -101,7 +80,7 @@ impl CornerStage {
             .layouts
             .get(factory, ShaderStages::COMPUTE, &slots);
         self.pipeline.get_or_insert_with(|| {
-            let module = shader(factory.device, "umbrage corners", &corners_wgsl());
+            let module = shader(factory.device, "umbrage corners", &shader_of(&["corners"]));
             factory.counters.pipelines += 1;
             compute_pipeline(
                 factory.device,
@@ -115,11 +94,12 @@ impl CornerStage {
             let Some(mesh) = casters.mesh(id) else {
                 continue;
             };
+            // Without indices the vertices fill the binding, unread.
+            let indices = mesh.indices.as_ref().map_or(&mesh.vertices, |(b, _)| b);
             let bound = vec![
                 Bound::Window(numbers.clone(), NUMBERS),
-                Bound::Buffer(mesh.vertices().clone()),
-                // Where there are none nobody reads them.
-                Bound::Buffer(mesh.indices().map_or(mesh.vertices(), |(b, _)| b).clone()),
+                Bound::Buffer(mesh.vertices.clone()),
+                Bound::Buffer(indices.clone()),
                 Bound::Buffer(instances.clone()),
                 Bound::Buffer(tables.clone()),
             ];
@@ -143,7 +123,7 @@ impl CornerStage {
             let Some(binding) = self.bindings.get(id) else {
                 continue;
             };
-            pass.set_bind_group(0, binding.group(), &[(i * self.stride) as u32]);
+            pass.set_bind_group(0, binding.group(), &[self.numbers.offset(i)]);
             let [x, y] = group_counts(triangles);
             pass.dispatch_workgroups(x, y, 1);
         }
@@ -166,7 +146,7 @@ fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
         PositionFormat::Float16x4 => 1,
         PositionFormat::Snorm16x4 => 2,
     };
-    let index_bits = match draw.indices() {
+    let index_bits = match draw.indices {
         None => 0,
         Some((_, IndexFormat::Uint16)) => 16,
         Some((_, IndexFormat::Uint32)) => 32,
@@ -180,8 +160,8 @@ fn numbers_of(mesh: &MeshSlots, first_row: u32) -> [u32; 10] {
         (draw.layout.position_offset / 4) as u32,
         format,
         index_bits,
-        draw.range().start,
-        draw.base_vertex().cast_unsigned(),
+        draw.range.start,
+        draw.base_vertex.cast_unsigned(),
     ]
 }
 
@@ -190,7 +170,8 @@ pub(crate) fn why_unreadable(casters: &Casters, limits: &Limits) -> Option<Strin
     let most = limits.max_storage_buffer_binding_size;
     for (_, mesh) in casters.meshes() {
         let MeshSlots { draw, .. } = mesh;
-        let buffers = [Some(draw.vertices()), draw.indices().map(|(b, _)| b)];
+        let indices = draw.indices.as_ref().map(|(buffer, _)| buffer);
+        let buffers = [Some(&draw.vertices), indices];
         for buffer in buffers.into_iter().flatten() {
             if let Some(why) = why_unbound(draw, buffer, most) {
                 return Some(why);
@@ -201,7 +182,7 @@ pub(crate) fn why_unreadable(casters: &Casters, limits: &Limits) -> Option<Strin
 }
 
 fn why_unbound(mesh: &MeshDraw, buffer: &Buffer, most: u64) -> Option<String> {
-    let label = mesh.label();
+    let label = &mesh.label;
     let bytes = buffer.size();
     if !buffer.usage().contains(BufferUsages::STORAGE) {
         return Some(format!(

@@ -7,9 +7,9 @@ use umbrage_core::{Aabb, Simd, SimdTask};
 /// Relative bound of what is rounded where a box is compared with a plane. Each product and sum of the comparison and of the box itself
 /// has a relative error of 2^-24, and there are fewer than sixteen of them: this is 2^-18.
 const ROUNDING: f32 = 1.0 / 262_144.0;
-/// Half extent of boxes that hold nothing: they lie outside of every plane.
+/// Half extent of boxes that hold nothing: they are outside of every plane.
 const NOTHING: f32 = -1e30;
-/// Slots that are drawn along, though they lie outside, where that saves a draw.
+/// Slots that are drawn along, though they are outside, if that saves a draw.
 const GREATEST_GAP: u32 = 8;
 
 /// Boxes in arrays, one entry a slot.
@@ -40,7 +40,7 @@ impl Wanted<'_> {
     }
 }
 
-/// The volume of a layer: what lies wholly on the outer side of one of its planes does not show there.
+/// The volume of a layer. A box wholly on the outer side of one of its planes does not show there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Volume {
     /// A plane's product with a homogeneous world position is not negative inside.
@@ -148,7 +148,7 @@ impl SimdTask for FindEnds<'_> {
 }
 
 impl Volume {
-    /// Returns the volume of a layer of `size` texels a side; one texel beside it belongs to it.
+    /// Returns the volume of a layer of `size` texels a side; one texel around it belongs to it.
     pub(crate) fn new(clip_from_world: &Mat4, size: u32) -> Self {
         let rows = clip_from_world.transpose();
         let [x, y, z, w] = [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis];
@@ -265,7 +265,7 @@ impl ShownSlots {
     pub(crate) fn runs(&self, slots: Range<u32>, wanted: Wanted<'_>, out: &mut Vec<Range<u32>>) {
         let gap = match wanted {
             Wanted::All => GREATEST_GAP,
-            // What lies between two runs may be what isn't wanted.
+            // Slots between two runs may not be wanted.
             Wanted::Moving(_) | Wanted::Still(_) => 0,
         };
         let first_run = out.len();

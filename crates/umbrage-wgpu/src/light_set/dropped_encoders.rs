@@ -14,7 +14,7 @@ pub(crate) struct DroppedEncoders {
     dropped: Arc<AtomicBool>,
 }
 
-/// Tells on being dropped, unless the encoder's commands were submitted.
+/// Sets the flag when it is dropped, unless the encoder's commands were submitted.
 #[derive(Debug)]
 struct Watch {
     dropped: Arc<AtomicBool>,
@@ -43,7 +43,7 @@ impl DroppedEncoders {
         }
     }
 
-    /// Returns whether one was dropped since this was last asked.
+    /// Returns whether one was dropped since the last call.
     pub(crate) fn any(&self) -> bool {
         self.dropped.swap(false, Ordering::Acquire)
     }

@@ -2,28 +2,28 @@
 
 use crate::{
     filter::color_attachment,
-    frame::{GBuffer, check, check_readable},
+    frame::{GBuffer, check_readable},
     gbuffer_from_depth::{DepthBuffer, DepthCamera},
     light_set::{
-        light::LightId,
-        shader::SetShader,
+        options::LightId,
+        shader::{self, SetShader},
         timestamps::{PassTimer, SetPass},
     },
-    receive::gbuffer,
+    receive::gbuffer_entries,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
-        images::extent,
+        images::{extent, layers_view},
         pipelines::{Pipelines, Targets, fullscreen_pipeline},
     },
+    wgsl::stages::{ReceiverSource, mask_shader},
 };
-use encase::UniformBuffer;
 use glam::UVec2;
 use umbrage_core::{BackendError, Invalid};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Extent3d, RenderPassDescriptor,
-    RenderPipeline, ShaderStages, Texture, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
+    RenderPipeline, ShaderStages, Texture, TextureAspect, TextureFormat, TextureUsages,
+    TextureView, TextureViewDimension,
 };
 
 /// What masks are made for.
@@ -99,19 +99,8 @@ impl MaskFormat {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct MaskKey {
     revision: u64,
-    receivers: ReceiversKey,
+    receivers: ReceiverSource,
     format: MaskFormat,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ReceiversKey {
-    Positions {
-        triangles: bool,
-    },
-    Depth {
-        samples: bool,
-        normals: Option<NormalCoding>,
-    },
 }
 
 /// All that makes masks, ready to be encoded.
@@ -132,9 +121,6 @@ pub(crate) struct MaskStage {
     /// For each layer, the light and its index in shaders; none of lights that are not served.
     lights: Vec<(LightId, Option<u32>)>,
 }
-
-/// Bytes of the depth buffer's camera in shaders.
-const CAMERA_BYTES: usize = 80;
 
 /// The caller's textures that are bound: depth and normals, or positions, normals and triangles.
 #[derive(Debug)]
@@ -172,14 +158,7 @@ impl MaskInputs<'_> {
             return Err(Invalid::new("masks", why, "use at least one pixel each way").into());
         }
         match &self.receivers {
-            SetReceivers::Positions(gbuffer) => {
-                let floats = TextureFormat::Rgba32Float;
-                check(gbuffer.position, "position", floats, self.size)?;
-                check(gbuffer.normal, "normal", floats, self.size)?;
-                if let Some(triangle) = gbuffer.triangle {
-                    check(triangle, "triangle", TextureFormat::R32Uint, self.size)?;
-                }
-            }
+            SetReceivers::Positions(gbuffer) => gbuffer.validate(self.size)?,
             SetReceivers::Depth { depth, normals } => {
                 depth.validate()?;
                 self.check_texture(depth.depth.texture(), "depth buffer")?;
@@ -244,11 +223,7 @@ impl MaskStage {
         if self.made_for == Some(key) && self.pipeline.is_some() {
             return Ok(());
         }
-        let Some((_, set_layout)) = shader.bind_group() else {
-            return Err(
-                Invalid::new("light set", "has nothing prepared", "call `prepare` first").into(),
-            );
-        };
+        let (_, set_layout) = shader.bind_group().ok_or_else(shader::unprepared)?;
         let own_group = own_group(shader.group());
         let mut groups = [None, None, None, None];
         let mut count = 0;
@@ -256,13 +231,13 @@ impl MaskStage {
             groups[group as usize] = Some(layout);
             count = count.max(group as usize + 1);
         }
-        let text = mask_shader(shader, key.receivers);
+        let text = mask_shader(shader.text(), own_group, key.receivers);
         factory.counters.pipelines += 1;
         self.pipeline = Some(fullscreen_pipeline(
             factory.device,
             "umbrage masks",
             &text,
-            ["umbrage_mask_vertex", "umbrage_mask"],
+            ["umbrage_fullscreen", "umbrage_mask"],
             &Targets::Colors(&[inputs.format.texture_format()]),
             &groups[..count],
         ));
@@ -310,38 +285,24 @@ impl MaskStage {
             .is_some_and(|held| held.size() == mask_extent(inputs) && held.format() == format)
     }
 
-    /// Makes the texture anew if it doesn't fit.
+    /// Makes another texture if it doesn't fit.
     fn fit_texture(&mut self, factory: &mut ResourceFactory<'_>, inputs: &MaskInputs<'_>) {
         if self.fits(inputs) {
             return;
         }
         let size = mask_extent(inputs);
         let format = inputs.format.texture_format();
-        let texture = factory.texture(&TextureDescriptor {
-            label: Some("umbrage masks"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format,
-            usage: TextureUsages::RENDER_ATTACHMENT
-                | TextureUsages::TEXTURE_BINDING
-                | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let view = |first: u32, count: u32, dimension| {
-            texture.create_view(&TextureViewDescriptor {
-                label: Some("umbrage masks"),
-                dimension: Some(dimension),
-                base_array_layer: first,
-                array_layer_count: Some(count),
-                ..TextureViewDescriptor::default()
-            })
-        };
+        let usage = TextureUsages::RENDER_ATTACHMENT
+            | TextureUsages::TEXTURE_BINDING
+            | TextureUsages::COPY_SRC;
+        let label = "umbrage masks";
+        let texture = factory.texture(label, size, format, usage);
+        let view =
+            |dimension, layers| layers_view(&texture, label, dimension, TextureAspect::All, layers);
         let layers = size.depth_or_array_layers;
-        self.whole = Some(view(0, layers, TextureViewDimension::D2Array));
+        self.whole = Some(view(TextureViewDimension::D2Array, 0..layers));
         self.layers = (0..layers)
-            .map(|layer| view(layer, 1, TextureViewDimension::D2))
+            .map(|layer| view(TextureViewDimension::D2, layer..layer + 1))
             .collect();
         self.texture = Some(texture);
     }
@@ -353,24 +314,19 @@ impl MaskStage {
         pipelines: &mut Pipelines,
         receivers: &SetReceivers<'_>,
     ) -> BindGroupLayout {
-        let (slots, bound) = match receivers {
-            SetReceivers::Positions(textures) => gbuffer(textures),
-            SetReceivers::Depth { depth, normals } => self.bound_depth(depth, normals.as_ref()),
+        let entries = match receivers {
+            SetReceivers::Positions(textures) => gbuffer_entries(textures),
+            SetReceivers::Depth { depth, normals } => self.depth_entries(depth, normals.as_ref()),
         };
-        let layout = pipelines
-            .layouts
-            .get(factory, ShaderStages::FRAGMENT, &slots);
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::FRAGMENT;
         self.receivers
-            .set(factory, "umbrage receivers", &layout, bound);
-        layout
+            .bind(factory, layouts, stage, "umbrage receivers", entries)
     }
 
     /// Writes the depth buffer's camera, if it is another one.
     fn write_camera(&mut self, factory: &mut ResourceFactory<'_>, camera: &DepthCamera) {
-        let mut bytes = UniformBuffer::new([0; CAMERA_BYTES]);
-        // The struct fits: `CAMERA_BYTES` is its size.
-        bytes.write(camera).unwrap_or_default();
-        let bytes = bytes.into_inner();
+        let bytes = camera.bytes();
         if self.camera.is_some() && self.camera_bytes == bytes {
             return;
         }
@@ -380,23 +336,19 @@ impl MaskStage {
         factory.write(&mut self.camera, "umbrage camera", usage, &bytes);
     }
 
-    fn bound_depth(
+    fn depth_entries(
         &self,
         depth: &DepthBuffer<'_>,
         normals: Option<&SetNormals<'_>>,
-    ) -> (Vec<Slot>, Vec<Bound>) {
-        let floats = Slot::Floats { layered: false };
-        let has_samples = depth.depth.texture().sample_count() > 1;
-        let depth_slot = if has_samples { Slot::Samples } else { floats };
-        let mut slots = vec![Slot::Uniform, depth_slot];
+    ) -> Vec<(Slot, Bound)> {
         let camera = self.camera.iter().cloned().map(Bound::Buffer);
-        let mut bound: Vec<Bound> = camera.collect();
-        bound.push(Bound::View(depth.depth.clone()));
+        let mut entries: Vec<_> = camera.map(|camera| (Slot::Uniform, camera)).collect();
+        entries.push((depth.slot(), Bound::View(depth.depth.clone())));
         if let Some(normals) = normals {
-            slots.push(floats);
-            bound.push(Bound::View(normals.texture.clone()));
+            let floats = Slot::Floats { layered: false };
+            entries.push((floats, Bound::View(normals.texture.clone())));
         }
-        (slots, bound)
+        entries
     }
 }
 
@@ -404,7 +356,7 @@ impl MaskKey {
     fn of(shader: &SetShader, inputs: &MaskInputs<'_>) -> Self {
         Self {
             revision: shader.revision(),
-            receivers: ReceiversKey::of(&inputs.receivers),
+            receivers: inputs.receivers.source(),
             format: inputs.format,
         }
     }
@@ -415,16 +367,29 @@ fn mask_extent(inputs: &MaskInputs<'_>) -> Extent3d {
     extent(inputs.size, inputs.lights.len().max(1) as u32)
 }
 
-impl ReceiversKey {
-    fn of(receivers: &SetReceivers<'_>) -> Self {
-        match receivers {
-            SetReceivers::Positions(gbuffer) => Self::Positions {
+impl SetReceivers<'_> {
+    fn source(&self) -> ReceiverSource {
+        match self {
+            Self::Positions(gbuffer) => ReceiverSource::GBuffer {
                 triangles: gbuffer.triangle.is_some(),
             },
-            SetReceivers::Depth { depth, normals } => Self::Depth {
-                samples: depth.depth.texture().sample_count() > 1,
-                normals: normals.map(|normals| normals.coding),
-            },
+            Self::Depth { depth, normals } => {
+                let samples = depth.has_samples();
+                let Some(SetNormals { coding, .. }) = normals else {
+                    return ReceiverSource::Depth { samples };
+                };
+                ReceiverSource::DepthAndNormals {
+                    samples,
+                    halved: matches!(
+                        coding,
+                        NormalCoding::Halved | NormalCoding::OctahedralHalved
+                    ),
+                    octahedral: matches!(
+                        coding,
+                        NormalCoding::Octahedral | NormalCoding::OctahedralHalved
+                    ),
+                }
+            }
         }
     }
 }
@@ -434,105 +399,7 @@ fn own_group(set_group: u32) -> u32 {
     u32::from(set_group == 0)
 }
 
-/// Returns the shader that asks the set at every pixel; the instance's index is the light's.
-fn mask_shader(shader: &SetShader, receivers: ReceiversKey) -> String {
-    let g = own_group(shader.group());
-    let seen = match receivers {
-        ReceiversKey::Positions { triangles } => positions_text(g, triangles),
-        ReceiversKey::Depth { samples, normals } => depth_text(g, samples, normals),
-    };
-    let set = shader.text();
-    let prefix = shader.prefix();
-    format!(
-        "{set}{seen}
-struct UmbrageMaskPixel {{
-    @builtin(position) at: vec4f,
-    @location(0) @interpolate(flat) light: u32,
-}}
-@vertex fn umbrage_mask_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) light: u32) -> UmbrageMaskPixel {{
-    return UmbrageMaskPixel(vec4f(f32(i32(i & 1u) * 4 - 1), f32(i32(i & 2u) * 2 - 1), 0.0, 1.0), light);
-}}
-@fragment fn umbrage_mask(pixel: UmbrageMaskPixel) -> @location(0) f32 {{
-    let texel = vec2i(pixel.at.xy);
-    let seen = umbrage_seen(texel);
-    if !seen.receives {{
-        return 1.0;
-    }}
-    return {prefix}shadow_on(pixel.light, seen.position, seen.normal, vec2u(texel), seen.triangle);
-}}
-"
-    )
-}
-
-/// Declares what a pixel sees.
-const SEEN: &str = "
-struct UmbrageSeen {
-    receives: bool,
-    position: vec3f,
-    normal: vec3f,
-    triangle: u32,
-}
-";
-
-fn positions_text(g: u32, triangles: bool) -> String {
-    let mut declaration = String::new();
-    // NO_TRIANGLE.
-    let mut load = "0xffffffffu";
-    if triangles {
-        declaration = format!("@group({g}) @binding(2) var umbrage_triangle: texture_2d<u32>;\n");
-        load = "textureLoad(umbrage_triangle, texel, 0).x";
-    }
-    format!(
-        "{SEEN}@group({g}) @binding(0) var umbrage_position: texture_2d<f32>;
-@group({g}) @binding(1) var umbrage_normal: texture_2d<f32>;
-{declaration}fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
-    let position = textureLoad(umbrage_position, texel, 0);
-    let normal = textureLoad(umbrage_normal, texel, 0).xyz;
-    return UmbrageSeen(position.w != 0.0, position.xyz, normal, {load});
-}}
-"
-    )
-}
-
-fn depth_text(g: u32, samples: bool, normals: Option<NormalCoding>) -> String {
-    let unproject = crate::gbuffer_from_depth::shader_text(g, samples);
-    let Some(coding) = normals else {
-        return format!(
-            "{SEEN}{unproject}
-fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
-    let surface = surface_at(texel);
-    return UmbrageSeen(surface.position.w != 0.0, surface.position.xyz, surface.normal.xyz, 0xffffffffu);
-}}
-"
-        );
-    };
-    let decode = match coding {
-        NormalCoding::Components => "stored.xyz",
-        NormalCoding::Halved => "stored.xyz * 2.0 - 1.0",
-        NormalCoding::Octahedral => "umbrage_from_octahedron(stored.xy)",
-        NormalCoding::OctahedralHalved => "umbrage_from_octahedron(stored.xy * 2.0 - 1.0)",
-    };
-    format!(
-        "{SEEN}{unproject}
-@group({g}) @binding(2) var umbrage_normals: texture_2d<f32>;
-fn umbrage_from_octahedron(folded: vec2f) -> vec3f {{
-    let z = 1.0 - abs(folded.x) - abs(folded.y);
-    let fold = max(-z, 0.0);
-    return vec3f(folded - select(vec2f(-fold), vec2f(fold), folded >= vec2f(0.0)), z);
-}}
-fn umbrage_seen(texel: vec2i) -> UmbrageSeen {{
-    let depth = load_depth(texel);
-    let stored = textureLoad(umbrage_normals, texel, 0);
-    let normal = {decode};
-    // A cleared texture holds no normal: nothing receives there.
-    let receives = depth != camera.empty && dot(normal, normal) > 0.0;
-    return UmbrageSeen(receives, unproject(texel, depth), normalize(normal), 0xffffffffu);
-}}
-"
-    )
-}
-
-/// Returns the error of masks that are asked for before they are prepared.
+/// Returns the error of masks that are not prepared.
 pub(crate) fn unprepared() -> BackendError {
     let help = "call `prepare_masks` first, and look at its error";
     Invalid::new("masks", "have nothing prepared", help).into()

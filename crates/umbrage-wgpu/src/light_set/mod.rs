@@ -1,73 +1,54 @@
 //! [`LightSet`]: the shadows of many lights in one renderer.
 
-mod buffers;
-mod cast_list;
+pub(crate) mod buffers;
 mod caster_lists;
 mod casters;
-pub(crate) mod corners;
+mod corners;
 mod culling;
 mod dropped_encoders;
-mod encoding;
-mod light;
+mod encode;
 mod masks;
 mod options;
+mod passes;
 mod plan;
-mod playing;
 mod pool;
+mod prepare;
 mod prices;
-mod report;
 mod shader;
+mod state;
 mod steady_box;
 mod still_layers;
 #[cfg(feature = "testing")]
 mod testing;
-mod text;
 mod timestamps;
 
 #[cfg(feature = "testing")]
 pub use caster_lists::Listing;
 pub use casters::{CasterId, CasterMesh, MeshId};
-pub use light::{LightId, SetLight, Unserved};
 pub use masks::{MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers};
-pub use options::{FrameGeometry, LightSetOptions, SetBudget, SetFrame, StillLayers};
-pub use report::SetReport;
+pub use options::{
+    FrameGeometry, LightId, LightSetOptions, SetBudget, SetFrame, SetLight, SetReport, StillLayers,
+    Unserved,
+};
 pub use timestamps::{PassCasters, SetPass, SetTimestamps, TimedPass};
 
 use crate::{
-    cast::Layouts,
-    device::{error_scopes::Scopes, later_errors::LaterErrors},
+    device::{later_errors::LaterErrors, requirements::limits},
     light_set::{
-        buffers::MAX_LIGHTS,
-        cast_list::{CastList, Instances},
-        caster_lists::CasterLists,
-        casters::Casters,
-        culling::ShownSlots,
-        dropped_encoders::DroppedEncoders,
-        light::LightState,
-        masks::MaskStage,
-        playing::still_bytes,
-        pool::LayerPool,
-        prices::PriceMeter,
-        shader::SetShader,
-        timestamps::PassTimer,
+        buffers::MAX_LIGHTS, caster_lists::CasterLists, casters::Casters,
+        dropped_encoders::DroppedEncoders, masks::MaskStage, passes::PassList, pool::LayerPool,
+        prices::PriceMeter, shader::SetShader, state::HeldLight, still_layers::still_bytes,
     },
-    renderer::{check_device, limits},
     resources::{
-        counters::{Counters, ResourceFactory},
-        cut_outs::{CutOutBuffers, GpuCutOuts},
-        pipelines::Pipelines,
-        tables::Tables,
+        counters::Counters, cut_out_buffers::CutOutBuffers, cut_outs::GpuCutOuts,
+        pipelines::Pipelines, tables::Tables,
     },
-    targets::CastTarget,
 };
 use glam::Affine3A;
 use slotmap::SlotMap;
 use std::sync::Arc;
 use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
-use wgpu::{
-    BindGroup, BindGroupLayout, CommandEncoder, Device, Features, Limits, Queue, RenderPass,
-    TextureView,
-};
+use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 
 /// The shadows of any number of lights, each by a technique of its own: one [`prepare`](Self::prepare), one
 /// [`encode`](Self::encode), one bind group and one WGSL text for all of them.
@@ -114,39 +95,32 @@ pub struct LightSet {
     device: Device,
     options: LightSetOptions,
     limits: BackendLimits,
+    // The scene.
+    casters: Casters,
+    /// Casters with holes.
+    cut_outs: Option<SetCutOuts>,
+    lights: SlotMap<LightId, HeldLight>,
+    // What the lights' plans were made for, and whether layers must be assigned to them again.
+    planned: Option<PlannedFor>,
+    /// Why the device can't make lists of casters, if it can't.
+    unlisted: Option<String>,
+    layers_changed: bool,
+    // What shaders see.
+    pool: LayerPool,
+    shader: SetShader,
+    lists: CasterLists,
+    masks: MaskStage,
+    // The frame.
+    passes: PassList,
+    report: SetReport,
+    meter: PriceMeter,
+    errors: LaterErrors,
+    dropped_encoders: DroppedEncoders,
+    // GPU objects that all lights share.
     counters: Counters,
     pipelines: Pipelines,
     /// Tables of filters.
     tables: Tables,
-    casters: Casters,
-    /// Casters with holes.
-    cut_outs: Option<SetCutOuts>,
-    instances: Instances,
-    lights: SlotMap<LightId, LightState>,
-    /// By index in shaders, whether a light has it.
-    indices: Vec<bool>,
-    pool: LayerPool,
-    shader: SetShader,
-    masks: MaskStage,
-    list: CastList,
-    lists: CasterLists,
-    /// Why the device can't make lists of casters, if it can't.
-    unlisted: Option<String>,
-    /// Scratch: the slots that show in a layer.
-    shown: ShownSlots,
-    meter: PriceMeter,
-    errors: LaterErrors,
-    dropped_encoders: DroppedEncoders,
-    layouts: Option<Layouts>,
-    /// The lights that get new numbers or layers in this frame. Its memory is used again.
-    chosen: Vec<LightId>,
-    /// What the last plans were made for.
-    planned: Option<PlannedFor>,
-    /// Whether layers must be dealt out anew.
-    layers_changed: bool,
-    /// Whether casters were placed relative to another anchor since the last frame.
-    is_rebased: bool,
-    report: SetReport,
 }
 
 /// The casters with holes of a set.
@@ -156,7 +130,7 @@ struct SetCutOuts {
     casters: Vec<CasterId>,
 }
 
-/// What all plans depend on, beside their lights.
+/// What all plans depend on in addition to their lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PlannedFor {
     camera: Camera,
@@ -165,12 +139,12 @@ struct PlannedFor {
 }
 
 impl LightSet {
-    /// The features without which a set can't play: none. Where the device has `TIMESTAMP_QUERY` and
+    /// The features that a set requires: none. Where the device has `TIMESTAMP_QUERY` and
     /// `TIMESTAMP_QUERY_INSIDE_ENCODERS`, [`StillLayers::Auto`] goes by what copies and draws take there.
     pub const REQUIRED_FEATURES: Features = Features::empty();
 
-    /// The limits within which a set can play: those of WebGL 2, and two storage buffers in fragment shaders. Larger maps and more
-    /// layers than these limits have ask for more.
+    /// The limits that a set requires: those of WebGL 2, and two storage buffers in fragment shaders. Larger maps and more
+    /// layers than these limits allow require more.
     pub const REQUIRED_LIMITS: Limits = Limits {
         max_storage_buffers_per_shader_stage: 2,
         max_storage_buffer_binding_size: 1 << 27,
@@ -193,30 +167,24 @@ impl LightSet {
             device: device.clone(),
             options,
             limits: limits(device),
-            counters: Counters::default(),
-            pipelines: Pipelines::default(),
-            tables: Tables::default(),
             casters: Casters::default(),
             cut_outs: None,
-            instances: Instances::default(),
             lights: SlotMap::with_key(),
-            indices: Vec::new(),
+            planned: None,
+            unlisted: None,
+            layers_changed: false,
             pool: LayerPool::default(),
             shader,
-            masks: MaskStage::default(),
-            list: CastList::default(),
             lists: CasterLists::default(),
-            unlisted: None,
-            shown: ShownSlots::default(),
+            masks: MaskStage::default(),
+            passes: PassList::default(),
+            report: SetReport::default(),
             meter: PriceMeter::new(device),
             errors: LaterErrors::default(),
             dropped_encoders: DroppedEncoders::of(device),
-            layouts: None,
-            chosen: Vec::new(),
-            planned: None,
-            layers_changed: false,
-            is_rebased: false,
-            report: SetReport::default(),
+            counters: Counters::default(),
+            pipelines: Pipelines::default(),
+            tables: Tables::default(),
         })
     }
 
@@ -261,11 +229,11 @@ impl LightSet {
         self.casters.place(caster, world_from_local)
     }
 
-    /// Places a caster anew because the [`Anchor`](umbrage_core::Anchor) changed, to which all placements are relative. Call it for every
+    /// Places a caster again because the [`Anchor`](umbrage_core::Anchor) changed, to which all placements are relative. Call it for every
     /// caster in that frame, and [`set_light`](Self::set_light) for every light with a place.
     ///
     /// The next [`prepare`](Self::prepare) finds all layers to be drawn, whatever [`SetBudget::redraws`] says: those that waited would
-    /// show what lies a kilometre away. Unlike after [`move_caster`](Self::move_caster), casters that were still count as still.
+    /// show what is a kilometre away. Unlike after [`move_caster`](Self::move_caster), casters that were still count as still.
     ///
     /// # Errors
     /// Errors if [`move_caster`](Self::move_caster) does.
@@ -274,9 +242,7 @@ impl LightSet {
         caster: CasterId,
         world_from_local: Affine3A,
     ) -> Result<(), Invalid> {
-        self.casters.rebase(caster, world_from_local)?;
-        self.is_rebased = true;
-        Ok(())
+        self.casters.rebase(caster, world_from_local)
     }
 
     /// Removes a caster.
@@ -287,11 +253,11 @@ impl LightSet {
         self.casters.remove(caster)
     }
 
-    /// Sets the triangles with holes that cast beside the set's casters, those of a geometry, where that has them (world space). They
+    /// Sets the triangles with holes that cast in addition to the set's casters (world space). They
     /// replace those before; none leaves the set without any. Maps leave their holes out by the rule of all backends.
     ///
     /// The set's own meshes must not hold these triangles: they hold [`Geometry::casters_without_holes`](umbrage_core::Geometry::casters_without_holes).
-    /// Techniques that ask triangles ([`SetFrame::geometry`]) find the holes in that geometry.
+    /// Techniques that read triangles ([`SetFrame::geometry`]) find the holes in that geometry.
     ///
     /// # Errors
     /// Errors if positions are not finite.
@@ -337,13 +303,8 @@ impl LightSet {
             let help = "remove one first, or use a second set";
             return Err(Invalid::new("light set", why, help));
         }
-        let free = self.indices.iter().position(|taken| !taken);
-        let index = free.unwrap_or_else(|| {
-            self.indices.push(false);
-            self.indices.len() - 1
-        });
-        self.indices[index] = true;
-        Ok(self.lights.insert(LightState::new(index as u32, light)))
+        let index = self.shader.take_index();
+        Ok(self.lights.insert(HeldLight::new(index, light)))
     }
 
     /// Moves or changes a light. If it stays the same, nothing happens.
@@ -392,10 +353,10 @@ impl LightSet {
     /// # Errors
     /// Errors if there is no such light.
     pub fn remove_light(&mut self, id: LightId) -> Result<(), Invalid> {
-        let mut state = self.lights.remove(id).ok_or_else(unknown_light)?;
-        self.indices[state.index as usize] = false;
-        self.shader.forget(&mut state);
-        for range in &state.ranges {
+        let light = self.lights.remove(id).ok_or_else(unknown_light)?;
+        self.shader.forget(id);
+        self.shader.give_back_index(light.index);
+        for range in &light.maps.ranges {
             self.pool.give_back(range);
         }
         self.layers_changed = true;
@@ -415,7 +376,7 @@ impl LightSet {
     pub fn unserved(&self) -> impl Iterator<Item = (LightId, Unserved)> + '_ {
         self.lights
             .iter()
-            .filter_map(|(id, light)| Some((id, light.unserved()?)))
+            .filter_map(|(id, light)| Some((id, light.state.unserved()?)))
     }
 
     /// Returns what the last [`prepare`](Self::prepare) found to do.
@@ -434,203 +395,37 @@ impl LightSet {
         self.casters.count()
     }
 
-    /// Plans the lights that changed, finds the layers that must be drawn, and writes what they need.
-    ///
-    /// # Errors
-    /// Errors if the camera can't be used or the device is another than the set's; with [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also if memory runs
-    /// out, or a kernel's WGSL is at fault (with the compiler's message). After an error everything is made anew.
-    pub fn prepare(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        frame: &SetFrame<'_>,
-    ) -> Result<&SetReport, BackendError> {
-        check_device(device, &self.device)?;
-        frame.camera.validate()?;
-        let is_rebased = std::mem::take(&mut self.is_rebased);
-        if self.dropped_encoders.any() || is_rebased {
-            self.draw_all_again();
-        }
-        self.list.clear();
-        self.report = SetReport::default();
-        self.meter.collect(queue);
-        self.casters.begin_frame();
-        self.plan_lights(frame);
-        self.deal_out_layers();
-        for light in self.lights.values_mut() {
-            light.mark_stale(self.casters.changed(), self.casters.still_changed());
-        }
-        if !self.casters.changed().is_empty() || self.casters.has_grown() {
-            self.lists.mark_stale();
-        }
-        let mut chosen = std::mem::take(&mut self.chosen);
-        self.choose_redraws(&mut chosen);
-        // Where nothing new is shown nothing is made, and there is no error to ask the device for.
-        let makes = self.shader.is_outdated()
-            || self.casters.has_grown()
-            || chosen.iter().any(|&id| self.lights[id].wanted.is_some());
-        let scopes = makes.then(|| Scopes::open(device));
-        let result = self.write(queue, &mut chosen);
-        self.chosen = chosen;
-        let closed = scopes.map_or(Ok(()), |scopes| {
-            self.errors.close(scopes, self.options.errors)
-        });
-        let result = closed.and(result);
-        if let Err(error) = result {
-            self.make_anew();
-            return Err(error);
-        }
-        self.casters.forget_changes();
-        Ok(&self.report)
-    }
-
-    /// Records the passes that draw what [`prepare`](Self::prepare) found to be drawn; none if nothing changed.
-    ///
-    /// # Errors
-    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
-    pub fn encode(&mut self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.encode_with(encoder, |_, _| ())
-    }
-
-    /// Records the passes as [`encode`](Self::encode) does, and calls `own_draws` at the end of each one that draws casters, for what
-    /// the caller draws itself (skinned meshes): pipelines with the target's
-    /// [`primitive`](CastTarget::primitive) and [`depth_stencil`](CastTarget::depth_stencil) and a vertex shader that ends in
-    /// `clip_from_world * p_world`. Layers are not drawn again for what changes there: see [`touch`](Self::touch).
-    ///
-    /// # Errors
-    /// Errors if [`encode`](Self::encode) does.
-    pub fn encode_with(
-        &mut self,
-        encoder: &mut CommandEncoder,
-        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget),
-    ) -> Result<(), BackendError> {
-        self.encode_passes(encoder, &mut own_draws, None)
-    }
-
-    /// Records the passes as [`encode_with`](Self::encode_with) does, each between two timestamps. `passes` is filled with those that
-    /// are timed.
-    ///
-    /// # Errors
-    /// Errors if [`encode`](Self::encode) does.
-    pub fn encode_timed(
-        &mut self,
-        encoder: &mut CommandEncoder,
-        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget),
-        stamps: &SetTimestamps<'_>,
-        passes: &mut Vec<TimedPass>,
-    ) -> Result<(), BackendError> {
-        let timer = PassTimer::new(stamps, passes);
-        self.encode_passes(encoder, &mut own_draws, Some(timer))
-    }
-
     /// Returns the WGSL to paste before your own shader: `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32`,
     /// the visibility of a light, 0..=1, at a position (world space) with a unit normal; lights that are not served are lit. `pixel`
     /// turns the patterns of kernels that vary from pixel to pixel. `shadow_on` takes a triangle's id besides, which kernels that
     /// trace rays need.
     ///
     /// The text changes with the kinds of kernels and the sizes of maps that lights use, as
-    /// [`wgsl_revision`](Self::wgsl_revision) tells.
+    /// [`wgsl_revision`](Self::wgsl_revision) shows.
     pub fn wgsl(&self) -> &str {
-        self.shader.text()
+        self.shader.prefixed_text()
     }
 
-    /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout change: then make the pipelines anew that
+    /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout change: then rebuild the pipelines that
     /// contain the text.
     pub fn wgsl_revision(&self) -> u64 {
         self.shader.revision()
     }
 
-    /// Returns what [`wgsl`](Self::wgsl) reads: set it at [`LightSetOptions::group`]. Ask for it in every frame, after
+    /// Returns what [`wgsl`](Self::wgsl) reads: set it at [`LightSetOptions::group`]. Get it in every frame, after
     /// [`prepare`](Self::prepare).
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
     pub fn bind_group(&self) -> Result<(&BindGroup, &BindGroupLayout), BackendError> {
-        self.shader.bind_group().ok_or_else(unprepared)
+        self.shader.bind_group().ok_or_else(shader::unprepared)
     }
 
-    /// Makes what [`encode_masks`](Self::encode_masks) needs, for renderers that shade from a G-buffer. Call it after
-    /// [`prepare`](Self::prepare).
-    ///
-    /// # Errors
-    /// Errors if nothing is prepared, if there is no such light, or if textures can't be used: with what to change. As
-    /// [`prepare`](Self::prepare), with [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also with errors of the graphics API.
-    pub fn prepare_masks(
-        &mut self,
-        queue: &Queue,
-        inputs: &MaskInputs<'_>,
-    ) -> Result<(), BackendError> {
-        inputs.validate()?;
-        if inputs
-            .lights
-            .iter()
-            .any(|&id| !self.lights.contains_key(id))
-        {
-            return Err(unknown_light().into());
-        }
-        // Where nothing new is made, there is no error to ask the device for.
-        let makes = !self.masks.is_made_for(&self.shader, inputs);
-        let scopes = makes.then(|| Scopes::open(&self.device));
-        let mut factory = ResourceFactory {
-            device: &self.device,
-            queue,
-            counters: &mut self.counters,
-        };
-        let lights = &self.lights;
-        let shown = inputs.lights.iter().map(|&id| {
-            let light = &lights[id];
-            (id, light.shown.is_some().then_some(light.index))
-        });
-        let result = self.masks.prepare(
-            &mut factory,
-            &mut self.pipelines,
-            &self.shader,
-            inputs,
-            shown,
-        );
-        let closed = scopes.map_or(Ok(()), |scopes| {
-            self.errors.close(scopes, self.options.errors)
-        });
-        let outcome = closed.and(result);
-        if outcome.is_err() {
-            self.masks = MaskStage::default();
-        }
-        outcome
-    }
-
-    /// Records a pass for each light that [`prepare_masks`](Self::prepare_masks) was given, after those of
-    /// [`encode`](Self::encode). Returns the masks: a texture with a layer for each light, its visibility, 1 where nothing receives.
-    ///
-    /// # Errors
-    /// Errors if [`prepare_masks`](Self::prepare_masks) has not succeeded before.
-    pub fn encode_masks(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
-        self.masks
-            .encode(encoder, &self.shader, None)
-            .ok_or_else(masks::unprepared)
-    }
-
-    /// Records the passes as [`encode_masks`](Self::encode_masks) does, each between two timestamps. `passes` is filled with those that
-    /// are timed.
-    ///
-    /// # Errors
-    /// Errors if [`encode_masks`](Self::encode_masks) does.
-    pub fn encode_masks_timed(
-        &self,
-        encoder: &mut CommandEncoder,
-        stamps: &SetTimestamps<'_>,
-        passes: &mut Vec<TimedPass>,
-    ) -> Result<&TextureView, BackendError> {
-        let timer = PassTimer::new(stamps, passes);
-        self.masks
-            .encode(encoder, &self.shader, Some(timer))
-            .ok_or_else(masks::unprepared)
-    }
-
-    /// Returns an error of the graphics API that came since this was last asked, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, everything is
-    /// made anew with the next frame.
+    /// Returns an error of the graphics API that came since the last call, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, the
+    /// next frame makes all GPU objects again.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
-        self.make_anew();
+        self.forget_objects();
         Some(error)
     }
 
@@ -656,11 +451,6 @@ fn check_priority(priority: f32) -> Result<(), Invalid> {
 fn unknown_light() -> Invalid {
     let help = "use an id that this set gave and that was not removed since";
     Invalid::new("light", "is not in the light set", help)
-}
-
-fn unprepared() -> BackendError {
-    let help = "call `prepare` first, and look at its error";
-    Invalid::new("light set", "has nothing prepared", help).into()
 }
 
 /// Programs share a set between threads.

@@ -1,11 +1,22 @@
-//! What a light's shadows are made of, as the set plays it.
+//! What a light's shadows are made of, as the set executes it.
 
-use crate::light_set::text::{KernelKind, MAX_IMAGES, MAX_IMAGES_BESIDE_ALL_TABLES, MAX_TABLES};
-use crate::wgsl::KernelInterface;
+use crate::{
+    light_set::buffers::{MAX_IMAGES, MAX_IMAGES_WITH_ALL_TABLES, MAX_TABLES},
+    wgsl::{kernel::KernelInterface, set::KernelKind},
+};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, DeviceLists, DeviceRecipe, Filter, Invalid, Recipe, RecipeError, Source, Table,
+    BackendLimits, Cast, CastMode, DeviceLists, Filter, Invalid, Recipe, RecipeError,
+    ShadowTechnique, Source, Table, View,
 };
+
+/// What plans depend on in addition to their view.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlanLimits<'a> {
+    pub(crate) recipes: &'a BackendLimits,
+    /// Why the device can't make lists of casters, if it can't.
+    pub(crate) unlisted: Option<&'a str>,
+}
 
 /// A light's recipe, and what of its kernel the set binds.
 #[derive(Debug)]
@@ -22,7 +33,7 @@ pub(crate) struct LightPlan {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Difference {
     Nothing,
-    /// What the kernel reads beside the maps.
+    /// What the kernel reads in addition to the maps.
     Numbers,
     /// What the maps hold.
     Maps,
@@ -31,10 +42,36 @@ pub(crate) enum Difference {
 }
 
 impl LightPlan {
+    /// Plans a light. Where the program has no geometry, the device makes the tables of techniques that list casters.
+    ///
+    /// Errors if the technique can't serve the light, or with `Unsupported` if the set can't execute its recipe.
+    pub(crate) fn of(
+        technique: &dyn ShadowTechnique,
+        view: &View<'_>,
+        limits: PlanLimits<'_>,
+    ) -> Result<Self, RecipeError> {
+        if view.geometry.is_none()
+            && let Some(made) = technique.device_recipe(view)
+        {
+            let made = made?;
+            if let Some(why) = limits.unlisted {
+                return Err(RecipeError::unsupported(why));
+            }
+            made.recipe.validate(limits.recipes)?;
+            return Ok(Self {
+                lists: Some(made.lists),
+                ..Self::new(made.recipe)?
+            });
+        }
+        let recipe = technique.recipe(view)?;
+        recipe.validate(limits.recipes)?;
+        Self::new(recipe)
+    }
+
     /// Returns the plan of a valid recipe.
     ///
-    /// Errors with `Unsupported` if the set can't play it, with the reason.
-    pub(crate) fn new(recipe: Recipe) -> Result<Self, RecipeError> {
+    /// Errors with `Unsupported` if the set can't execute it, with the reason.
+    fn new(recipe: Recipe) -> Result<Self, RecipeError> {
         check_casts(&recipe)?;
         let receive = &recipe.receive;
         let kernel = &*receive.kernel;
@@ -43,12 +80,12 @@ impl LightPlan {
         let most_images = if tables < MAX_TABLES {
             MAX_IMAGES
         } else {
-            MAX_IMAGES_BESIDE_ALL_TABLES
+            MAX_IMAGES_WITH_ALL_TABLES
         };
         if images > most_images || tables > MAX_TABLES {
             let why = format!(
-                "its kernel reads {images} images and {tables} tables, and in a light set it may read {MAX_IMAGES} images beside fewer than \
-                 {MAX_TABLES} tables, or {MAX_TABLES} tables and {MAX_IMAGES_BESIDE_ALL_TABLES} image"
+                "its kernel reads {images} images and {tables} tables, and in a light set it may read {MAX_IMAGES} images with fewer than \
+                 {MAX_TABLES} tables, or {MAX_TABLES} tables and {MAX_IMAGES_WITH_ALL_TABLES} image"
             );
             return Err(RecipeError::unsupported(why));
         }
@@ -67,16 +104,6 @@ impl LightPlan {
             kind,
             uniforms,
             lists: None,
-        })
-    }
-
-    /// Returns the plan of a recipe whose tables the device makes.
-    ///
-    /// Errors as [`new`](Self::new) does.
-    pub(crate) fn of_lists(made: DeviceRecipe) -> Result<Self, RecipeError> {
-        Ok(Self {
-            lists: Some(made.lists),
-            ..Self::new(made.recipe)?
         })
     }
 
@@ -119,7 +146,7 @@ fn check_casts(recipe: &Recipe) -> Result<(), RecipeError> {
         let keeps_depth = !matches!(cast.mode, CastMode::StencilDepthFail { .. });
         if !draws_casters || !keeps_depth {
             return Err(RecipeError::unsupported(
-                "it draws from the camera, for one picture, and a light set serves any; play it with `ShadowRenderer`",
+                "it draws from the camera, for one picture, and a light set serves any; use `ShadowRenderer`",
             ));
         }
     }

@@ -2,12 +2,12 @@
 
 use crate::resources::{
     counters::ResourceFactory,
-    images::{GpuImage, layered_texture},
+    images::{GpuImage, layered_texture, layers_view},
 };
 use glam::UVec2;
 use std::ops::Range;
 use umbrage_core::{Format, ImageDesc};
-use wgpu::{Texture, TextureView, TextureViewDescriptor, TextureViewDimension};
+use wgpu::{Texture, TextureAspect, TextureView, TextureViewDimension};
 
 /// Size and format of the layers of one texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +86,7 @@ impl LayerPool {
             .retain(|used| *used != range.layers);
     }
 
-    /// Makes the textures that are too small anew. Returns the classes whose layers are lost with that.
+    /// Replaces the textures that are too small. Returns the classes whose layers are lost.
     pub(crate) fn make_textures(&mut self, factory: &mut ResourceFactory<'_>) -> Vec<usize> {
         let mut lost = Vec::new();
         for (index, held) in self.classes.iter_mut().enumerate() {
@@ -104,11 +104,15 @@ impl LayerPool {
                 format: held.class.format,
             };
             let texture = layered_texture(factory, &desc);
-            held.whole = Some(texture.create_view(&TextureViewDescriptor {
-                label: Some("umbrage maps"),
-                dimension: Some(TextureViewDimension::D2Array),
-                ..TextureViewDescriptor::default()
-            }));
+            let dimension = TextureViewDimension::D2Array;
+            let all = TextureAspect::All;
+            held.whole = Some(layers_view(
+                &texture,
+                desc.label,
+                dimension,
+                all,
+                0..held.wanted,
+            ));
             held.texture = Some(texture);
             lost.push(index);
         }

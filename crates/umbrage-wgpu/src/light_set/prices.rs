@@ -1,16 +1,12 @@
 //! What drawing a triangle and copying a texel take on this device, measured by timestamps where it has them.
 //!
-//! Results come a few frames after they were measured, and nobody waits for them: they only decide what is drawn and what is copied,
+//! Results come a few frames after they were measured, without waiting: they only decide what is drawn and what is copied,
 //! and both give the same bits.
 
-use crate::resources::late_read::LateRead;
-use wgpu::{
-    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, Features,
-    QUERY_RESOLVE_BUFFER_ALIGNMENT, QuerySet, QuerySetDescriptor, QueryType, Queue,
-    RenderPassTimestampWrites,
-};
+use crate::resources::{late_read::LateRead, query_pairs::QueryPairs};
+use wgpu::{CommandEncoder, Device, Features, Queue, RenderPassTimestampWrites};
 
-/// Texels that are copied in the time in which a triangle is drawn, where no timestamps tell. An estimate: a copy reads and writes
+/// Texels that are copied in the time in which a triangle is drawn, on devices without timestamps. An estimate: a copy reads and writes
 /// four bytes a texel, and a small triangle takes some hundred bytes of vertices, set-up and texels.
 const TEXELS_A_TRIANGLE: f64 = 24.0;
 /// Share of a new measurement in the mean of all.
@@ -19,9 +15,6 @@ const NEW_SHARE: f64 = 0.25;
 const FIRST_FRAMES: u32 = 16;
 /// See [`FIRST_FRAMES`].
 const RARE: u32 = 32;
-
-/// Queries of the draw's begin and end, then those of the copy's.
-const QUERIES: u32 = 4;
 
 /// What is known of prices.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,12 +67,16 @@ pub(crate) struct PriceMeter {
 
 #[derive(Debug)]
 struct Queries {
-    set: QuerySet,
-    resolved: Buffer,
+    pairs: QueryPairs,
     read: LateRead,
     /// Seconds a tick; known once there is a queue.
     period: Option<f64>,
 }
+
+/// The pair of the draw.
+const DRAW: u32 = 0;
+/// The pair of the copy.
+const COPY: u32 = 1;
 
 impl PriceMeter {
     /// Measures nothing where the device lacks timestamps in passes or between them.
@@ -113,17 +110,15 @@ impl PriceMeter {
         let period = *queries
             .period
             .get_or_insert_with(|| 1e-9 * f64::from(queue.get_timestamp_period()));
-        let Some(ticks) = queries.read.take(ticks_of) else {
+        let elapsed = |bytes: &[u8]| [DRAW, COPY].map(|pair| QueryPairs::elapsed(bytes, pair));
+        let Some(ticks) = queries.read.take(elapsed) else {
             return;
         };
-        let seconds = |first: usize| {
-            let ticks = ticks[first + 1].checked_sub(ticks[first])?;
-            Some(ticks as f64 * period)
-        };
+        let [draw, copy] = ticks.map(|ticks| Some(ticks? as f64 * period));
         let each = |seconds: Option<f64>, count: Option<u64>| Some(seconds? / count? as f64);
         self.prices.add(Prices {
-            triangle: each(seconds(0), self.timed.triangles),
-            texel: each(seconds(2), self.timed.texels),
+            triangle: each(draw, self.timed.triangles),
+            texel: each(copy, self.timed.texels),
         });
     }
 
@@ -160,9 +155,9 @@ impl FrameMeter<'_> {
         }
         self.timed.triangles = Some(triangles);
         Some(RenderPassTimestampWrites {
-            query_set: &self.queries.set,
-            beginning_of_pass_write_index: Some(0),
-            end_of_pass_write_index: Some(1),
+            query_set: &self.queries.pairs.set,
+            beginning_of_pass_write_index: Some(2 * DRAW),
+            end_of_pass_write_index: Some(2 * DRAW + 1),
         })
     }
 
@@ -178,64 +173,36 @@ impl FrameMeter<'_> {
             return;
         }
         self.timed.texels = Some(texels);
-        encoder.write_timestamp(&self.queries.set, 2);
+        encoder.write_timestamp(&self.queries.pairs.set, 2 * COPY);
         record(encoder);
-        encoder.write_timestamp(&self.queries.set, 3);
+        encoder.write_timestamp(&self.queries.pairs.set, 2 * COPY + 1);
     }
 
-    /// Records that what was timed is read. Queries that were not written are left out: waiting for them could take forever.
+    /// Records that what was timed is read.
     pub(crate) fn end(self, encoder: &mut CommandEncoder) {
-        let Queries {
-            set,
-            resolved,
-            read,
-            ..
-        } = self.queries;
-        if self.timed.triangles.is_none() && self.timed.texels.is_none() {
-            return;
+        let Queries { pairs, read, .. } = self.queries;
+        let is_timed = [self.timed.triangles.is_some(), self.timed.texels.is_some()];
+        for (pair, is_timed) in [DRAW, COPY].into_iter().zip(is_timed) {
+            if is_timed {
+                pairs.resolve(encoder, pair);
+            }
         }
-        if self.timed.triangles.is_some() {
-            encoder.resolve_query_set(set, 0..2, resolved, 0);
+        if is_timed.contains(&true) {
+            read.record(encoder, &pairs.resolved);
         }
-        if self.timed.texels.is_some() {
-            encoder.resolve_query_set(set, 2..4, resolved, QUERY_RESOLVE_BUFFER_ALIGNMENT);
-        }
-        read.record(encoder, resolved);
     }
 }
 
 impl Queries {
     fn new(device: &Device) -> Self {
         const LABEL: &str = "umbrage prices";
-        let bytes = 2 * QUERY_RESOLVE_BUFFER_ALIGNMENT;
+        let pairs = QueryPairs::new(device, LABEL, 2);
         Self {
-            set: device.create_query_set(&QuerySetDescriptor {
-                label: Some(LABEL),
-                ty: QueryType::Timestamp,
-                count: QUERIES,
-            }),
-            resolved: device.create_buffer(&BufferDescriptor {
-                label: Some(LABEL),
-                size: bytes,
-                usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            }),
-            read: LateRead::new(device, LABEL, bytes),
+            read: LateRead::new(device, LABEL, pairs.resolved.size()),
+            pairs,
             period: None,
         }
     }
-}
-
-/// Returns the four timestamps in a buffer's bytes.
-fn ticks_of(bytes: &[u8]) -> [u64; QUERIES as usize] {
-    let mut ticks = [0; QUERIES as usize];
-    let pair = QUERY_RESOLVE_BUFFER_ALIGNMENT as usize;
-    for (i, tick) in ticks.iter_mut().enumerate() {
-        let start = i / 2 * pair + i % 2 * size_of::<u64>();
-        let word = bytes[start..].first_chunk().copied().unwrap_or_default();
-        *tick = u64::from_le_bytes(word);
-    }
-    ticks
 }
 
 #[cfg(test)]

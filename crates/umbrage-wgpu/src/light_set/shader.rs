@@ -6,20 +6,24 @@ use crate::{
             ImagePlace, LightEntry, LightNumbers, NumberSpace, Records, Region, SharedTables,
             Uploaded,
         },
-        light::{KernelRecord, LightId, LightState},
+        options::LightId,
         plan::LightPlan,
         pool::LayerPool,
-        text::{KernelKind, MapBinding, TextParts},
+        state::{HeldLight, LightState},
     },
-    prefix::with_prefix,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
+        kernel_stage::image_slot,
         pipelines::Pipelines,
     },
-    wgsl::InputKind,
+    wgsl::{
+        kernel::{InputImage, InputKind},
+        resolver::{check_prefix, with_prefix},
+        set::{KernelKind, MapBinding, TextParts},
+    },
 };
-use slotmap::SlotMap;
+use slotmap::{SecondaryMap, SlotMap};
 use std::sync::Arc;
 use umbrage_core::{BackendError, Invalid, RecipeError};
 use wgpu::{BindGroup, BindGroupLayout, Limits, ShaderStages};
@@ -36,15 +40,24 @@ pub(crate) struct SetShader {
     /// As [`TextParts::classes`].
     classes: Vec<Vec<Vec<usize>>>,
     tables: SharedTables,
+    /// Where each shown light's uniforms are.
+    records: SecondaryMap<LightId, KernelRecord>,
     text: String,
+    /// The text as users get it.
+    prefixed_text: String,
     revision: u64,
     binding: Binding,
     /// Whether kinds or maps were added since the text was made.
     is_outdated: bool,
-    /// Whether a light was forgotten since entries were written.
-    has_forgotten: bool,
     /// Whether entries and uniforms are other than those that were written.
     has_changed: bool,
+}
+
+/// A light's uniforms, among those of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct KernelRecord {
+    kind: usize,
+    index: usize,
 }
 
 /// Most textures that are bound: an index takes 8 bits of a light's entry.
@@ -55,8 +68,7 @@ const MAX_KINDS: usize = 255;
 impl SetShader {
     /// Errors if the prefix can't begin a WGSL identifier.
     pub(crate) fn new(group: u32, prefix: &str, limits: &Limits) -> Result<Self, Invalid> {
-        // An empty text takes any prefix that a full one does.
-        with_prefix("", prefix)?;
+        check_prefix(prefix)?;
         Ok(Self {
             group,
             prefix: prefix.to_owned(),
@@ -66,25 +78,27 @@ impl SetShader {
             maps: Vec::new(),
             classes: Vec::new(),
             tables: SharedTables::default(),
+            records: SecondaryMap::new(),
             text: String::new(),
+            prefixed_text: String::new(),
             revision: 0,
             binding: Binding::default(),
             is_outdated: true,
-            has_forgotten: false,
             has_changed: true,
         })
     }
 
+    /// Returns the text without the prefix.
     pub(crate) fn text(&self) -> &str {
         &self.text
     }
 
-    pub(crate) fn group(&self) -> u32 {
-        self.group
+    pub(crate) fn prefixed_text(&self) -> &str {
+        &self.prefixed_text
     }
 
-    pub(crate) fn prefix(&self) -> &str {
-        &self.prefix
+    pub(crate) fn group(&self) -> u32 {
+        self.group
     }
 
     pub(crate) fn revision(&self) -> u64 {
@@ -107,17 +121,26 @@ impl SetShader {
         &mut self.tables
     }
 
-    /// Says that lights show other plans than those that were written.
+    /// Marks that lights show other plans than those that were written.
     pub(crate) fn change(&mut self) {
         self.has_changed = true;
     }
 
-    /// Frees what a light has here. Shaders see it as not served from the next [`write`](Self::write) on.
-    pub(crate) fn forget(&mut self, light: &mut LightState) {
-        if let Some(KernelRecord { kind, index }) = light.record.take() {
+    /// Returns an index for a new light.
+    pub(crate) fn take_index(&mut self) -> u32 {
+        self.numbers.entries.take() as u32
+    }
+
+    pub(crate) fn give_back_index(&mut self, index: u32) {
+        self.numbers.entries.give_back(index as usize);
+    }
+
+    /// Frees a light's numbers. Shaders see it as not served from the next [`write`](Self::write) on.
+    pub(crate) fn forget(&mut self, light: LightId) {
+        if let Some(KernelRecord { kind, index }) = self.records.remove(light) {
             self.numbers.kernels[kind].give_back(index);
         }
-        self.has_forgotten = true;
+        self.has_changed = true;
     }
 
     /// Forgets all buffers and bind groups.
@@ -128,19 +151,19 @@ impl SetShader {
         self.has_changed = true;
     }
 
-    /// Writes the numbers of all lights, and makes text and bind group anew where that is needed. `maps_changed` says that textures
-    /// were made anew.
+    /// Writes the numbers of all lights, and replaces text and bind group if needed. `maps_changed`: whether textures were
+    /// replaced.
     ///
     /// Errors if a kernel's WGSL can't be put under a prefix.
     pub(crate) fn write(
         &mut self,
         factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        lights: &mut SlotMap<LightId, LightState>,
+        lights: &mut SlotMap<LightId, HeldLight>,
         pool: &LayerPool,
         maps_changed: bool,
     ) -> Result<Uploaded, BackendError> {
-        if !self.has_changed && !self.has_forgotten && !self.is_outdated && !maps_changed {
+        if !self.has_changed && !self.is_outdated && !maps_changed {
             return Ok(Uploaded::default());
         }
         self.register_all(lights);
@@ -149,7 +172,6 @@ impl SetShader {
         let most = factory.device.limits().max_storage_buffer_binding_size;
         self.refuse_long_tables(lights, most);
         self.set_records(lights);
-        self.has_forgotten = false;
         self.has_changed = false;
         self.is_outdated |= self.numbers.make_room();
         let mut uploaded = self.numbers.upload(factory);
@@ -165,37 +187,33 @@ impl SetShader {
         Ok(uploaded)
     }
 
-    /// Sees to it that there is a kind and there are bindings for all that is shown.
-    fn register_all(&mut self, lights: &mut SlotMap<LightId, LightState>) {
-        let is_known = |light: &LightState| {
-            light
-                .shown
-                .as_ref()
-                .is_none_or(|plan| self.knows(plan, light))
+    /// Ensures that there is a kind and there are bindings for all shown lights.
+    fn register_all(&mut self, lights: &mut SlotMap<LightId, HeldLight>) {
+        let is_registered = |light: &HeldLight| {
+            let plan = light.state.shown();
+            plan.is_none_or(|plan| self.has_registered(plan, light))
         };
-        if lights.values().all(is_known) {
+        if lights.values().all(is_registered) {
             return;
         }
-        // The text changes anyway: what no light uses any more goes.
+        // The text changes anyway: drop what no light uses.
         self.kinds.clear();
         self.numbers.kernels.clear();
         self.maps.clear();
         self.classes.clear();
+        self.records.clear();
         self.is_outdated = true;
         for light in lights.values_mut() {
-            light.record = None;
-            let Some(plan) = light.shown.take() else {
-                continue;
-            };
-            match self.register(&plan, light) {
-                Ok(()) => light.shown = Some(plan),
-                Err(error) => light.refused = Some(error),
+            if let Some(plan) = light.state.shown()
+                && let Err(error) = self.register(plan, light)
+            {
+                light.state = LightState::Refused(error);
             }
         }
     }
 
     /// Returns whether text and bindings serve a light's plan.
-    fn knows(&self, plan: &LightPlan, light: &LightState) -> bool {
+    fn has_registered(&self, plan: &LightPlan, light: &HeldLight) -> bool {
         let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
             return false;
         };
@@ -210,7 +228,7 @@ impl SetShader {
     /// Adds what a light's plan needs.
     ///
     /// Errors with `Unsupported` if a shader can't bind that much.
-    fn register(&mut self, plan: &LightPlan, light: &LightState) -> Result<(), RecipeError> {
+    fn register(&mut self, plan: &LightPlan, light: &HeldLight) -> Result<(), RecipeError> {
         let known = self.kinds.iter().position(|kind| *kind == plan.kind);
         let kind = match known {
             Some(kind) => kind,
@@ -237,11 +255,7 @@ impl SetShader {
             return Err(RecipeError::unsupported(why));
         }
         let stride = plan.kind.uniforms.map_or(0, |(_, size)| size);
-        self.kinds.push(KernelKind {
-            modules: plan.kind.modules.clone(),
-            uniforms: plan.kind.uniforms,
-            shape: plan.kind.shape.clone(),
-        });
+        self.kinds.push(plan.kind.clone());
         self.numbers.kernels.push(Records::new(stride));
         self.classes
             .push(vec![Vec::new(); plan.kind.shape.images.len()]);
@@ -261,40 +275,35 @@ impl SetShader {
     }
 
     /// Sets the numbers of all lights.
-    fn set_records(&mut self, lights: &mut SlotMap<LightId, LightState>) {
-        let highest = lights.values().map(|light| light.index + 1).max();
-        while self.numbers.entries.count() < highest.unwrap_or(0) as usize {
-            self.numbers.entries.take();
-        }
-        let mut served = vec![false; self.numbers.entries.count()];
-        for (id, light) in lights.iter_mut() {
-            let Some(plan) = light.shown.take() else {
+    fn set_records(&mut self, lights: &SlotMap<LightId, HeldLight>) {
+        let mut entries = vec![LightEntry::default(); self.numbers.entries.count()];
+        for (id, light) in lights {
+            let Some(plan) = light.state.shown() else {
                 continue;
             };
             // It was registered.
             let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
                 continue;
             };
-            let record = match light.record {
-                Some(record) if record.kind == kind => record,
-                _ => KernelRecord {
-                    kind,
-                    index: self.numbers.kernels[kind].take(),
-                },
+            let index = match self.records.get(id) {
+                Some(held) if held.kind == kind => held.index,
+                held => {
+                    if let Some(other) = held {
+                        self.numbers.kernels[other.kind].give_back(other.index);
+                    }
+                    self.numbers.kernels[kind].take()
+                }
             };
-            light.record = Some(record);
-            self.numbers.kernels[kind].set(record.index, &plan.uniforms);
-            let entry = self.entry(id, &plan, light, record);
+            self.numbers.kernels[kind].set(index, &plan.uniforms);
+            let record = KernelRecord { kind, index };
+            self.records.insert(id, record);
+            entries[light.index as usize] = self.entry(id, plan, light, record);
+        }
+        for (index, entry) in entries.iter().enumerate() {
+            let words = entry.words();
             self.numbers
                 .entries
-                .set(light.index as usize, bytemuck::cast_slice(&entry.words()));
-            served[light.index as usize] = true;
-            light.shown = Some(plan);
-        }
-        let unserved = LightEntry::default().words();
-        for (index, _) in served.iter().enumerate().filter(|(_, served)| !**served) {
-            let entries = &mut self.numbers.entries;
-            entries.set(index, bytemuck::cast_slice(&unserved));
+                .set(index, bytemuck::cast_slice(&words));
         }
     }
 
@@ -302,7 +311,7 @@ impl SetShader {
         &mut self,
         id: LightId,
         plan: &LightPlan,
-        light: &LightState,
+        light: &HeldLight,
         record: KernelRecord,
     ) -> LightEntry {
         let mut entry = LightEntry {
@@ -316,7 +325,7 @@ impl SetShader {
             let map = self.maps.iter().position(|map| *map == binding);
             entry.images[i] = ImagePlace {
                 texture: map.unwrap_or(0) as u32,
-                first: light.ranges[image].layers.start,
+                first: light.maps.ranges[image].layers.start,
             };
         }
         if plan.lists.is_some() {
@@ -335,7 +344,7 @@ impl SetShader {
     }
 
     /// Refuses the lights of least priority whose tables are longer than what a shader can bind, with those of all lights before them.
-    fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightId, LightState>, most: u64) {
+    fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightId, HeldLight>, most: u64) {
         let mut bytes = self.tables.made_bytes();
         let mut order: Vec<LightId> = lights.keys().collect();
         order.sort_by(|&a, &b| {
@@ -345,7 +354,7 @@ impl SetShader {
         let mut counted: Vec<Arc<[[u32; 4]]>> = Vec::new();
         for id in order {
             let light = &mut lights[id];
-            let Some(plan) = &light.shown else {
+            let Some(plan) = light.state.shown() else {
                 continue;
             };
             if plan.lists.is_some() {
@@ -365,20 +374,19 @@ impl SetShader {
             } else {
                 counted.truncate(counted_before);
                 let why = format!(
-                    "the tables of the set's lights need {} KiB with its own, and shaders of the device read {} KiB at once; ask for a device with a greater `max_storage_buffer_binding_size`",
+                    "the tables of the set's lights need {} KiB with its own, and shaders of the device read {} KiB at once; request a device with a greater `max_storage_buffer_binding_size`",
                     with_own >> 10,
                     most >> 10
                 );
-                light.refused = Some(RecipeError::unsupported(why));
-                light.shown = None;
-                self.forget(light);
+                light.state = LightState::Refused(RecipeError::unsupported(why));
+                self.forget(id);
             }
         }
     }
 
     /// Drops tables that no light shows any more.
-    fn retain_tables(&mut self, lights: &SlotMap<LightId, LightState>) {
-        let plans = || lights.values().filter_map(|light| light.shown.as_ref());
+    fn retain_tables(&mut self, lights: &SlotMap<LightId, HeldLight>) {
+        let plans = || lights.values().filter_map(|light| light.state.shown());
         let is_used = |rows: &Arc<[[u32; 4]]>| {
             plans().any(|plan| {
                 let receive = &plan.recipe.receive;
@@ -387,7 +395,7 @@ impl SetShader {
             })
         };
         let is_listed = |id: LightId| {
-            let shown = lights.get(id).and_then(|light| light.shown.as_ref());
+            let shown = lights.get(id).and_then(|light| light.state.shown());
             shown.is_some_and(|plan| plan.lists.is_some())
         };
         self.tables.retain(is_used, is_listed);
@@ -401,7 +409,8 @@ impl SetShader {
             maps: &self.maps,
             classes: &self.classes,
         };
-        self.text = with_prefix(&parts.text()?, &self.prefix)?;
+        self.text = parts.text()?;
+        self.prefixed_text = with_prefix(&self.text, &self.prefix)?;
         self.revision += 1;
         Ok(())
     }
@@ -412,8 +421,6 @@ impl SetShader {
         pipelines: &mut Pipelines,
         pool: &LayerPool,
     ) {
-        let mut slots = Vec::new();
-        let mut bound = Vec::new();
         let numbers = match self.numbers.space() {
             NumberSpace::Uniform => Slot::Uniform,
             NumberSpace::Storage => Slot::Table,
@@ -422,42 +429,40 @@ impl SetShader {
             (numbers, self.numbers.buffer()),
             (Slot::Table, self.tables.buffer()),
         ];
+        let mut entries = Vec::new();
         for (slot, buffer) in buffers {
             // Both were uploaded.
-            let Some(buffer) = buffer else {
-                continue;
-            };
-            slots.push(slot);
-            bound.push(Bound::Buffer(buffer.clone()));
+            entries.extend(buffer.map(|buffer| (slot, Bound::Buffer(buffer.clone()))));
         }
         let mut compares = false;
-        for map in &self.maps {
-            let Some(view) = pool.whole(map.class) else {
-                continue;
-            };
+        for &MapBinding { class, kind } in &self.maps {
             let layered = true;
-            slots.push(match map.kind {
-                InputKind::Floats => Slot::Floats { layered },
-                InputKind::Counts | InputKind::Words => Slot::Whole { layered },
-                InputKind::Compared => Slot::Depth { layered },
-            });
-            compares |= map.kind == InputKind::Compared;
-            bound.push(Bound::View(view.clone()));
+            let slot = image_slot(InputImage { kind, layered });
+            let view = pool.whole(class).cloned();
+            entries.extend(view.map(|view| (slot, Bound::View(view))));
+            compares |= kind == InputKind::Compared;
         }
         if compares {
-            slots.push(Slot::Sampler);
-            bound.push(Bound::Sampler(pipelines.sampler(factory.device)));
+            let sampler = pipelines.sampler(factory.device);
+            entries.push((Slot::Sampler, Bound::Sampler(sampler)));
         }
-        let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
-        let layout = pipelines.layouts.get(factory, visibility, &slots);
-        self.binding.set(factory, "umbrage lights", &layout, bound);
+        let stages = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
+        let layouts = &mut pipelines.layouts;
+        self.binding
+            .bind(factory, layouts, stages, "umbrage lights", entries);
     }
 }
 
 /// Returns how a light's kernel reads input `i`, which is this image of the recipe.
-fn map_binding(plan: &LightPlan, light: &LightState, i: usize, image: usize) -> MapBinding {
+fn map_binding(plan: &LightPlan, light: &HeldLight, i: usize, image: usize) -> MapBinding {
     MapBinding {
-        class: light.ranges[image].class,
+        class: light.maps.ranges[image].class,
         kind: plan.kind.shape.images[i].kind,
     }
+}
+
+/// Returns the error of a set of which nothing is prepared.
+pub(crate) fn unprepared() -> BackendError {
+    let help = "call `prepare` first, and look at its error";
+    Invalid::new("light set", "has nothing prepared", help).into()
 }

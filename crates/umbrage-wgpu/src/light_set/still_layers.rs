@@ -7,22 +7,20 @@
 
 use crate::{
     light_set::{
-        StillLayers,
         casters::Casters,
         culling::{ShownSlots, Wanted},
-        light::{LightCast, StillLayer},
+        options::{LightId, StillLayers},
         prices::Prices,
+        state::{HeldLight, LightCast, StillLayer},
     },
     resources::{
         counters::ResourceFactory,
-        images::{extent, texture_format},
+        images::{extent, layers_view, texture_format},
     },
     targets::CastTarget,
 };
-use wgpu::{
-    Texture, TextureDescriptor, TextureDimension, TextureUsages, TextureViewDescriptor,
-    TextureViewDimension,
-};
+use slotmap::SlotMap;
+use wgpu::{TextureAspect, TextureUsages, TextureViewDimension};
 
 /// A layer that is split stays so until the copy takes this much longer than what it saves: measured prices waver.
 const PATIENCE: f64 = 1.5;
@@ -60,33 +58,19 @@ fn triangles(casters: &Casters, shown: &ShownSlots, wanted: Wanted<'_>) -> u64 {
 }
 
 impl StillLayer {
-    /// Returns an empty layer beside that of a cast.
-    pub(crate) fn beside(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
-        let texture = factory.texture(&TextureDescriptor {
-            label: Some("umbrage still casters"),
-            size: extent(target.size, 1),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format: texture_format(target.format()),
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let layer = texture.create_view(&TextureViewDescriptor {
-            label: Some("umbrage still casters"),
-            dimension: Some(TextureViewDimension::D2),
-            ..TextureViewDescriptor::default()
-        });
+    /// Returns an empty layer like that of a cast.
+    pub(crate) fn like(factory: &mut ResourceFactory<'_>, target: &CastTarget) -> Self {
+        let label = "umbrage still casters";
+        let format = texture_format(target.format());
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
+        let texture = factory.texture(label, extent(target.size, 1), format, usage);
+        let dimension = TextureViewDimension::D2;
+        let layer = layers_view(&texture, label, dimension, TextureAspect::All, 0..1);
         Self {
             target: target.with_layer(layer),
             texture,
             is_stale: true,
         }
-    }
-
-    /// Returns the layer's bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        bytes_of(&self.target)
     }
 }
 
@@ -96,11 +80,9 @@ pub(crate) fn bytes_of(target: &CastTarget) -> u64 {
     texels * target.format().bytes() as u64
 }
 
-/// What is copied before a cast is drawn.
-#[derive(Clone, Debug)]
-pub(crate) struct LayerCopy {
-    pub(crate) from: Texture,
-    pub(crate) to: Texture,
-    /// Layer of `to`.
-    pub(crate) layer: u32,
+/// Returns the bytes of all layers that hold still casters.
+pub(crate) fn still_bytes(lights: &SlotMap<LightId, HeldLight>) -> u64 {
+    let casts = lights.values().flat_map(|light| &light.maps.casts);
+    let layers = casts.filter_map(|cast| cast.still.as_ref());
+    layers.map(|still| bytes_of(&still.target)).sum()
 }

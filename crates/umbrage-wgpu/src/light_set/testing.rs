@@ -1,12 +1,14 @@
-//! What tests alone ask of a set.
+//! Access to a set for tests.
 
-use super::{LightId, LightSet, Listing, prices};
-use crate::resources::counters::Counters;
+use crate::{
+    light_set::{LightSet, caster_lists::Listing, options::LightId, prices::Prices},
+    resources::counters::Counters,
+};
 
 impl LightSet {
     /// Sets what drawing a triangle and copying a texel take, seconds, instead of measuring it.
     pub fn assume_prices(&mut self, triangle: f64, texel: f64) {
-        self.meter.assume(prices::Prices {
+        self.meter.assume(Prices {
             triangle: Some(triangle),
             texel: Some(texel),
         });

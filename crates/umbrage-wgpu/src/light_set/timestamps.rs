@@ -1,7 +1,7 @@
 //! Timestamps around the passes of a set.
 
 use crate::{
-    light_set::{light::LightId, prices::FrameMeter},
+    light_set::{options::LightId, prices::FrameMeter},
     resources::timestamps::{PassTimestamps, TimedStage},
 };
 use std::ops::Range;

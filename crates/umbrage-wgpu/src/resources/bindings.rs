@@ -122,6 +122,14 @@ pub(crate) enum Bound {
 }
 
 impl Bound {
+    /// Returns a buffer bound to a slot: all of it, or a window.
+    pub(crate) fn of_slot(slot: Slot, buffer: Buffer) -> Self {
+        match slot {
+            Slot::Window(size) => Self::Window(buffer, size),
+            _ => Self::Buffer(buffer),
+        }
+    }
+
     fn resource(&self) -> BindingResource<'_> {
         match self {
             Self::Buffer(buffer) => buffer.as_entire_binding(),
@@ -136,7 +144,7 @@ impl Bound {
     }
 }
 
-/// A bind group that is made anew only when something else is bound.
+/// A bind group that is made again only if something else is bound.
 #[derive(Debug, Default)]
 pub(crate) struct Binding {
     bound: Vec<Bound>,
@@ -171,6 +179,26 @@ impl Binding {
         self.group = Some(factory.device.create_bind_group(&desc));
         self.layout = Some(layout.clone());
         self.bound = bound;
+    }
+
+    /// Binds these in order, and returns their layout.
+    pub(crate) fn bind(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        layouts: &mut Layouts,
+        visibility: ShaderStages,
+        label: &str,
+        entries: Vec<(Slot, Bound)>,
+    ) -> BindGroupLayout {
+        let (slots, bound): (Vec<Slot>, Vec<Bound>) = entries.into_iter().unzip();
+        let layout = layouts.get(factory, visibility, &slots);
+        self.set(factory, label, &layout, bound);
+        layout
+    }
+
+    /// Returns whether this is all that is bound.
+    pub(crate) fn is_of(&self, only: &Bound) -> bool {
+        self.bound == std::slice::from_ref(only)
     }
 
     pub(crate) fn group(&self) -> Option<&BindGroup> {

@@ -1,16 +1,19 @@
-//! What was made, so that tests can tell that nothing is made twice.
+//! Counts of GPU objects, so that tests find objects that are made twice.
 
-use wgpu::{Buffer, BufferDescriptor, BufferUsages, Device, Queue, Texture, TextureDescriptor};
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, Device, Extent3d, Queue, Texture, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages,
+};
 
 /// How many GPU objects a [`ShadowRenderer`](crate::ShadowRenderer) has made since it was made itself. Once a recipe has
-/// been played, recipes of the same shape (same shaders, image sizes, biases and vertex layouts) leave these alone.
+/// been executed, recipes of the same shape (same shaders, image sizes, biases and vertex layouts) leave these alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Shader compilations: one each.
     pub pipelines: u32,
     /// Images, masks and pictures.
     pub textures: u32,
-    /// Uniforms, tables and faces, and what tells that an encoder was submitted.
+    /// Uniforms, tables and faces, and what detects that an encoder was submitted.
     pub buffers: u32,
     /// Bindings of kernels and casts to what they read.
     pub bind_groups: u32,
@@ -23,10 +26,34 @@ pub(crate) struct ResourceFactory<'a> {
     pub(crate) counters: &'a mut Counters,
 }
 
-impl ResourceFactory<'_> {
-    pub(crate) fn texture(&mut self, desc: &TextureDescriptor<'_>) -> Texture {
+impl<'a> ResourceFactory<'a> {
+    pub(crate) fn new(device: &'a Device, queue: &'a Queue, counters: &'a mut Counters) -> Self {
+        Self {
+            device,
+            queue,
+            counters,
+        }
+    }
+
+    /// Makes a texture of two dimensions, without mipmaps.
+    pub(crate) fn texture(
+        &mut self,
+        label: &str,
+        size: Extent3d,
+        format: TextureFormat,
+        usage: TextureUsages,
+    ) -> Texture {
         self.counters.textures += 1;
-        self.device.create_texture(desc)
+        self.device.create_texture(&TextureDescriptor {
+            label: Some(label),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
     }
 
     pub(crate) fn buffer(&mut self, label: &str, usage: BufferUsages, size: u64) -> Buffer {
@@ -40,7 +67,7 @@ impl ResourceFactory<'_> {
         })
     }
 
-    /// Writes bytes into the slot's buffer, which is made anew only when they don't fit.
+    /// Writes bytes into the slot's buffer, which is replaced only if they don't fit.
     pub(crate) fn write(
         &mut self,
         slot: &mut Option<Buffer>,

@@ -4,8 +4,9 @@ use crate::{
     frame::{Drawable, PositionFormat, VertexLayout},
     resources::{
         counters::ResourceFactory,
-        cut_outs::{FrameWithHoles, GpuCutOuts, HoleRule},
+        cut_outs::{FrameWithHoles, GpuCutOuts},
         faces::{FaceBuffer, FaceBuffers},
+        pipelines::Vertex,
     },
 };
 use glam::{Affine3A, Mat4};
@@ -24,21 +25,6 @@ pub(crate) struct Draw {
     pub(crate) layout: VertexLayout,
     pub(crate) vertex: Vertex,
     world_from_local: Option<Affine3A>,
-}
-
-/// What a vertex's position is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Vertex {
-    /// A position in world space.
-    World,
-    /// A position, to be placed into the world by a matrix of the draw.
-    Local,
-    /// A position, to be placed into the world by a matrix of the instance.
-    Instanced,
-    /// Four floats in world space.
-    Homogeneous,
-    /// The number of a corner in the geometry's lists, whose triangles have holes.
-    CutOut(HoleRule),
 }
 
 /// What each cast draws.
@@ -144,7 +130,7 @@ impl Draw {
         }
     }
 
-    /// Returns the draw of those triangles of a drawable that lie in `runs`, or of all where their ids are not known; `None` if
+    /// Returns the draw of those triangles of a drawable that are in `runs`, or of all if their ids are not known; `None` if
     /// nothing is to be drawn.
     fn some(drawable: &Drawable<'_>, runs: &[Range<u32>]) -> Option<Self> {
         let mut draw = Self::new(drawable);
@@ -211,7 +197,7 @@ fn within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
         .collect()
 }
 
-/// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the
+/// Returns the ranges of indices that draw the part of `runs` in `triangles`, where `first` is the index of the
 /// first of these triangles' corners.
 fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Range<u32>> {
     let mut ranges = Vec::new();

@@ -72,7 +72,7 @@ impl FaceBuffers {
         buffer
     }
 
-    /// Drops faces that nobody else holds, since no recipe can name them any more. Their buffers become the spare ones.
+    /// Drops faces that nothing else holds, since no recipe can name them any more. Their buffers become the spare ones.
     pub(crate) fn forget_unreachable(&mut self) {
         self.spare.clear();
         let unreachable = self

@@ -2,10 +2,11 @@
 
 use crate::resources::{counters::ResourceFactory, counts::CountingPair};
 use glam::UVec2;
+use std::ops::Range;
 use umbrage_core::{Format, ImageDesc};
 use wgpu::{
-    Extent3d, Texture, TextureAspect, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
+    Extent3d, Texture, TextureAspect, TextureFormat, TextureUsages, TextureView,
+    TextureViewDescriptor, TextureViewDimension,
 };
 
 /// Returns the wgpu format of a recipe's image. An exception are casts that count: their image and the depth that it counts
@@ -72,14 +73,8 @@ impl GpuImage {
         } else {
             TextureViewDimension::D2
         };
-        let whole = texture.create_view(&TextureViewDescriptor {
-            label: Some(desc.label),
-            dimension: Some(dimension),
-            aspect,
-            base_array_layer: first,
-            array_layer_count: Some(desc.layers),
-            ..TextureViewDescriptor::default()
-        });
+        let layers = first..first + desc.layers;
+        let whole = layers_view(&texture, desc.label, dimension, aspect, layers);
         // What is drawn into must be all of a texture's parts.
         let layers = layer_views(&texture, &desc, TextureAspect::All, first);
         let reads = if aspect == TextureAspect::All {
@@ -106,28 +101,36 @@ fn layer_views(
     first: u32,
 ) -> Vec<TextureView> {
     let view = |layer| {
-        texture.create_view(&TextureViewDescriptor {
-            label: Some(desc.label),
-            dimension: Some(TextureViewDimension::D2),
-            aspect,
-            base_array_layer: first + layer,
-            array_layer_count: Some(1),
-            ..TextureViewDescriptor::default()
-        })
+        let dimension = TextureViewDimension::D2;
+        layers_view(texture, desc.label, dimension, aspect, layer..layer + 1)
     };
-    (0..desc.layers).map(view).collect()
+    (first..first + desc.layers).map(view).collect()
+}
+
+/// Returns a view of some layers of a texture.
+pub(crate) fn layers_view(
+    texture: &Texture,
+    label: &str,
+    dimension: TextureViewDimension,
+    aspect: TextureAspect,
+    layers: Range<u32>,
+) -> TextureView {
+    texture.create_view(&TextureViewDescriptor {
+        label: Some(label),
+        dimension: Some(dimension),
+        aspect,
+        base_array_layer: layers.start,
+        array_layer_count: Some(layers.end - layers.start),
+        ..TextureViewDescriptor::default()
+    })
 }
 
 /// Makes a texture for the layers of several images.
 pub(crate) fn layered_texture(factory: &mut ResourceFactory<'_>, desc: &ImageDesc) -> Texture {
     let format = texture_format(desc.format);
     // Layers are copied to from others of the same format, depth, too.
-    make_texture_with(
-        factory,
-        desc,
-        format,
-        usage(format) | TextureUsages::COPY_DST,
-    )
+    let usage = usage(format) | TextureUsages::COPY_DST;
+    factory.texture(desc.label, extent(desc.size, desc.layers), format, usage)
 }
 
 fn make_texture(
@@ -135,25 +138,8 @@ fn make_texture(
     desc: &ImageDesc,
     format: TextureFormat,
 ) -> Texture {
-    make_texture_with(factory, desc, format, usage(format))
-}
-
-fn make_texture_with(
-    factory: &mut ResourceFactory<'_>,
-    desc: &ImageDesc,
-    format: TextureFormat,
-    usage: TextureUsages,
-) -> Texture {
-    factory.texture(&TextureDescriptor {
-        label: Some(desc.label),
-        size: extent(desc.size, desc.layers),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
+    let size = extent(desc.size, desc.layers);
+    factory.texture(desc.label, size, format, usage(format))
 }
 
 /// Copying serves tests, which replay a stage from given images and look at what came out. Nothing can be copied to

@@ -8,7 +8,7 @@ use crate::{
         pipelines::Pipelines,
         tables::Tables,
     },
-    wgsl::{InputImage, InputKind, KernelInterface},
+    wgsl::kernel::{InputImage, InputKind, KernelInterface},
 };
 use umbrage_core::{Kernel, Recipe};
 use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
@@ -40,51 +40,41 @@ impl KernelStage {
         tables: &[usize],
     ) -> KernelInterface {
         let shape = KernelInterface::new(sources.recipe, kernel, images, tables);
-        let mut bound = Vec::new();
+        let mut entries = Vec::new();
         let mut name = "umbrage kernel";
         if let Some(block) = kernel.uniforms() {
             name = block.uniform_layout().name;
             let bytes = block.uniform_bytes();
             let usage = BufferUsages::UNIFORM;
             let buffer = factory.write(&mut self.uniforms, name, usage, &bytes);
-            bound.push(Bound::Buffer(buffer));
+            entries.push((Slot::Uniform, Bound::Buffer(buffer)));
         }
-        for &image in images {
-            bound.push(Bound::View(sources.images[image].whole.clone()));
+        for (&image, input) in images.iter().zip(&shape.images) {
+            let view = sources.images[image].whole.clone();
+            entries.push((image_slot(*input), Bound::View(view)));
         }
         for &table in tables {
             let buffer = sources.tables.get(factory, &sources.recipe.tables[table]);
-            bound.push(Bound::Buffer(buffer));
+            entries.push((Slot::Table, Bound::Buffer(buffer)));
         }
         if shape.compares() {
-            bound.push(Bound::Sampler(pipelines.sampler(factory.device)));
+            let sampler = pipelines.sampler(factory.device);
+            entries.push((Slot::Sampler, Bound::Sampler(sampler)));
         }
         // Compute, too, so that callers can use the bind group with the pasted text in either kind of shader.
-        let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
-        let layout = pipelines.layouts.get(factory, visibility, &slots(&shape));
-        self.binding.set(factory, name, &layout, bound);
+        let stages = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
+        let layouts = &mut pipelines.layouts;
+        self.binding.bind(factory, layouts, stages, name, entries);
         shape
     }
 }
 
-/// Returns the kinds of a kernel's bindings, in the order in which [`KernelStage::bind`] binds them.
-fn slots(shape: &KernelInterface) -> Vec<Slot> {
-    let mut slots = Vec::new();
-    if shape.uniforms {
-        slots.push(Slot::Uniform);
+/// Returns the binding of an image that a kernel reads so.
+pub(crate) fn image_slot(image: InputImage) -> Slot {
+    let InputImage { kind, layered } = image;
+    match kind {
+        InputKind::Floats => Slot::Floats { layered },
+        InputKind::Counts | InputKind::Words => Slot::Whole { layered },
+        InputKind::Compared => Slot::Depth { layered },
     }
-    for &InputImage { kind, layered } in &shape.images {
-        slots.push(match kind {
-            InputKind::Floats => Slot::Floats { layered },
-            InputKind::Counts | InputKind::Words => Slot::Whole { layered },
-            InputKind::Compared => Slot::Depth { layered },
-        });
-    }
-    for _ in 0..shape.tables {
-        slots.push(Slot::Table);
-    }
-    if shape.compares() {
-        slots.push(Slot::Sampler);
-    }
-    slots
 }

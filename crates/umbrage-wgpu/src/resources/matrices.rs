@@ -1,35 +1,19 @@
 //! Matrices for vertex shaders.
 
 use crate::resources::{
-    bindings::{Binding, Bound, Slot},
+    bindings::{Binding, Bound},
     counters::ResourceFactory,
-    pipelines::Pipelines,
+    pipelines::{MATRIX_SLOT, Pipelines},
+    windows::Windows,
 };
 use glam::Mat4;
-use std::num::NonZeroU64;
-use wgpu::{BindGroupLayout, Buffer, BufferUsages, RenderPass, ShaderStages};
+use wgpu::{RenderPass, ShaderStages};
 
-/// Bytes of a matrix.
-const MATRIX: NonZeroU64 = NonZeroU64::new(64).unwrap();
-
-pub(crate) fn matrix_layout(
-    factory: &ResourceFactory<'_>,
-    pipelines: &mut Pipelines,
-) -> BindGroupLayout {
-    pipelines
-        .layouts
-        .get(factory, ShaderStages::VERTEX, &[Slot::Window(MATRIX)])
-}
-
-/// A uniform buffer of matrices, bound one at a time.
+/// Matrices, bound one at a time.
 #[derive(Debug, Default)]
 pub(crate) struct Matrices {
-    buffer: Option<Buffer>,
+    matrices: Windows,
     binding: Binding,
-    /// Bytes from one matrix to the next.
-    stride: u32,
-    /// What was written last; its memory is used again.
-    bytes: Vec<u8>,
 }
 
 impl Matrices {
@@ -39,39 +23,21 @@ impl Matrices {
         pipelines: &mut Pipelines,
         matrices: impl Iterator<Item = Mat4>,
     ) {
-        self.stride = factory
-            .device
-            .limits()
-            .min_uniform_buffer_offset_alignment
-            .max(64);
-        self.bytes.clear();
-        for (i, matrix) in matrices.enumerate() {
-            self.bytes.resize(i * self.stride as usize, 0);
-            self.bytes.extend_from_slice(bytemuck::bytes_of(&matrix));
-        }
-        if self.bytes.is_empty() {
+        let Some(buffer) = self.matrices.write(factory, "umbrage matrices", matrices) else {
+            return;
+        };
+        let window = Bound::of_slot(MATRIX_SLOT, buffer);
+        if self.binding.is_of(&window) {
             return;
         }
-        let before = self.buffer.clone();
-        let buffer = factory.write(
-            &mut self.buffer,
-            "umbrage matrices",
-            BufferUsages::UNIFORM,
-            &self.bytes,
-        );
-        if before.as_ref() == Some(&buffer) && self.binding.group().is_some() {
-            return;
-        }
-        let layout = matrix_layout(factory, pipelines);
-        self.binding.set(
-            factory,
-            "umbrage matrices",
-            &layout,
-            vec![Bound::Window(buffer, MATRIX)],
-        );
+        let layouts = &mut pipelines.layouts;
+        let stage = ShaderStages::VERTEX;
+        let entries = vec![(MATRIX_SLOT, window)];
+        self.binding
+            .bind(factory, layouts, stage, "umbrage matrices", entries);
     }
 
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, group: u32, index: usize) {
-        pass.set_bind_group(group, self.binding.group(), &[self.stride * index as u32]);
+        pass.set_bind_group(group, self.binding.group(), &[self.matrices.offset(index)]);
     }
 }

@@ -3,36 +3,57 @@
 use crate::{
     frame::VertexLayout,
     resources::{
-        bindings::Layouts,
+        bindings::{Layouts, Slot},
         counters::ResourceFactory,
-        cut_outs::{HoleRule, holes_wgsl},
-        draws::Vertex,
     },
     targets::{CastTarget, DepthState},
+    wgsl::stages::{HoleRule, cast_wgsl},
 };
-use std::collections::HashMap;
-use umbrage_core::{Format, MATH, join};
+use std::{collections::HashMap, num::NonZeroU64};
+use umbrage_core::Format;
 use wgpu::{
     BindGroupLayout, CompareFunction, ComputePipeline, ComputePipelineDescriptor, DepthBiasState,
     DepthStencilState, Device, FilterMode, FragmentState, MultisampleState,
     PipelineCompilationOptions, PipelineLayoutDescriptor, PrimitiveState, RenderPipeline,
     RenderPipelineDescriptor, Sampler, SamplerDescriptor, ShaderModule, ShaderModuleDescriptor,
-    ShaderSource, StencilState, TextureFormat, VertexAttribute, VertexBufferLayout, VertexFormat,
-    VertexState, VertexStepMode,
+    ShaderSource, ShaderStages, StencilState, TextureFormat, VertexAttribute, VertexBufferLayout,
+    VertexFormat, VertexState, VertexStepMode,
 };
+
+/// A matrix.
+pub(crate) const MATRIX_SLOT: Slot = Slot::Window(NonZeroU64::new(64).unwrap());
+/// The rays through an image's texels.
+pub(crate) const RAYS_SLOT: Slot = Slot::Window(NonZeroU64::new(96).unwrap());
+/// A layer that is peeled off.
+pub(crate) const PEELED_SLOT: Slot = Slot::Floats { layered: false };
 
 /// What distinguishes the pipelines of casts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct CastKey {
-    pub(crate) depth: DepthState,
-    pub(crate) layout: VertexLayout,
-    pub(crate) vertex: Vertex,
-    pub(crate) peel: Peel,
+struct CastKey {
+    depth: DepthState,
+    layout: VertexLayout,
+    vertex: Vertex,
+    peel: Peel,
+}
+
+/// What a vertex's position is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Vertex {
+    /// A position in world space.
+    World,
+    /// A position, to be placed into the world by a matrix of the draw.
+    Local,
+    /// A position, to be placed into the world by a matrix of the instance.
+    Instanced,
+    /// Four floats in world space.
+    Homogeneous,
+    /// The number of a corner in the geometry's lists, whose triangles have holes.
+    CutOut(HoleRule),
 }
 
 /// Which fragments a cast throws away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Peel {
+enum Peel {
     Nothing,
     /// Those not behind another layer.
     Depth32,
@@ -41,7 +62,7 @@ pub(crate) enum Peel {
 }
 
 impl Peel {
-    pub(crate) fn of(target: &CastTarget) -> Self {
+    fn of(target: &CastTarget) -> Self {
         match (&target.behind, target.format()) {
             (None, _) => Self::Nothing,
             (Some(_), Format::Depth16) => Self::Depth16,
@@ -67,35 +88,41 @@ impl Peel {
 pub(crate) struct Pipelines {
     pub(crate) layouts: Layouts,
     casts: HashMap<CastKey, RenderPipeline>,
-    /// By shader text and target; the text tells the bindings.
+    /// By shader text, which declares the bindings, and target.
     kernels: HashMap<(String, TextureFormat), RenderPipeline>,
-    cast_shader: Option<ShaderModule>,
-    /// The same for triangles with holes.
-    cut_out_shaders: HashMap<HoleRule, ShaderModule>,
+    /// By the rule for holes, if there are any.
+    cast_shaders: HashMap<Option<HoleRule>, ShaderModule>,
     sampler: Option<Sampler>,
 }
 
 impl Pipelines {
+    /// Returns the pipeline that draws such vertices into a target.
     pub(crate) fn cast(
         &mut self,
         factory: &mut ResourceFactory<'_>,
-        key: CastKey,
-        groups: &[Option<&BindGroupLayout>],
+        target: &CastTarget,
+        layout: VertexLayout,
+        vertex: Vertex,
     ) -> RenderPipeline {
+        let key = CastKey {
+            depth: target.state(),
+            layout,
+            vertex,
+            peel: Peel::of(target),
+        };
         if let Some(pipeline) = self.casts.get(&key) {
             return pipeline.clone();
         }
-        let shader = if let Vertex::CutOut(rule) = key.vertex {
-            self.cut_out_shaders.entry(rule).or_insert_with(|| {
-                let text = cast_with_holes_wgsl(rule);
-                shader(factory.device, "umbrage cast with holes", &text)
-            })
-        } else {
-            self.cast_shader
-                .get_or_insert_with(|| shader(factory.device, "umbrage cast", &cast_wgsl()))
+        let holes = match vertex {
+            Vertex::CutOut(rule) => Some(rule),
+            _ => None,
         };
+        let make = || shader(factory.device, "umbrage cast", &cast_wgsl(holes));
+        let shader = self.cast_shaders.entry(holes).or_insert_with(make);
+        let groups = cast_groups(&mut self.layouts, factory, key);
+        let groups = groups.each_ref().map(Option::as_ref);
         factory.counters.pipelines += 1;
-        let pipeline = cast_pipeline(factory.device, shader, key, groups);
+        let pipeline = cast_pipeline(factory.device, shader, key, &groups);
         self.casts.entry(key).insert_entry(pipeline).get().clone()
     }
 
@@ -140,20 +167,30 @@ impl Pipelines {
     }
 }
 
-/// Returns the shader of casts.
-pub(crate) fn cast_wgsl() -> String {
-    join(&[MATH]) + include_str!("../cast.wgsl")
-}
-
-/// Returns the shader of casts of triangles with holes.
-pub(crate) fn cast_with_holes_wgsl(rule: HoleRule) -> String {
-    let cast = include_str!("../cast.wgsl");
-    let with_holes = include_str!("../cast_holes.wgsl");
-    let text = holes_wgsl(rule) + cast + with_holes;
-    match rule {
-        HoleRule::Nearest => text,
-        HoleRule::Hashed => text + include_str!("../cast_coverage.wgsl"),
-    }
+/// Returns the layouts of the bind groups of casts: 0 holds clip from world, 1 world from local or what the rule for holes reads, 2
+/// the layer that is peeled off.
+fn cast_groups(
+    layouts: &mut Layouts,
+    factory: &ResourceFactory<'_>,
+    key: CastKey,
+) -> [Option<BindGroupLayout>; 3] {
+    let matrix = layouts.get(factory, ShaderStages::VERTEX, &[MATRIX_SLOT]);
+    let second = match key.vertex {
+        Vertex::Local => Some(matrix.clone()),
+        Vertex::CutOut(rule) => {
+            let tables = match rule {
+                HoleRule::Nearest => 3,
+                HoleRule::Hashed => 4,
+            };
+            let mut slots = vec![RAYS_SLOT];
+            slots.extend(vec![Slot::Table; tables]);
+            Some(layouts.get(factory, ShaderStages::VERTEX_FRAGMENT, &slots))
+        }
+        Vertex::World | Vertex::Instanced | Vertex::Homogeneous => None,
+    };
+    let peels = key.peel != Peel::Nothing;
+    let peeled = peels.then(|| layouts.get(factory, ShaderStages::FRAGMENT, &[PEELED_SLOT]));
+    [Some(matrix), second, peeled]
 }
 
 pub(crate) fn shader(device: &Device, label: &str, text: &str) -> ShaderModule {

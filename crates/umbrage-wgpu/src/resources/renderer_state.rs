@@ -3,8 +3,8 @@
 use crate::{
     cast::CastStage,
     filter::FilterStage,
-    receive::ReceiveStage,
-    renderer::RendererOptions,
+    frame::RendererOptions,
+    receive::PixelStage,
     resources::{
         counters::ResourceFactory,
         counts::CountingPair,
@@ -15,9 +15,8 @@ use crate::{
         pipelines::Pipelines,
         submissions::Pending,
         tables::Tables,
-        timestamps::PassTimestamps,
+        timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
-    shade::ShadePass,
 };
 use glam::UVec2;
 use std::sync::Arc;
@@ -38,8 +37,8 @@ pub(crate) struct Resources {
     pub(crate) images: Vec<GpuImage>,
     pub(crate) casts: CastStage,
     pub(crate) filters: FilterStage,
-    pub(crate) receive: ReceiveStage,
-    pub(crate) shading: ShadePass,
+    pub(crate) receive: PixelStage,
+    pub(crate) shading: PixelStage,
     pub(crate) pending: Pending,
     /// Faces that casts draw, held so that their buffers are not written for others.
     faces: Vec<Arc<Faces>>,
@@ -77,11 +76,12 @@ impl Resources {
             tables,
         };
         self.filters.prepare(factory, pipelines, &mut sources);
-        let mask = self
-            .receive
-            .prepare(factory, pipelines, &mut sources, options, inputs);
-        self.shading
-            .prepare(factory, pipelines, &mut sources, options, inputs, mask);
+        let receive = &mut self.receive;
+        let mask = receive.prepare_receive(factory, pipelines, &mut sources, options, inputs);
+        if let Some(mask) = mask {
+            self.shading
+                .prepare_shade(factory, pipelines, &mut sources, options, inputs, mask);
+        }
     }
 
     /// Drops the faces, if no encoder that draws them waits to be submitted.
@@ -96,7 +96,7 @@ impl Resources {
         self.images.iter().map(|image| &image.desc).eq(images)
             && self
                 .receive
-                .mask()
+                .image()
                 .is_some_and(|held| held.desc.size == mask)
     }
 
@@ -107,9 +107,10 @@ impl Resources {
         options: RendererOptions,
         stamps: Option<&PassTimestamps<'_>>,
     ) -> Option<&TextureView> {
+        let stamps = pass_stamps(stamps, TimedStage::Receive, 0, 1);
         let mask = self.receive.encode(encoder, options, stamps)?;
-        self.shading.encode(encoder, options);
-        Some(mask)
+        self.shading.encode(encoder, options, None);
+        Some(&mask.whole)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Whether what was recorded has been submitted.
 //!
 //! Writes to the queue run before all that is submitted after them. So what an encoder reads must not be written while the
-//! encoder waits to be submitted, and wgpu doesn't tell when that happens. But
-//! [`CommandEncoder::map_buffer_on_submit`] asks for a buffer to be mapped as soon as the encoder's commands are submitted,
+//! encoder waits to be submitted, and wgpu doesn't report when that happens. But
+//! [`CommandEncoder::map_buffer_on_submit`] maps a buffer as soon as the encoder's commands are submitted,
 //! and a buffer that no command uses is mapped at the device's next poll, however long the commands take.
 
 use std::sync::{
@@ -86,7 +86,7 @@ impl Submissions {
             return buffer;
         }
         self.made.fetch_add(1, Ordering::Relaxed);
-        // Read by nobody: only that it is mapped counts.
+        // It is never read: only that it is mapped counts.
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         let desc = BufferDescriptor {
             label: Some("umbrage submission"),

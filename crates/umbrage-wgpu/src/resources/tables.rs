@@ -23,7 +23,7 @@ impl Tables {
         buffer
     }
 
-    /// Drops tables that nobody else holds, since no recipe can name them any more.
+    /// Drops tables that nothing else holds, since no recipe can name them any more.
     pub(crate) fn forget_unreachable(&mut self) {
         self.0.retain(|(rows, _)| Arc::strong_count(rows) > 1);
     }

@@ -86,6 +86,11 @@ impl Embedded {
         }
     }
 
+    /// Returns the mask of the stage's light, from a map of 64 texels a side.
+    pub(crate) fn mask(&self) -> &[f32] {
+        &self.mask
+    }
+
     pub(crate) fn size(&self) -> UVec2 {
         self.size
     }

@@ -2,6 +2,7 @@
 
 mod comparing;
 mod counting;
+mod drivers;
 mod embedded;
 mod embedded_inputs;
 mod embedded_lights;
@@ -11,6 +12,7 @@ mod foreign;
 mod formats;
 mod from_depth;
 mod kernels;
+mod light_set;
 mod peeling;
 mod probing;
 mod random_faces;

@@ -1,0 +1,150 @@
+//! A frame's passes, recorded.
+
+use crate::{
+    light_set::{
+        LightSet, masks,
+        options::LightId,
+        shader::unprepared,
+        timestamps::{PassCasters, PassClock, PassTimer, SetTimestamps, TimedPass},
+    },
+    targets::CastTarget,
+};
+use umbrage_core::BackendError;
+use wgpu::{CommandEncoder, RenderPass, TextureView};
+
+impl LightSet {
+    /// Records the passes that draw what [`prepare`](Self::prepare) found to be drawn; none if nothing changed.
+    ///
+    /// # Errors
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
+    pub fn encode(&mut self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
+        self.encode_with(encoder, |_, _| ())
+    }
+
+    /// Records the passes as [`encode`](Self::encode) does, and calls `own_draws` at the end of each one that draws casters, for what
+    /// the caller draws itself (skinned meshes): pipelines with the target's
+    /// [`primitive`](CastTarget::primitive) and [`depth_stencil`](CastTarget::depth_stencil) and a vertex shader that ends in
+    /// `clip_from_world * p_world`. Layers are not drawn again for what changes there: see [`touch`](Self::touch).
+    ///
+    /// # Errors
+    /// Errors if [`encode`](Self::encode) does.
+    pub fn encode_with(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget),
+    ) -> Result<(), BackendError> {
+        self.encode_passes(encoder, &mut own_draws, None)
+    }
+
+    /// Records the passes as [`encode_with`](Self::encode_with) does, each between two timestamps. `passes` is filled with those that
+    /// are timed.
+    ///
+    /// # Errors
+    /// Errors if [`encode`](Self::encode) does.
+    pub fn encode_timed(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        mut own_draws: impl FnMut(&mut RenderPass<'_>, &CastTarget),
+        stamps: &SetTimestamps<'_>,
+        passes: &mut Vec<TimedPass>,
+    ) -> Result<(), BackendError> {
+        let timer = PassTimer::new(stamps, passes);
+        self.encode_passes(encoder, &mut own_draws, Some(timer))
+    }
+
+    /// Records the passes of lists, casts and filters that this frame redraws.
+    ///
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
+    fn encode_passes(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
+        timer: Option<PassTimer<'_, '_>>,
+    ) -> Result<(), BackendError> {
+        if self.shader.bind_group().is_none() {
+            return Err(unprepared());
+        }
+        if self.passes.count() == 0 && self.lists.stale_count() == 0 {
+            return Ok(());
+        }
+        self.dropped_encoders.watch(encoder);
+        let mut timer = timer;
+        self.lists.encode(encoder, |id| timer.as_mut()?.lists(id));
+        let mut clock = PassClock {
+            meter: match &timer {
+                Some(_) => None,
+                None => self.meter.begin_frame(),
+            },
+            timer,
+        };
+        let mut filtered: Option<LightId> = None;
+        let mut names = self.passes.names().enumerate().peekable();
+        while let Some((pass, name)) = names.next() {
+            let light = &self.lights[name.light];
+            let filters = &light.maps.filters;
+            if filtered != Some(name.light) {
+                filters.clear(encoder);
+                filtered = Some(name.light);
+            }
+            let cast = &light.maps.casts[name.cast];
+            self.passes
+                .encode(encoder, pass, cast, &self.casters, own_draws, &mut clock);
+            // After the light's last pass its filters follow.
+            if names
+                .peek()
+                .is_none_or(|(_, next)| next.light != name.light)
+            {
+                let stamps = if filters.has_passes() {
+                    clock.filters(name.light)
+                } else {
+                    None
+                };
+                filters.encode(encoder, stamps.as_ref());
+            }
+        }
+        drop(names);
+        if let Some(meter) = clock.meter {
+            meter.end(encoder);
+        }
+        for name in self.passes.names() {
+            let cast = &mut self.lights[name.light].maps.casts[name.cast];
+            match (name.part, &mut cast.still) {
+                (PassCasters::Still, Some(still)) => still.is_stale = false,
+                _ => {
+                    cast.is_stale = false;
+                    cast.is_drawn = true;
+                }
+            }
+        }
+        self.passes.clear();
+        Ok(())
+    }
+
+    /// Records a pass for each light that [`prepare_masks`](Self::prepare_masks) was given, after those of
+    /// [`encode`](Self::encode). Returns the masks: a texture with a layer for each light, its visibility, 1 where nothing receives.
+    ///
+    /// # Errors
+    /// Errors if [`prepare_masks`](Self::prepare_masks) has not succeeded before.
+    pub fn encode_masks(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
+        self.masks
+            .encode(encoder, &self.shader, None)
+            .ok_or_else(masks::unprepared)
+    }
+
+    /// Records the passes as [`encode_masks`](Self::encode_masks) does, each between two timestamps. `passes` is filled with those that
+    /// are timed.
+    ///
+    /// # Errors
+    /// Errors if [`encode_masks`](Self::encode_masks) does.
+    pub fn encode_masks_timed(
+        &self,
+        encoder: &mut CommandEncoder,
+        stamps: &SetTimestamps<'_>,
+        passes: &mut Vec<TimedPass>,
+    ) -> Result<&TextureView, BackendError> {
+        let timer = PassTimer::new(stamps, passes);
+        self.masks
+            .encode(encoder, &self.shader, Some(timer))
+            .ok_or_else(masks::unprepared)
+    }
+}

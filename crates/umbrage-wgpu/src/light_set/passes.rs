@@ -1,0 +1,285 @@
+//! The passes of a frame: the layers that it redraws, and the draws into each.
+
+use crate::{
+    cast::CastBindings,
+    light_set::{
+        casters::{Casters, MeshId},
+        culling::{ShownSlots, Wanted},
+        options::{LightId, StillLayers},
+        prices::Prices,
+        state::{HeldLight, LightCast, LightMaps, StillLayer},
+        still_layers,
+        timestamps::{PassCasters, PassClock},
+    },
+    resources::{
+        counters::ResourceFactory,
+        cut_outs::GpuCutOuts,
+        images::extent,
+        pipelines::{Pipelines, Vertex},
+    },
+    targets::CastTarget,
+};
+use slotmap::SlotMap;
+use std::ops::Range;
+use wgpu::{CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline};
+
+/// The cast that a pass draws.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PassName {
+    pub(crate) light: LightId,
+    /// Index among the light's casts.
+    pub(crate) cast: usize,
+    pub(crate) part: PassCasters,
+}
+
+/// What passes are chosen by, and draw from.
+#[derive(Debug)]
+pub(crate) struct CastSources<'a> {
+    pub(crate) casters: &'a Casters,
+    pub(crate) option: StillLayers,
+    pub(crate) prices: &'a Prices,
+    /// Bytes that new layers of still casters may take.
+    pub(crate) bytes_left: u64,
+}
+
+/// One pass of this frame.
+#[derive(Debug)]
+struct CastPass {
+    name: PassName,
+    /// Its part of the list of draws.
+    draws: Range<usize>,
+    /// How many triangles it draws.
+    triangles: u64,
+}
+
+/// What is drawn of a mesh.
+#[derive(Debug)]
+struct MeshDraws {
+    mesh: MeshId,
+    pipeline: RenderPipeline,
+    /// Its part of the list of runs.
+    runs: Range<usize>,
+}
+
+/// The passes of a frame. Its lists keep their memory from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct PassList {
+    /// The lights that get new numbers or layers in this frame.
+    pub(crate) lights: Vec<LightId>,
+    passes: Vec<CastPass>,
+    draws: Vec<MeshDraws>,
+    /// Runs of slots.
+    runs: Vec<Range<u32>>,
+    /// Scratch: the slots that show in a layer.
+    shown: ShownSlots,
+    bindings: CastBindings,
+}
+
+impl PassList {
+    pub(crate) fn clear(&mut self) {
+        self.lights.clear();
+        self.passes.clear();
+        self.draws.clear();
+        self.runs.clear();
+    }
+
+    /// Appends the passes that draw the layers of a light in which something changed.
+    pub(crate) fn push_light(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut CastSources<'_>,
+        light: LightId,
+        maps: &mut LightMaps,
+    ) {
+        let may_split = maps.may_split();
+        for (index, cast) in maps.casts.iter_mut().enumerate() {
+            if !cast.is_stale {
+                continue;
+            }
+            cast.volume.find(sources.casters.boxes(), &mut self.shown);
+            let CastSources {
+                casters,
+                option,
+                prices,
+                ..
+            } = *sources;
+            let splits = may_split
+                && still_layers::is_wanted(option, prices, casters, cast, &self.shown)
+                && has_still_layer(factory, cast, &mut sources.bytes_left);
+            if !splits {
+                cast.still = None;
+            }
+            let parts: &[PassCasters] = match &cast.still {
+                None => &[PassCasters::All],
+                Some(still) if !still.is_stale => &[PassCasters::Moving],
+                Some(_) => &[PassCasters::Still, PassCasters::Moving],
+            };
+            for &part in parts {
+                let name = PassName {
+                    light,
+                    cast: index,
+                    part,
+                };
+                self.push(factory, pipelines, sources, cast, name);
+            }
+        }
+    }
+
+    /// Appends a pass that draws a cast of a light: the casters that show in it, or a part of them.
+    fn push(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        sources: &CastSources<'_>,
+        cast: &LightCast,
+        name: PassName,
+    ) {
+        let moving = sources.casters.moving();
+        let wanted = match name.part {
+            PassCasters::All => Wanted::All,
+            PassCasters::Still => Wanted::Still(moving),
+            PassCasters::Moving => Wanted::Moving(moving),
+        };
+        let first_draw = self.draws.len();
+        let mut triangles = 0;
+        for (id, mesh) in sources.casters.meshes() {
+            let first_run = self.runs.len();
+            self.shown.runs(mesh.slots(), wanted, &mut self.runs);
+            let runs = first_run..self.runs.len();
+            if runs.is_empty() {
+                continue;
+            }
+            let instances: u64 = self.runs[runs.clone()]
+                .iter()
+                .map(|run| u64::from(run.end - run.start))
+                .sum();
+            triangles += instances * mesh.draw.triangles();
+            let vertex = match mesh.draw.holes {
+                Some(rule) => Vertex::CutOut(rule),
+                None => Vertex::Instanced,
+            };
+            self.draws.push(MeshDraws {
+                mesh: id,
+                pipeline: pipelines.cast(factory, &cast.target, mesh.draw.layout, vertex),
+                runs,
+            });
+        }
+        self.passes.push(CastPass {
+            name,
+            draws: first_draw..self.draws.len(),
+            triangles,
+        });
+    }
+
+    /// Writes what the passes read.
+    pub(crate) fn upload(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        lights: &SlotMap<LightId, HeldLight>,
+        holes: Option<&GpuCutOuts>,
+    ) {
+        let passes = self.passes.iter();
+        let targets = passes.map(|pass| &lights[pass.name.light].maps.casts[pass.name.cast].target);
+        self.bindings.write(factory, pipelines, targets, holes);
+    }
+
+    /// Returns how many passes there are.
+    pub(crate) fn count(&self) -> usize {
+        self.passes.len()
+    }
+
+    /// Returns which casts the passes draw.
+    pub(crate) fn names(&self) -> impl Iterator<Item = PassName> + '_ {
+        self.passes.iter().map(|pass| pass.name)
+    }
+
+    /// Records a cast; `own_draws` draws what the caller draws itself, in the same pass.
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut CommandEncoder,
+        pass_index: usize,
+        cast: &LightCast,
+        casters: &Casters,
+        own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
+        clock: &mut PassClock<'_, '_>,
+    ) {
+        let CastPass {
+            name,
+            draws,
+            triangles,
+        } = &self.passes[pass_index];
+        let part = name.part;
+        if let (PassCasters::Moving, Some(still)) = (part, &cast.still) {
+            let texels = u64::from(cast.target.size.x) * u64::from(cast.target.size.y);
+            let copy = |encoder: &mut CommandEncoder| copy_still_layer(encoder, still, cast);
+            match &mut clock.meter {
+                Some(meter) => meter.copy(encoder, texels, copy),
+                None => copy(encoder),
+            }
+        }
+        let target = match (part, &cast.still) {
+            (PassCasters::Still, Some(still)) => &still.target,
+            _ => &cast.target,
+        };
+        let clears = target.clears && part != PassCasters::Moving;
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("umbrage cast"),
+            depth_stencil_attachment: Some(target.attachment_that(clears)),
+            timestamp_writes: clock.cast(name.light, cast.layer, part, *triangles),
+            ..RenderPassDescriptor::default()
+        });
+        self.bindings.bind(&mut pass, pass_index, &cast.peeled);
+        if let Some(buffer) = casters.instances() {
+            pass.set_vertex_buffer(1, buffer.slice(..));
+        }
+        let mut last = None;
+        for draws in &self.draws[draws.clone()] {
+            let Some(mesh) = casters.mesh(draws.mesh) else {
+                continue;
+            };
+            if last != Some(&draws.pipeline) {
+                pass.set_pipeline(&draws.pipeline);
+                last = Some(&draws.pipeline);
+            }
+            if mesh.holes.is_some() {
+                self.bindings.bind_holes(&mut pass, pass_index);
+            }
+            mesh.bind(&mut pass);
+            for run in &self.runs[draws.runs.clone()] {
+                mesh.draw(&mut pass, run.clone());
+            }
+        }
+        // What the caller draws belongs to what moves.
+        if part != PassCasters::Still {
+            own_draws(&mut pass, &cast.target);
+        }
+    }
+}
+
+/// Records that the layer of still casters is copied into the cast's.
+fn copy_still_layer(encoder: &mut CommandEncoder, still: &StillLayer, cast: &LightCast) {
+    let mut to = cast.target.layer.texture().as_image_copy();
+    to.origin.z = cast.texture_layer;
+    let from = still.texture.as_image_copy();
+    encoder.copy_texture_to_texture(from, to, extent(cast.target.size, 1));
+}
+
+/// Returns whether a cast has a layer for the casters that are still. Makes one if it takes no more than the bytes that are left.
+fn has_still_layer(
+    factory: &mut ResourceFactory<'_>,
+    cast: &mut LightCast,
+    bytes_left: &mut u64,
+) -> bool {
+    if cast.still.is_some() {
+        return true;
+    }
+    let bytes = still_layers::bytes_of(&cast.target);
+    if bytes > *bytes_left {
+        return false;
+    }
+    *bytes_left -= bytes;
+    cast.still = Some(StillLayer::like(factory, &cast.target));
+    true
+}

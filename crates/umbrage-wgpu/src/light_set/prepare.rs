@@ -1,0 +1,464 @@
+//! A frame's preparation: plans, layers, the choice of redraws, and what is written for them.
+
+use crate::{
+    device::{error_scopes::Scopes, requirements::check_device},
+    light_set::{
+        LightSet, PlannedFor,
+        buffers::{MAX_NAMED_LAYERS, Uploaded},
+        caster_lists::{CasterLists, why_not_listed},
+        masks::{MaskInputs, MaskStage},
+        options::{LightId, SetFrame, SetReport},
+        passes::{CastSources, PassList},
+        plan::{Difference, LightPlan, PlanLimits},
+        pool::{LayerClass, LayerPool},
+        state::{HeldLight, LightMaps, LightState},
+        still_layers::still_bytes,
+        unknown_light,
+    },
+    resources::{
+        counters::ResourceFactory, kernel_stage::Sources, pipelines::Pipelines, tables::Tables,
+    },
+};
+use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique};
+use wgpu::{Device, Queue};
+
+impl LightSet {
+    /// Checks whether the set can serve a light with a technique. It makes nothing on the device, so it suits lists in which a user
+    /// picks one. Some techniques go through all triangles of the frame to make their recipe: call it between frames, or about a small
+    /// scene.
+    ///
+    /// # Errors
+    /// Errors with the reason that [`Unserved::Refused`](crate::Unserved::Refused) would have. Whatever depends on the other lights, such
+    /// as budgets, is left out.
+    pub fn check(
+        &self,
+        light: &Light,
+        technique: &dyn ShadowTechnique,
+        frame: &SetFrame<'_>,
+    ) -> Result<(), RecipeError> {
+        light.validate()?;
+        let view = frame.view_of(light, self.casters_box());
+        let unlisted = why_not_listed(&self.casters, &self.device.limits());
+        let limits = PlanLimits {
+            recipes: &self.limits,
+            unlisted: unlisted.as_deref(),
+        };
+        LightPlan::of(technique, &view, limits)?;
+        Ok(())
+    }
+
+    /// Plans the lights that changed, finds the layers that must be drawn, and writes what they need.
+    ///
+    /// # Errors
+    /// Errors if the camera can't be used or the device is another than the set's; with [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce)
+    /// also if memory runs out, or a kernel's WGSL is invalid (with the compiler's message). After an error all GPU objects are made
+    /// again.
+    pub fn prepare(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        frame: &SetFrame<'_>,
+    ) -> Result<&SetReport, BackendError> {
+        check_device(device, &self.device)?;
+        frame.camera.validate()?;
+        if self.dropped_encoders.any() || self.casters.is_rebased() {
+            self.draw_all_again();
+        }
+        self.passes.clear();
+        self.report = SetReport::default();
+        self.meter.collect(queue);
+        self.casters.begin_frame();
+        self.plan_lights(frame);
+        self.assign_layers();
+        self.mark_stale();
+        self.choose_redraws();
+        let result = self.write_within_scopes(queue);
+        if let Err(error) = result {
+            self.forget_objects();
+            return Err(error);
+        }
+        self.casters.forget_changes();
+        Ok(&self.report)
+    }
+
+    /// Makes what [`encode_masks`](Self::encode_masks) needs, for renderers that shade from a G-buffer. Call it after
+    /// [`prepare`](Self::prepare).
+    ///
+    /// # Errors
+    /// Errors if nothing is prepared, if there is no such light, or if textures can't be used: with what to change. As
+    /// [`prepare`](Self::prepare), with [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also with errors of the graphics API.
+    pub fn prepare_masks(
+        &mut self,
+        queue: &Queue,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<(), BackendError> {
+        inputs.validate()?;
+        if inputs
+            .lights
+            .iter()
+            .any(|&id| !self.lights.contains_key(id))
+        {
+            return Err(unknown_light().into());
+        }
+        // Without new objects there are no errors of the device.
+        let makes = !self.masks.is_made_for(&self.shader, inputs);
+        let scopes = makes.then(|| Scopes::open(&self.device));
+        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        let lights = inputs.lights.iter().map(|&id| {
+            let light = &self.lights[id];
+            (id, light.state.shown().map(|_| light.index))
+        });
+        let result = self.masks.prepare(
+            &mut factory,
+            &mut self.pipelines,
+            &self.shader,
+            inputs,
+            lights,
+        );
+        let closed = scopes.map_or(Ok(()), |scopes| {
+            self.errors.close(scopes, self.options.errors)
+        });
+        let outcome = closed.and(result);
+        if outcome.is_err() {
+            self.masks = MaskStage::default();
+        }
+        outcome
+    }
+
+    /// Makes new plans for the lights whose plan may have changed.
+    fn plan_lights(&mut self, frame: &SetFrame<'_>) {
+        let now = PlannedFor {
+            camera: *frame.camera,
+            casters: self.casters_box(),
+            geometry: frame.geometry.map(|g| g.revision),
+        };
+        let before = self.planned.replace(now);
+        let same_camera = before.is_some_and(|before| before.camera == now.camera);
+        let same_casters = before
+            .is_some_and(|before| before.casters == now.casters && before.geometry == now.geometry);
+        // Meshes decide whether the device can make lists.
+        let mut meshes_changed = false;
+        if self.casters.has_grown() {
+            let unlisted = why_not_listed(&self.casters, &self.device.limits());
+            meshes_changed = unlisted != self.unlisted;
+            self.unlisted = unlisted;
+        }
+        let limits = PlanLimits {
+            recipes: &self.limits,
+            unlisted: self.unlisted.as_deref(),
+        };
+        for light in self.lights.values_mut() {
+            let settings = &light.settings;
+            let is_alike = same_camera || !settings.technique.follows_camera(&settings.light);
+            if same_casters && is_alike && !light.has_changed && !meshes_changed {
+                continue;
+            }
+            light.has_changed = false;
+            self.report.planned += 1;
+            let view = frame.view_of(&settings.light, now.casters);
+            match LightPlan::of(&*settings.technique, &view, limits) {
+                Ok(plan) => {
+                    self.layers_changed |= light.state.take_plan(plan) == Difference::Images;
+                }
+                Err(error) => {
+                    light.state = LightState::Refused(error);
+                    self.layers_changed = true;
+                }
+            }
+        }
+    }
+
+    /// Decides which lights have layers, and takes and gives them.
+    fn assign_layers(&mut self) {
+        if !std::mem::take(&mut self.layers_changed) {
+            return;
+        }
+        let mut order: Vec<LightId> = self.lights.keys().collect();
+        order.sort_by(|&a, &b| {
+            let a = &self.lights[a];
+            let b = &self.lights[b];
+            let by_priority = b.settings.priority.total_cmp(&a.settings.priority);
+            by_priority.then(a.index.cmp(&b.index))
+        });
+        let mut bytes_left = self.options.budget.bytes;
+        let mut fitting = Vec::new();
+        for id in order {
+            let light = &mut self.lights[id];
+            // Layers of still casters get the bytes that lights leave.
+            for cast in &mut light.maps.casts {
+                cast.still = None;
+            }
+            let plan = light.state.newest();
+            let needed = plan.map(LightPlan::bytes).filter(|n| *n <= bytes_left);
+            if needed.is_none() || !has_layers_for_plan(light, &self.pool) {
+                release_layers(light, &mut self.pool);
+                self.shader.forget(id);
+            }
+            if let Some(needed) = needed {
+                bytes_left -= needed;
+                fitting.push(id);
+            }
+        }
+        let most_layers = self.limits.layers.min(MAX_NAMED_LAYERS);
+        for id in fitting {
+            take_layers(&mut self.lights[id], &mut self.pool, most_layers);
+        }
+    }
+
+    /// Marks the layers in which something changed.
+    fn mark_stale(&mut self) {
+        let casters = &self.casters;
+        for light in self.lights.values_mut() {
+            light
+                .maps
+                .mark_stale(casters.changed(), casters.still_changed());
+        }
+        if !casters.changed().is_empty() || casters.has_grown() {
+            self.lists.mark_stale();
+        }
+    }
+
+    /// Chooses the lights that get new numbers or layers in this frame, by urgency.
+    fn choose_redraws(&mut self) {
+        let lights = &mut self.lights;
+        let chosen = &mut self.passes.lights;
+        for (id, light) in &*lights {
+            let is_shown = light.state.shown().is_some();
+            if light.state.has_next() || is_shown && light.waiting_layers() > 0 {
+                chosen.push(id);
+            }
+        }
+        chosen.sort_unstable_by(|&a, &b| {
+            let a = &lights[a];
+            let b = &lights[b];
+            let by_urgency = b.urgency().total_cmp(&a.urgency());
+            by_urgency.then(a.index.cmp(&b.index))
+        });
+        let mut left = self.options.budget.redraws;
+        let mut is_first = true;
+        chosen.retain(|&id| {
+            let light = &mut lights[id];
+            let layers = light.waiting_layers();
+            // New numbers alone cost nothing.
+            let is_chosen = layers == 0 || layers <= left || is_first || light.is_undrawn();
+            if is_chosen {
+                left = left.saturating_sub(layers);
+                light.age = 0;
+            } else {
+                light.age += 1;
+                self.report.waiting += layers;
+            }
+            is_first &= layers == 0;
+            is_chosen
+        });
+    }
+
+    /// Writes the frame. Errors of the graphics API are collected if anything may be made.
+    fn write_within_scopes(&mut self, queue: &Queue) -> Result<(), BackendError> {
+        let shows_plans = |&id: &LightId| self.lights[id].state.has_next();
+        let makes = self.shader.is_outdated()
+            || self.casters.has_grown()
+            || self.passes.lights.iter().any(shows_plans);
+        if !makes {
+            return self.write(queue);
+        }
+        let scopes = Scopes::open(&self.device);
+        let result = self.write(queue);
+        let closed = self.errors.close(scopes, self.options.errors);
+        closed.and(result)
+    }
+
+    /// Makes and writes what the chosen lights, moved casters and the shaders need.
+    fn write(&mut self, queue: &Queue) -> Result<(), BackendError> {
+        let textures_changed = self.make_textures(queue);
+        self.show_plans(queue);
+        self.list_passes(queue);
+        let mut uploaded = self.upload_passes(queue);
+        uploaded.add(self.write_shader(queue, textures_changed)?);
+        self.report.redrawn = self.passes.count() as u32;
+        self.report.uploaded = uploaded.bytes + 64 * u64::from(self.report.redrawn);
+        Ok(())
+    }
+
+    /// Makes the textures that are too small again. Returns whether there were any.
+    fn make_textures(&mut self, queue: &Queue) -> bool {
+        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        let lost = self.pool.make_textures(&mut factory);
+        for (id, light) in &mut self.lights {
+            let mut ranges = light.maps.ranges.iter();
+            let has_lost = ranges.any(|range| lost.contains(&range.class));
+            if has_lost && light.state.shown().is_some() {
+                // The budget can't put this off: shaders would read an empty texture.
+                light.state.lose_content();
+                if !self.passes.lights.contains(&id) {
+                    self.passes.lights.push(id);
+                }
+            }
+        }
+        !lost.is_empty()
+    }
+
+    /// Shows the newest plans of the chosen lights.
+    fn show_plans(&mut self, queue: &Queue) {
+        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        for &id in &self.passes.lights {
+            let light = &mut self.lights[id];
+            let Some(difference) = light.state.show_next() else {
+                continue;
+            };
+            self.shader.change();
+            let (Some(plan), maps) = (light.state.shown(), &mut light.maps) else {
+                continue;
+            };
+            if difference == Difference::Images {
+                let images = plan.recipe.images.iter().zip(&maps.ranges);
+                let image = |(&desc, range)| self.pool.image(desc, range);
+                maps.images = images.filter_map(image).collect();
+            }
+            if difference > Difference::Numbers {
+                let mut sources = Sources {
+                    recipe: &plan.recipe,
+                    images: &maps.images,
+                    tables: &mut self.tables,
+                };
+                let pipelines = &mut self.pipelines;
+                maps.filters.prepare(&mut factory, pipelines, &mut sources);
+                maps.make_casts(&mut factory, pipelines, plan);
+            }
+        }
+        self.tables.forget_unreachable();
+    }
+
+    /// Lists the passes that draw the chosen lights' layers.
+    fn list_passes(&mut self, queue: &Queue) {
+        let held = self.pool.bytes() + still_bytes(&self.lights);
+        let mut sources = CastSources {
+            casters: &self.casters,
+            option: self.options.still_layers,
+            prices: self.meter.prices(),
+            bytes_left: self.options.budget.bytes.saturating_sub(held),
+        };
+        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        for i in 0..self.passes.lights.len() {
+            let id = self.passes.lights[i];
+            let maps = &mut self.lights[id].maps;
+            let pipelines = &mut self.pipelines;
+            self.passes
+                .push_light(&mut factory, pipelines, &mut sources, id, maps);
+        }
+    }
+
+    /// Writes placements, and what the passes read.
+    fn upload_passes(&mut self, queue: &Queue) -> Uploaded {
+        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        let uploaded = self.casters.upload(&mut factory);
+        let holes = self.cut_outs.as_ref().map(|held| &held.lists);
+        self.passes
+            .upload(&mut factory, &mut self.pipelines, &self.lights, holes);
+        uploaded
+    }
+
+    /// Writes what shaders read of the lights, and what makes lists of casters.
+    fn write_shader(
+        &mut self,
+        queue: &Queue,
+        textures_changed: bool,
+    ) -> Result<Uploaded, BackendError> {
+        let has_moved = self.lists.make_room(
+            &self.device,
+            &mut self.lights,
+            &self.casters,
+            self.shader.tables_mut(),
+        );
+        if has_moved {
+            self.shader.change();
+        }
+        let mut factory = ResourceFactory::new(&self.device, queue, &mut self.counters);
+        let uploaded = self.shader.write(
+            &mut factory,
+            &mut self.pipelines,
+            &mut self.lights,
+            &self.pool,
+            textures_changed,
+        )?;
+        self.lists.prepare(
+            &mut factory,
+            &mut self.pipelines,
+            &self.lights,
+            &self.casters,
+            self.shader.tables(),
+        );
+        self.report.listed = self.lists.stale_count();
+        Ok(uploaded)
+    }
+
+    /// Marks everything to be drawn.
+    fn draw_all_again(&mut self) {
+        self.lists.mark_stale();
+        for light in self.lights.values_mut() {
+            light.maps.mark_all_stale();
+        }
+    }
+
+    /// Forgets all GPU objects, so that the next frame makes them again.
+    pub(super) fn forget_objects(&mut self) {
+        self.pipelines = Pipelines::default();
+        self.masks = MaskStage::default();
+        self.tables = Tables::default();
+        self.lists = CasterLists::default();
+        self.pool = LayerPool::default();
+        self.passes = PassList::default();
+        self.casters.lose_buffer();
+        self.shader.lose_buffers();
+        for (id, light) in &mut self.lights {
+            light.maps = LightMaps::default();
+            light.state.lose_content();
+            self.shader.forget(id);
+        }
+        self.layers_changed = true;
+    }
+}
+
+/// Returns whether a light's layers are those that its newest plan needs.
+fn has_layers_for_plan(light: &HeldLight, pool: &LayerPool) -> bool {
+    let Some(plan) = light.state.newest() else {
+        return false;
+    };
+    let images = &plan.recipe.images;
+    let ranges = &light.maps.ranges;
+    let fits = images.iter().zip(ranges).all(|(image, range)| {
+        pool.class(range.class) == LayerClass::of(image)
+            && range.layers.len() == image.layers as usize
+    });
+    images.len() == ranges.len() && fits
+}
+
+/// Takes a light's layers away.
+fn release_layers(light: &mut HeldLight, pool: &mut LayerPool) {
+    for range in light.maps.ranges.drain(..) {
+        pool.give_back(&range);
+    }
+    light.maps.images.clear();
+    light.maps.casts.clear();
+    light.state.lose_layers();
+}
+
+/// Gives layers to a light that has none, unless a texture would need more than `most`.
+fn take_layers(light: &mut HeldLight, pool: &mut LayerPool, most: u32) {
+    let LightState::OverBudget(plan) = &light.state else {
+        return;
+    };
+    let ranges = &mut light.maps.ranges;
+    if ranges.is_empty() {
+        for image in &plan.recipe.images {
+            let Some(range) = pool.take(image, most) else {
+                for range in ranges.drain(..) {
+                    pool.give_back(&range);
+                }
+                return;
+            };
+            ranges.push(range);
+        }
+    }
+    light.state.gain_layers();
+}

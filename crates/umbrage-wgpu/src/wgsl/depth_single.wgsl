@@ -1,0 +1,1 @@
+@group(UMBRAGE_GROUP) @binding(1) var depth_texture: texture_2d<f32>;

@@ -1,0 +1,12 @@
+// import gbuffer_visibility, holes
+// Which triangle each pixel shows, of those with holes.
+
+@group(0) @binding(3) var<storage> cut_outs: array<vec4u>;
+
+@fragment
+fn write_id_outside_holes(v: Vertex) -> @location(0) u32 {
+    if is_hole(seen.rays, v.clip, v.triangle) {
+        discard;
+    }
+    return v.triangle;
+}

@@ -1,0 +1,213 @@
+//! What a kernel's WGSL half reads, and its declarations: the contract of [`Kernel`].
+
+use crate::wgsl::resolver::with_prefix;
+use std::fmt::Write as _;
+use umbrage_core::{Format, ImageDesc, Invalid, Kernel, MATH, Recipe, join};
+
+/// The part of a kernel's inputs that its shader text depends on.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct KernelInterface {
+    /// Whether there are uniforms.
+    pub(crate) uniforms: bool,
+    pub(crate) images: Vec<InputImage>,
+    /// Number of tables.
+    pub(crate) tables: u32,
+}
+
+/// How a kernel's shader reads one image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct InputImage {
+    pub(crate) kind: InputKind,
+    /// Whether there are several layers.
+    pub(crate) layered: bool,
+}
+
+/// What an image is read as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum InputKind {
+    /// Loaded, depth among them.
+    Floats,
+    /// Loaded whole numbers.
+    Counts,
+    /// Loaded words, of two channels each: [`Format::Rg16`] and [`Format::Rgba16`].
+    Words,
+    /// Depth, loaded and compared.
+    Compared,
+}
+
+impl KernelInterface {
+    /// Images that the recipe lacks are taken for floats: recipes are validated elsewhere.
+    pub(crate) fn new(
+        recipe: &Recipe,
+        kernel: &dyn Kernel,
+        images: &[usize],
+        tables: &[usize],
+    ) -> Self {
+        let compares = kernel.compares();
+        let image = |&id: &usize| {
+            let desc: Option<&ImageDesc> = recipe.images.get(id);
+            InputImage {
+                kind: InputKind::of(desc.map(|desc| desc.format), compares),
+                layered: desc.is_some_and(|desc| desc.layers > 1),
+            }
+        };
+        Self {
+            uniforms: kernel.uniforms().is_some(),
+            images: images.iter().map(image).collect(),
+            tables: tables.len() as u32,
+        }
+    }
+
+    /// Returns whether the kernel reads through the comparison sampler.
+    pub(crate) fn compares(&self) -> bool {
+        let mut images = self.images.iter();
+        images.any(|image| image.kind == InputKind::Compared)
+    }
+}
+
+impl InputKind {
+    fn of(format: Option<Format>, compares: bool) -> Self {
+        match format {
+            Some(Format::Stencil8) => Self::Counts,
+            Some(Format::Rg16 | Format::Rgba16) => Self::Words,
+            Some(format) if compares && format.is_depth() => Self::Compared,
+            _ => Self::Floats,
+        }
+    }
+
+    /// Returns a texel's channels, given the expression that loads it.
+    fn channels(self, load: &str) -> String {
+        match self {
+            Self::Floats => load.to_owned(),
+            Self::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
+            // A texture of one word has 0 in the second. The bound changes nothing, but keeps drivers from taking the factor out of
+            // differences of two channels, which would round otherwise.
+            Self::Words => format!(
+                "min(vec4f(({load}.xxyy >> vec4u(0u, 16u, 0u, 16u)) & vec4u(0xffffu)) * (1.0 / 65535.0), vec4f(1.0))"
+            ),
+            Self::Compared => format!("vec4f({load}, 0.0, 0.0, 1.0)"),
+        }
+    }
+
+    /// Returns the type of a texture that is read so.
+    pub(crate) const fn texture_type(self, layered: bool) -> &'static str {
+        match (self, layered) {
+            (Self::Floats, false) => "texture_2d<f32>",
+            (Self::Floats, true) => "texture_2d_array<f32>",
+            (Self::Counts | Self::Words, false) => "texture_2d<u32>",
+            (Self::Counts | Self::Words, true) => "texture_2d_array<u32>",
+            (Self::Compared, false) => "texture_depth_2d",
+            (Self::Compared, true) => "texture_depth_2d_array",
+        }
+    }
+}
+
+/// Returns the receive stage of a recipe as WGSL to paste into your own shader.
+///
+/// It defines `struct Receiver` and `fn receive(r: Receiver) -> f32` (visibility of the light, 0..=1), which you call with your
+/// own positions and normals (world space). What it reads is in bind group `group`: bind
+/// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) there; its entries, uniforms, images,
+/// tables and perhaps a comparison sampler, are as the text declares them.
+///
+/// `prefix` is put before every name that the text declares: with `"sun_"` call `sun_receive(sun_Receiver(..))`. So the texts of
+/// several lights fit into one shader, each with a prefix and a group of its own. With `""` names are as given above.
+///
+/// # Errors
+/// Errors if the prefix can't begin a WGSL identifier.
+pub fn receive_wgsl(recipe: &Recipe, group: u32, prefix: &str) -> Result<String, Invalid> {
+    let receive = &recipe.receive;
+    let shape = KernelInterface::new(recipe, &*receive.kernel, &receive.inputs, &receive.tables);
+    with_prefix(&kernel_wgsl(&*receive.kernel, &shape, group), prefix)
+}
+
+/// Returns the declarations that the contract names, as bindings of one group, then the kernel's modules.
+pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &KernelInterface, group: u32) -> String {
+    let mut text = format!("// Made by umbrage.\n{}", include_str!("receiver.wgsl"));
+    let mut bindings = 0..;
+    let mut declare = |text: &mut String, variable: &str| {
+        let binding = bindings.next().unwrap_or(0);
+        let _ = writeln!(text, "@group({group}) @binding({binding}) {variable};");
+    };
+    if let Some(block) = kernel.uniforms() {
+        let name = block.uniform_layout().name;
+        declare(&mut text, &format!("var<uniform> kernel: {name}"));
+    }
+    for (i, &InputImage { kind, layered }) in shape.images.iter().enumerate() {
+        let ty = kind.texture_type(layered);
+        declare(&mut text, &format!("var image_{i}: {ty}"));
+        let texture = ImageSource {
+            number: 0,
+            name: format!("image_{i}"),
+            layer: if layered { " layer," } else { "" }.to_owned(),
+        };
+        text += &image_functions(i, kind, &[texture], "umbrage_comparison", "");
+    }
+    for j in 0..shape.tables {
+        declare(&mut text, &format!("var<storage> table_{j}: array<vec4u>"));
+    }
+    if shape.compares() {
+        declare(&mut text, "var umbrage_comparison: sampler_comparison");
+    }
+    text + &join(&[MATH]) + &join(&kernel.modules())
+}
+
+/// A texture that may hold a kernel's image.
+pub(crate) struct ImageSource {
+    pub(crate) number: usize,
+    pub(crate) name: String,
+    /// Its layer as an argument, ` layer,`; empty if there is only one.
+    pub(crate) layer: String,
+}
+
+/// Returns the functions with which a kernel reads image `i`. Of several textures that may hold it, they read the one whose number
+/// is the value of the expression `choice`.
+pub(crate) fn image_functions(
+    i: usize,
+    kind: InputKind,
+    textures: &[ImageSource],
+    sampler: &str,
+    choice: &str,
+) -> String {
+    let mut text = String::new();
+    let mut add = |head: &str, none: &str, read: &dyn Fn(&str, &str) -> String| {
+        let read = |source: &ImageSource| read(&source.name, &source.layer);
+        let _ = match textures {
+            [] => writeln!(text, "fn {head} {{ return {none}; }}"),
+            // One texture needs no choice, which shaders would make for every tap.
+            [only] => writeln!(text, "fn {head} {{ return {}; }}", read(only)),
+            several => {
+                let case =
+                    |s: &ImageSource| format!(" case {}u: {{ return {}; }}", s.number, read(s));
+                let cases: String = several.iter().map(case).collect();
+                writeln!(
+                    text,
+                    "fn {head} {{\n    switch {choice} {{{cases} default: {{ return {none}; }} }}\n}}"
+                )
+            }
+        };
+    };
+    let load =
+        |name: &str, layer: &str| kind.channels(&format!("textureLoad({name}, texel,{layer} 0)"));
+    let size = |name: &str, _: &str| format!("vec2i(textureDimensions({name}))");
+    let arguments = |name: &str, layer: &str| format!("({name}, {sampler}, uv,{layer} depth)");
+    let compare =
+        |name: &str, layer: &str| format!("textureSampleCompareLevel{}", arguments(name, layer));
+    let gather =
+        |name: &str, layer: &str| format!("textureGatherCompare{}", arguments(name, layer));
+    add(
+        &format!("load_{i}(texel: vec2i, layer: i32) -> vec4f"),
+        "vec4f()",
+        &load,
+    );
+    add(&format!("size_{i}() -> vec2i"), "vec2i()", &size);
+    if kind == InputKind::Compared {
+        let lookup = "(uv: vec2f, layer: i32, depth: f32)";
+        add(&format!("compare_{i}{lookup} -> f32"), "1.0", &compare);
+        add(
+            &format!("gather_compare_{i}{lookup} -> vec4f"),
+            "vec4f(1.0)",
+            &gather,
+        );
+    }
+    text
+}
