@@ -42,8 +42,9 @@ cargo run --release --example measure -- compare street forest valley hovering-f
 balconies() {
   cargo run --quiet --release --example gallery -- sheet "docs/others/$1.png" --columns "$2" --crop 60,170 "${@:3}"
 }
-street=$report/contact/street/contact
-balconies contact 3 "$street"-{0-0.005,60-0.005,60-0.1}.cpu.png "$street"-{0-0.005,60-0.005,60-0.1}.cpu.error.png
+street=$report/contact/street
+balconies contact 4 "$street/truth.png" "$street"/contact-{0-0.005,60-0.005,60-0.1}.cpu.png \
+  - "$street"/contact-{0-0.005,60-0.005,60-0.1}.cpu.error.png
 
 cargo run --release --example panes -- docs/others
 

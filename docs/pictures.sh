@@ -9,7 +9,7 @@ gallery() {
 }
 cargo xtask compare teapot-lamp --map-sizes 512 --out "$report"
 rows=("$report"/teapot-lamp/{hard-512-bias-none,hard-512-bias-slope-.05-.005,pcf-7x7-512-bias-adaptive}.cpu)
-gallery sheet docs/teapot-lamp.png --columns 3 "${rows[@]/%/.png}" "${rows[@]/%/.error.png}"
+gallery sheet docs/teapot-lamp.png --columns 4 "$report/teapot-lamp/truth.png" "${rows[@]/%/.png}" - "${rows[@]/%/.error.png}"
 gallery causes
 gallery lists
 gallery penumbrae
