@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the figures and pictures of docs/others.md again, into target/others, and the pictures that the page shows into docs/others.
-# Bevy (examples/bevy, whose build is long) and three-d (examples/three_d) are built, too; `--without-bevy` and `--without-three-d` leave them out.
+# Makes the figures of docs/others.md again, into target/others, and the images that the page shows into docs/others.
+# Bevy (whose build is long) and three-d are built, too; `--without-bevy` and `--without-three-d` leave them out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 with_bevy=yes
@@ -16,7 +16,7 @@ for argument in "$@"; do
   esac
 done
 report=target/others
-mkdir -p "$report/presets" docs/others
+mkdir -p "$report/presets"
 # Graphics drivers look for a display's socket there at each start, and complain where it isn't set.
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-$(mktemp -d)}"
 
@@ -35,32 +35,27 @@ presets=()
 for file in "$report"/presets/*.preset.toml; do
   presets+=(--preset "$file")
 done
-cargo run --release --example measure_others -- compare street forest valley hovering-feet thin-plate \
+cargo run --release --example measure -- compare street forest valley hovering-feet thin-plate \
   --technique contact,hard --map-sizes 1024 "${presets[@]}" --out "$report/contact"
 
-# Cuts the place with the balconies out of a picture.
-crop() {
-  cargo run --quiet --release --example crop -- "$1" 60,170 "$2"
+# Puts the place with the balconies of several images into one file: its name, how many in a row, the images.
+balconies() {
+  cargo run --quiet --release --example gallery -- sheet "docs/others/$1.png" --columns "$2" --crop 60,170 "${@:3}"
 }
-crop "$report/contact/street/truth.png" docs/others/contact.truth.png
-for setting in 0-0.005 60-0.005 60-0.1; do
-  for end in png error.png; do
-    crop "$report/contact/street/contact-$setting.cpu.$end" "docs/others/contact.$setting.$end"
-  done
-done
+street=$report/contact/street
+balconies contact 4 "$street/truth.png" "$street"/contact-{0-0.005,60-0.005,60-0.1}.cpu.png \
+  - "$street"/contact-{0-0.005,60-0.005,60-0.1}.cpu.error.png
 
 cargo run --release --example panes -- docs/others
 
+engines=(cargo run --release --manifest-path examples/beside/engines/Cargo.toml)
 if [[ "$with_bevy" == yes ]]; then
-  cargo run --release --ignore-rust-version --manifest-path examples/bevy/Cargo.toml -- street thin-plate street-soft --out "$report/bevy"
-  for setting in truth Bevy-as-far-as-is-seen Bevy-as-far-as-is-seen-contact-shadows umbrage-pcf-3x3-4-cascades-of-2048 umbrage-exact; do
-    crop "$report/bevy/street.$setting.png" "docs/others/bevy.$setting.png"
-  done
+  "${engines[@]}" --ignore-rust-version --features bevy --bin beside_bevy -- street thin-plate street-soft --out "$report/bevy"
+  balconies bevy 3 "$report"/bevy/street.{truth,Bevy-as-far-as-is-seen,Bevy-as-far-as-is-seen-contact-shadows}.png \
+    "$report"/bevy/street.{umbrage-pcf-3x3-4-cascades-of-2048,umbrage-exact}.png
 fi
 
 if [[ "$with_three_d" == yes ]]; then
-  cargo run --release --manifest-path examples/three_d/Cargo.toml -- street thin-plate --out "$report/three_d"
-  for setting in truth three-d-2048 umbrage-pcf-3x3-2048 umbrage-pcf-3x3-4-cascades-of-2048; do
-    crop "$report/three_d/street.$setting.png" "docs/others/three_d.$setting.png"
-  done
+  "${engines[@]}" --features three_d --bin beside_three_d -- street thin-plate --out "$report/three_d"
+  balconies three_d 2 "$report"/three_d/street.{truth,three-d-2048,umbrage-pcf-3x3-2048,umbrage-pcf-3x3-4-cascades-of-2048}.png
 fi

@@ -1,31 +1,27 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README and of the pages in docs, the figures of docs/failures.md, and docs/which.md again: some half an hour.
-# (docs/embed.png is `examples/embed -- --png`, docs/viewer.png is made by examples/viewer/try.py.)
+# Makes the images of the README and of the pages in docs, the figures of docs/failures.md, and docs/which.md again: some half an hour.
+# (docs/viewer.png is made by examples/viewer/try.py.)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/pictures
+gallery() {
+  cargo run --profile measure --example gallery -- "$@"
+}
 cargo xtask compare teapot-lamp --map-sizes 512 --out "$report"
-mkdir -p docs/compare/teapot-lamp
-cp "$report"/teapot-lamp/truth.png docs/compare/teapot-lamp/
-for row in hard-512-bias-none hard-512-bias-slope-.05-.005 pcf-7x7-512-bias-adaptive; do
-  cp "$report/teapot-lamp/$row.cpu.png" "$report/teapot-lamp/$row.cpu.error.png" docs/compare/teapot-lamp/
-done
-cargo run --profile measure --example causes -- docs/causes
-cargo run --profile measure --example lists -- docs/exact
-cargo run --profile measure --example penumbrae -- docs/soft
-cargo run --profile measure --example failures
+rows=("$report"/teapot-lamp/{hard-512-bias-none,hard-512-bias-slope-.05-.005,pcf-7x7-512-bias-adaptive}.cpu)
+gallery sheet docs/teapot-lamp.png --columns 4 "$report/teapot-lamp/truth.png" "${rows[@]/%/.png}" - "${rows[@]/%/.error.png}"
+gallery causes
+gallery lists
+gallery penumbrae
+gallery failures
 cargo xtask stability hills-yaw hills-yaw-stable --technique hard --backend cpu --out "$report/shimmer"
-for half in fault:hills-yaw.hard-512 cure:hills-yaw-stable.hard-512; do
-  cp "$report/shimmer/pictures/${half#*:}-4-cascades-log-from-4-m-bias-adaptive.png" "docs/failures/shimmer.${half%%:*}.png"
-done
+gallery sheet docs/failures/shimmer.png --columns 1 \
+  "$report"/shimmer/pictures/{hills-yaw,hills-yaw-stable}.hard-512-4-cascades-log-from-4-m-bias-adaptive.png
 mkdir -p docs/moments
 cargo xtask stability two-plates --technique vsm --backend cpu --out "$report/moments"
 cp "$report/moments/pictures/two-plates.vsm-blur-7x7-bleeding-0-1024-bias-adaptive.png" docs/moments/two-plates.vsm.png
-cargo run --profile measure --example textbook -- "$report/textbook"
-mkdir -p docs/textbook
-for name in acne soft point-light contact; do
-  cp "$report/textbook/$name.fault.png" "$report/textbook/$name.cure.png" docs/textbook/
-done
+gallery textbook "$report/textbook"
+gallery sheet docs/textbook.png "$report"/textbook/{acne,soft,point-light,contact}.{fault,cure}.png
 cargo xtask compare --out "$report/suite"
 for light in hard soft; do
   cp "$report/suite/chart-time-$light-cpu.png" "docs/chart-$light.png"

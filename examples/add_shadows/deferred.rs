@@ -1,36 +1,27 @@
-//! Shadows in a deferred renderer: `cargo run --release --example deferred` writes `deferred.png`. `docs/add_shadows.md` explains it.
-
-mod renderer;
+//! Shadows in a deferred renderer: `cargo run --release --example deferred [PRESET.toml]` writes `deferred.png`.
+//! `docs/add_shadows.md` explains it.
 
 use anyhow::Result;
-use renderer::{Boxes, COLOR, DEPTH, Graphics, SCENE_WGSL, SIZE, VERTEX_BYTES};
 use std::sync::Arc;
 use umbrage::{
-    Aabb, Camera,
-    glam::{Affine3A, Vec3},
-    techniques::{MapFilter as _, Pcf, ShadowMap},
+    ShadowTechnique,
     wgpu::{
-        CasterId, CasterMesh, DepthBuffer, LightId, LightSet, LightSetOptions, MaskFormat,
-        MaskInputs, NormalCoding, PositionFormat, SetFrame, SetLight, SetNormals, SetReceivers,
-        VertexLayout,
+        DepthBuffer, MaskFormat, MaskInputs, NormalCoding, SetNormals, SetReceivers,
         wgpu::{
-            self, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureFormat,
-            TextureSampleType, TextureView, TextureViewDimension,
+            self, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureView,
+            TextureViewDimension,
         },
     },
 };
-
-/// Of the program's normals. Any float or normalised format will do.
-const NORMAL: TextureFormat = TextureFormat::Rgba16Float;
+use umbrage_examples::{
+    renderer::{self, BoxScene, Boxes, COLOR, DEPTH, Graphics, NORMAL},
+    set::BoxShadows,
+};
 
 /// A renderer with shadows.
 struct Deferred {
     boxes: Boxes,
-    set: LightSet,
-    /// One for each box.
-    casters: Vec<CasterId>,
-    /// In the order of the scene's lights.
-    lights: Vec<LightId>,
+    shadows: BoxShadows,
     gbuffer: RenderPipeline,
     lighting: RenderPipeline,
     /// Depth, normals and masks.
@@ -40,74 +31,42 @@ struct Deferred {
 }
 
 impl Deferred {
-    fn new(graphics: &Graphics, boxes: Boxes) -> Result<Self> {
+    fn new(graphics: &Graphics, boxes: Boxes, shadows: BoxShadows) -> Self {
+        let lighting_layout = graphics.layout(&[
+            renderer::floats(TextureViewDimension::D2),
+            renderer::floats(TextureViewDimension::D2),
+            renderer::floats(TextureViewDimension::D2Array),
+        ]);
         // The set's WGSL stays in the set's own shaders.
-        let mut set = LightSet::new(&graphics.device, LightSetOptions::default())?;
-        let mesh = set.add_mesh(&CasterMesh {
-            label: "box",
-            vertices: &boxes.vertices,
-            layout: VertexLayout {
-                format: PositionFormat::Float32x3,
-                stride: VERTEX_BYTES,
-                position_offset: 0,
-            },
-            indices: None,
-            range: 0..boxes.vertex_count,
-            base_vertex: 0,
-            bounds: Aabb {
-                min: Vec3::NEG_ONE,
-                max: Vec3::ONE,
-            },
-        })?;
-        let mut casters = Vec::new();
-        for world_from_local in renderer::placements(0.0) {
-            casters.push(set.add_caster(mesh, world_from_local)?);
-        }
-        let mut lights = Vec::new();
-        for light in renderer::lights() {
-            lights.push(set.add_light(SetLight {
-                light,
-                technique: Arc::new(Pcf { radius: 1 }.on(ShadowMap::default())),
-                priority: 1.0,
-            })?);
-        }
-
-        let lighting_layout = lighting_layout(graphics);
-        let stored = format!("{SCENE_WGSL}{}", include_str!("gbuffer.wgsl"));
-        let lit = format!("{SCENE_WGSL}{}", include_str!("deferred.wgsl"));
+        let scene = boxes.scene.wgsl();
+        let stored = format!("{scene}{}", include_str!("gbuffer.wgsl"));
+        let lit = format!("{scene}{}", include_str!("deferred.wgsl"));
         let groups = [Some(&boxes.layout), Some(&lighting_layout)];
-        Ok(Self {
+        let size = boxes.scene.camera.size;
+        Self {
             gbuffer: graphics.pipeline(stored, "store", true, &groups[..1], &[NORMAL]),
             lighting: graphics.pipeline(lit, "shade", false, &groups, &[COLOR]),
-            depth: graphics.target(DEPTH),
-            normal: graphics.target(NORMAL),
+            depth: graphics.target(size, DEPTH),
+            normal: graphics.target(size, NORMAL),
             lighting_layout,
             boxes,
-            set,
-            casters,
-            lights,
-        })
+            shadows,
+        }
     }
 
     fn frame(
         &mut self,
         graphics: &Graphics,
         encoder: &mut CommandEncoder,
-        camera: &Camera,
-        placements: &[Affine3A],
+        seconds: f32,
         color: &TextureView,
     ) -> Result<()> {
-        for (&caster, &world_from_local) in self.casters.iter().zip(placements) {
-            self.set.move_caster(caster, world_from_local)?;
-        }
-        self.boxes.place(graphics, placements);
-        let frame = SetFrame {
-            camera,
-            geometry: None,
-        };
-        self.set
-            .prepare(&graphics.device, &graphics.queue, &frame)?;
-        self.set.encode(encoder)?;
+        let placements = self.boxes.scene.placements(seconds);
+        self.boxes.place(graphics, &placements);
+        self.shadows.place(&placements)?;
+        // Record the shadows' passes into your encoder: none if nothing changed.
+        self.shadows.prepare(graphics, &self.boxes)?;
+        self.shadows.set.encode(encoder)?;
 
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[renderer::color_attachment(&self.normal)],
@@ -120,11 +79,11 @@ impl Deferred {
 
         // Masks: positions come from the depth buffer, in the lookup itself.
         let inputs = MaskInputs {
-            size: SIZE,
+            size: self.boxes.scene.camera.size,
             receivers: SetReceivers::Depth {
                 depth: DepthBuffer {
                     depth: &self.depth,
-                    world_from_clip: renderer::clip_from_world(camera).inverse(),
+                    world_from_clip: self.boxes.scene.clip_from_world().inverse(),
                     // The depth where nothing was drawn: 1, or 0 with reversed z.
                     empty: 1.0,
                 },
@@ -133,12 +92,13 @@ impl Deferred {
                     coding: NormalCoding::Components,
                 }),
             },
-            lights: &self.lights,
+            lights: &self.shadows.lights,
             format: MaskFormat::Unorm8,
         };
-        self.set.prepare_masks(&graphics.queue, &inputs)?;
+        let set = &mut self.shadows.set;
+        set.prepare_masks(&graphics.queue, &inputs)?;
         // A texture with a layer for each light. It may be another one in the next frame.
-        let masks = self.set.encode_masks(encoder)?;
+        let masks = set.encode_masks(encoder)?;
 
         let seen = [&self.depth, &self.normal, masks].map(BindingResource::TextureView);
         let seen = graphics.group(&self.lighting_layout, &seen);
@@ -154,38 +114,24 @@ impl Deferred {
     }
 }
 
-/// The bind group of depth, normals and masks.
-fn lighting_layout(graphics: &Graphics) -> BindGroupLayout {
-    let image = |sample_type, view_dimension| wgpu::BindingType::Texture {
-        sample_type,
-        view_dimension,
-        multisampled: false,
-    };
-    let floats = TextureSampleType::Float { filterable: false };
-    graphics.layout(&[
-        image(TextureSampleType::Depth, TextureViewDimension::D2),
-        image(floats, TextureViewDimension::D2),
-        image(floats, TextureViewDimension::D2Array),
-    ])
-}
-
 /// Draws two frames, between which boxes turn, and returns the second one's pixels.
-pub(crate) fn picture() -> Result<Vec<u8>> {
+pub(crate) fn picture(technique: &Arc<dyn ShadowTechnique>) -> Result<Vec<u8>> {
     let graphics = Graphics::open()?;
-    let camera = renderer::camera()?;
-    let boxes = Boxes::new(&graphics, &camera);
-    let mut program = Deferred::new(&graphics, boxes)?;
-    let color = graphics.target(COLOR);
+    let boxes = Boxes::new(&graphics, BoxScene::small()?);
+    let color = graphics.target(boxes.scene.camera.size, COLOR);
+    let shadows = BoxShadows::new(&graphics, &boxes, technique)?;
+    let mut program = Deferred::new(&graphics, boxes, shadows);
     let mut pixels = Vec::new();
     for seconds in [0.0, 1.0] {
-        let placements = renderer::placements(seconds);
         let mut encoder = graphics.encoder();
-        program.frame(&graphics, &mut encoder, &camera, &placements, &color)?;
+        program.frame(&graphics, &mut encoder, seconds, &color)?;
         pixels = graphics.read(encoder, &color)?;
     }
     Ok(pixels)
 }
 
 fn main() -> Result<()> {
-    renderer::save("deferred.png", &picture()?)
+    let technique = renderer::technique_by_argument()?;
+    let pixels = picture(&technique)?;
+    renderer::save("deferred.png", &pixels, &BoxScene::small()?, &*technique)
 }

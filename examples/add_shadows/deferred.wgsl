@@ -1,5 +1,5 @@
 // Depth, normals, and the set's masks: a layer for each light, in the order in which they were asked for.
-@group(1) @binding(0) var depths: texture_depth_2d;
+@group(1) @binding(0) var depths: texture_2d<f32>;
 @group(1) @binding(1) var normals: texture_2d<f32>;
 @group(1) @binding(2) var masks: texture_2d_array<f32>;
 
@@ -9,7 +9,7 @@
 
 @fragment fn shade(@builtin(position) at: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(at.xy);
-    let depth = textureLoad(depths, pixel, 0);
+    let depth = textureLoad(depths, pixel, 0).x;
     if depth == 1.0 {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
@@ -19,7 +19,7 @@
     let position = world.xyz / world.w;
     let normal = textureLoad(normals, pixel, 0).xyz;
     var light = 0.05;
-    for (var i = 0u; i < 2u; i++) {
+    for (var i = 0u; i < LAMPS; i++) {
         let visibility = textureLoad(masks, pixel, i, 0).x;
         light += arriving(i, position, normal) * visibility;
     }

@@ -3,7 +3,7 @@
     let normal = normalize(seen.normal);
     let pixel = vec2u(seen.at.xy);
     var light = 0.05;
-    for (var i = 0u; i < 2u; i++) {
+    for (var i = 0u; i < LAMPS; i++) {
         let visibility = shadow(i, seen.position, normal, pixel);
         light += arriving(i, seen.position, normal) * visibility;
     }

@@ -1,90 +1,206 @@
-//! What the two programs have before they have shadows, as any wgpu program does: a device, a scene of boxes, a camera, two lights,
-//! pipelines, and a file to write to.
+//! A small wgpu renderer without shadows: device, scene of boxes, pipelines, and image file. The programs that add shadows share it.
 
 use anyhow::{Context as _, Result};
+use std::sync::Arc;
 use umbrage::{
-    Camera, Light,
+    Camera, Light, ShadowTechnique,
     glam::{Affine3A, Mat4, Quat, UVec2, Vec3},
+    techniques::{MapTechnique, Pcf, TechniquePreset},
     wgpu::wgpu::{self, util::DeviceExt as _},
 };
 
-/// Size of the picture, pixels.
-pub(crate) const SIZE: UVec2 = UVec2::new(640, 400);
-pub(crate) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Format of images that are shown.
+pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// Format of the camera's depth.
+pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Format of normals. Any float or normalised format works.
+pub const NORMAL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Bytes of a vertex: a position and a normal.
-pub(crate) const VERTEX_BYTES: u64 = 24;
-/// Boxes, the floor among them.
-const BOXES: usize = 26;
+pub const VERTEX_BYTES: u64 = 24;
 
-/// The scene's part of every shader.
-pub(crate) const SCENE_WGSL: &str = include_str!("scene.wgsl");
+/// Bytes of an instance: three columns and a translation.
+const INSTANCE_BYTES: u64 = 48;
 
-/// A device of the program's own.
-pub(crate) struct Graphics {
-    pub(crate) device: wgpu::Device,
-    pub(crate) queue: wgpu::Queue,
+/// The vertex buffers of the boxes: vertices and instances.
+pub const BOX_BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: VERTEX_BYTES,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3],
+    }),
+    Some(wgpu::VertexBufferLayout {
+        array_stride: INSTANCE_BYTES,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4],
+    }),
+];
+
+/// A uniform buffer.
+pub const UNIFORMS: wgpu::BindingType = wgpu::BindingType::Buffer {
+    ty: wgpu::BufferBindingType::Uniform,
+    has_dynamic_offset: false,
+    min_binding_size: None,
+};
+
+/// A texture of floats that is read without a sampler.
+pub const fn floats(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+    wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+        view_dimension,
+        multisampled: false,
+    }
 }
 
-/// The scene's buffers.
-pub(crate) struct Boxes {
-    /// A box from -1 to 1, every three vertices a triangle.
-    pub(crate) vertices: wgpu::Buffer,
-    pub(crate) vertex_count: u32,
-    instances: wgpu::Buffer,
-    pub(crate) layout: wgpu::BindGroupLayout,
-    pub(crate) group: wgpu::BindGroup,
+/// A floor with a square of boxes on it, under some lights.
+pub struct BoxScene {
+    /// The camera; its size is that of the image.
+    pub camera: Camera,
+    /// At least one light. Shaders index them in this order.
+    pub lights: Vec<Light>,
+    /// Boxes along each side of the square.
+    boxes_per_side: usize,
+    /// Metres from box to box.
+    spacing: f32,
+    /// Half of a box's width, metres.
+    half_width: f32,
+    /// Half of the lowest box's height, and by how much each of four higher ones exceeds the one before, metres.
+    half_heights: [f32; 2],
 }
 
-/// A sun and a spot.
-pub(crate) fn lights() -> [Light; 2] {
-    [
-        Light::Directional {
+impl BoxScene {
+    /// Returns 25 boxes under a sun and a spot, 640x400 pixels.
+    pub fn small() -> Result<Self> {
+        let sun = Light::Directional {
             direction: Vec3::new(-0.6, -1.0, 0.5),
             angular_diameter: 0.0,
-        },
-        Light::Spot {
+        };
+        let spot = Light::Spot {
             position: Vec3::new(3.0, 6.0, 5.0),
             direction: Vec3::new(-0.5, -1.0, -0.8),
             inner: 0.5,
             outer: 0.7,
             radius: 0.0,
-        },
-    ]
-}
-
-/// Where the boxes are after some seconds: the floor, then a grid whose boxes turn.
-pub(crate) fn placements(seconds: f32) -> Vec<Affine3A> {
-    let mut out = vec![Affine3A::from_scale_rotation_translation(
-        Vec3::new(9.0, 0.1, 9.0),
-        Quat::IDENTITY,
-        Vec3::new(0.0, -0.1, 0.0),
-    )];
-    for i in 1..BOXES {
-        let column = ((i - 1) % 5) as f32 - 2.0;
-        let row = ((i - 1) / 5) as f32 - 2.0;
-        let height = 0.6 + 0.2 * ((i * 3) % 5) as f32;
-        out.push(Affine3A::from_scale_rotation_translation(
-            Vec3::new(0.5, height, 0.5),
-            Quat::from_rotation_y(seconds + i as f32),
-            Vec3::new(3.0 * column, height, 3.0 * row),
-        ));
+        };
+        Ok(Self {
+            camera: camera(Vec3::new(6.0, 7.0, 12.0), UVec2::new(640, 400))?,
+            lights: vec![sun, spot],
+            boxes_per_side: 5,
+            spacing: 3.0,
+            half_width: 0.5,
+            half_heights: [0.6, 0.2],
+        })
     }
-    out
+
+    /// Returns 10,000 boxes under the lights of [`BoxScene::large`].
+    pub fn crowded() -> Result<Self> {
+        Ok(Self {
+            boxes_per_side: 100,
+            spacing: 0.4,
+            half_width: 0.1,
+            half_heights: [0.1, 0.0],
+            ..Self::large()?
+        })
+    }
+
+    /// Returns 225 boxes under a sun and three spots, 1280x720 pixels.
+    pub fn large() -> Result<Self> {
+        let mut lights = vec![Light::Directional {
+            direction: Vec3::new(0.5, -1.0, 0.3),
+            angular_diameter: 0.0,
+        }];
+        for [x, z] in [[-9.0, -6.0], [9.0, -4.0], [0.0, 9.0]] {
+            lights.push(Light::Spot {
+                position: Vec3::new(x, 9.0, z),
+                direction: Vec3::new(-0.3 * x, -9.0, -0.3 * z),
+                inner: 0.5,
+                outer: 0.6,
+                radius: 0.0,
+            });
+        }
+        Ok(Self {
+            camera: camera(Vec3::new(9.0, 11.0, 17.0), UVec2::new(1280, 720))?,
+            lights,
+            boxes_per_side: 15,
+            spacing: 2.2,
+            half_width: 0.4,
+            half_heights: [0.4, 0.35],
+        })
+    }
+
+    /// Returns the placements after some seconds: the floor, then the boxes, which turn.
+    pub fn placements(&self, seconds: f32) -> Vec<Affine3A> {
+        let side = self.boxes_per_side;
+        let floor = 0.6 * side as f32 * self.spacing;
+        let mut out = vec![Affine3A::from_scale_rotation_translation(
+            Vec3::new(floor, 0.1, floor),
+            Quat::IDENTITY,
+            Vec3::new(0.0, -0.1, 0.0),
+        )];
+        let middle = (side / 2) as f32;
+        for i in 0..side * side {
+            let x = self.spacing * ((i % side) as f32 - middle);
+            let z = self.spacing * ((i / side) as f32 - middle);
+            let half_height = self.half_heights[0] + self.half_heights[1] * ((i * 7) % 5) as f32;
+            out.push(Affine3A::from_scale_rotation_translation(
+                Vec3::new(self.half_width, half_height, self.half_width),
+                Quat::from_rotation_y(seconds + i as f32),
+                Vec3::new(x, half_height, z),
+            ));
+        }
+        out
+    }
+
+    /// Returns the matrix from world to clip space.
+    pub fn clip_from_world(&self) -> Mat4 {
+        self.camera.clip_from_view * Mat4::from(self.camera.world_from_view.inverse())
+    }
+
+    /// Returns the part of every shader that declares the scene.
+    pub fn wgsl(&self) -> String {
+        let count = self.lights.len();
+        format!("const LAMPS = {count}u;\n{}", include_str!("scene.wgsl"))
+    }
 }
 
-pub(crate) fn camera() -> Result<Camera> {
-    let eye = Vec3::new(6.0, 7.0, 12.0);
-    let camera = Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.9, [0.1, 100.0], SIZE)?;
-    Ok(camera)
+fn camera(eye: Vec3, size: UVec2) -> Result<Camera> {
+    let depth_range = [0.1, 100.0];
+    Ok(Camera::perspective(
+        eye,
+        Vec3::ZERO,
+        Vec3::Y,
+        0.9,
+        depth_range,
+        size,
+    )?)
 }
 
-pub(crate) fn clip_from_world(camera: &Camera) -> Mat4 {
-    camera.clip_from_view * Mat4::from(camera.world_from_view.inverse())
+/// A device of the program's own.
+pub struct Graphics {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+}
+
+/// The scene's buffers.
+pub struct Boxes {
+    /// The scene.
+    pub scene: BoxScene,
+    /// A box from -1 to 1, every three vertices a triangle.
+    pub vertices: wgpu::Buffer,
+    /// Vertices of the box.
+    pub vertex_count: u32,
+    /// Placements of the boxes, 48 bytes each.
+    pub instances: wgpu::Buffer,
+    /// Layout of `group`.
+    pub layout: wgpu::BindGroupLayout,
+    /// Bind group 0 of all shaders: the scene's uniforms.
+    pub group: wgpu::BindGroup,
 }
 
 impl Graphics {
-    pub(crate) fn open() -> Result<Self> {
+    /// Opens the default adapter with the default limits.
+    pub fn open() -> Result<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let options = wgpu::RequestAdapterOptions::default();
         let adapter = pollster::block_on(instance.request_adapter(&options))
@@ -94,28 +210,47 @@ impl Graphics {
         Ok(Self { device, queue })
     }
 
-    pub(crate) fn encoder(&self) -> wgpu::CommandEncoder {
+    /// Returns a command encoder.
+    pub fn encoder(&self) -> wgpu::CommandEncoder {
         self.device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
-    fn buffer(&self, usage: wgpu::BufferUsages, floats: &[f32]) -> wgpu::Buffer {
+    /// Waits until all that was submitted is done.
+    pub fn wait(&self) -> Result<()> {
+        self.device.poll(wgpu::PollType::wait_indefinitely())?;
+        Ok(())
+    }
+
+    /// Returns a buffer with these bytes, which can be written again.
+    pub fn buffer(&self, usage: wgpu::BufferUsages, contents: &[u8]) -> wgpu::Buffer {
         let desc = wgpu::util::BufferInitDescriptor {
             label: None,
-            contents: bytemuck::cast_slice(floats),
+            contents,
             usage: usage | wgpu::BufferUsages::COPY_DST,
         };
         self.device.create_buffer_init(&desc)
     }
 
-    /// Returns a texture of the picture's size, to draw into, to read in shaders and to copy.
-    pub(crate) fn target(&self, format: wgpu::TextureFormat) -> wgpu::TextureView {
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+    /// Returns a texture to draw into, to read in shaders and to copy.
+    pub fn target(&self, size: UVec2, format: wgpu::TextureFormat) -> wgpu::TextureView {
+        self.target_array(size, 1, format)
+            .create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    /// Returns several such textures as layers of one.
+    pub fn target_array(
+        &self,
+        size: UVec2,
+        layers: u32,
+        format: wgpu::TextureFormat,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
             size: wgpu::Extent3d {
-                width: SIZE.x,
-                height: SIZE.y,
-                depth_or_array_layers: 1,
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: layers,
             },
             mip_level_count: 1,
             sample_count: 1,
@@ -125,11 +260,11 @@ impl Graphics {
                 | wgpu::TextureUsages::TEXTURE_BINDING
                 | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
-        });
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
+        })
     }
 
-    pub(crate) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+    /// Returns the layout of a bind group with these types at the bindings 0, 1, ..
+    pub fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
         let entries: Vec<_> = (0..)
             .zip(types)
             .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
@@ -146,7 +281,8 @@ impl Graphics {
         self.device.create_bind_group_layout(&desc)
     }
 
-    pub(crate) fn group(
+    /// Returns a bind group with these resources at the bindings 0, 1, ..
+    pub fn group(
         &self,
         layout: &wgpu::BindGroupLayout,
         resources: &[wgpu::BindingResource<'_>],
@@ -167,7 +303,7 @@ impl Graphics {
     }
 
     /// Returns a pipeline that draws the boxes, or else a triangle around the screen without a depth buffer.
-    pub(crate) fn pipeline(
+    pub fn pipeline(
         &self,
         text: String,
         fragment: &str,
@@ -185,18 +321,6 @@ impl Graphics {
             ..wgpu::PipelineLayoutDescriptor::default()
         });
         let targets: Vec<_> = targets.iter().map(|&t| Some(t.into())).collect();
-        let of_boxes = [
-            Some(wgpu::VertexBufferLayout {
-                array_stride: VERTEX_BYTES,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3],
-            }),
-            Some(wgpu::VertexBufferLayout {
-                array_stride: 48,
-                step_mode: wgpu::VertexStepMode::Instance,
-                attributes: &wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4],
-            }),
-        ];
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: None,
             layout: Some(&layout),
@@ -204,19 +328,13 @@ impl Graphics {
                 module: &module,
                 entry_point: Some(if draws_boxes { "surface" } else { "screen" }),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: if draws_boxes { &of_boxes } else { &[] },
+                buffers: if draws_boxes { &BOX_BUFFERS } else { &[] },
             },
             primitive: wgpu::PrimitiveState {
                 cull_mode: draws_boxes.then_some(wgpu::Face::Back),
                 ..wgpu::PrimitiveState::default()
             },
-            depth_stencil: draws_boxes.then(|| wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Less),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
+            depth_stencil: draws_boxes.then(depth_state),
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,
@@ -230,16 +348,17 @@ impl Graphics {
     }
 
     /// Submits the encoder, and returns the picture's pixels, four bytes each.
-    pub(crate) fn read(
+    pub fn read(
         &self,
         mut encoder: wgpu::CommandEncoder,
         picture: &wgpu::TextureView,
     ) -> Result<Vec<u8>> {
-        // Rows of 640 pixels are multiples of 256 bytes, as copies ask.
-        let row = 4 * SIZE.x;
+        let texture = picture.texture();
+        // Rows of 640 or 1280 pixels are multiples of 256 bytes, which copies require.
+        let row = 4 * texture.width();
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
-            size: u64::from(row * SIZE.y),
+            size: u64::from(row * texture.height()),
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -251,25 +370,25 @@ impl Graphics {
                 rows_per_image: None,
             },
         };
-        let texture = picture.texture();
         encoder.copy_texture_to_buffer(texture.as_image_copy(), destination, texture.size());
         self.queue.submit([encoder.finish()]);
         buffer.map_async(wgpu::MapMode::Read, .., |_| {});
-        self.device.poll(wgpu::PollType::wait_indefinitely())?;
+        self.wait()?;
         Ok(buffer.get_mapped_range(..)?.to_vec())
     }
 }
 
 impl Boxes {
-    pub(crate) fn new(graphics: &Graphics, camera: &Camera) -> Self {
-        let clip_from_world = clip_from_world(camera);
+    /// Uploads a scene.
+    pub fn new(graphics: &Graphics, scene: BoxScene) -> Self {
+        let clip_from_world = scene.clip_from_world();
         let mut uniforms = Vec::new();
         uniforms.extend(clip_from_world.to_cols_array());
         uniforms.extend(clip_from_world.inverse().to_cols_array());
-        for (light, brightness) in lights().iter().zip([1.0, 30.0]) {
-            let place = match light.position() {
-                Some(position) => position.extend(1.0),
-                None => light.direction_from(Vec3::ZERO).extend(0.0),
+        for light in &scene.lights {
+            let (place, brightness) = match light.position() {
+                Some(position) => (position.extend(1.0), 30.0),
+                None => (light.direction_from(Vec3::ZERO).extend(0.0), 1.0),
             };
             // Cosines of the cone's angles.
             let (axis, inner, outer) = match *light {
@@ -285,37 +404,47 @@ impl Boxes {
             uniforms.extend(axis.extend(brightness).to_array());
             uniforms.extend([inner, outer, 0.0, 0.0]);
         }
-        let uniforms = graphics.buffer(wgpu::BufferUsages::UNIFORM, &uniforms);
-        let layout = graphics.layout(&[wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        }]);
+        let uniforms = bytemuck::cast_slice(&uniforms);
+        let uniforms = graphics.buffer(wgpu::BufferUsages::UNIFORM, uniforms);
+        let layout = graphics.layout(&[UNIFORMS]);
         let vertices = box_vertices();
+        let instances = columns(&scene.placements(0.0));
+        let buffer = |contents| graphics.buffer(wgpu::BufferUsages::VERTEX, contents);
         Self {
+            scene,
             vertex_count: vertices.len() as u32,
-            vertices: graphics.buffer(wgpu::BufferUsages::VERTEX, vertices.as_flattened()),
-            instances: graphics.buffer(wgpu::BufferUsages::VERTEX, &[0.0; 12 * BOXES]),
+            vertices: buffer(bytemuck::cast_slice(&vertices)),
+            instances: buffer(bytemuck::cast_slice(&instances)),
             group: graphics.group(&layout, &[uniforms.as_entire_binding()]),
             layout,
         }
     }
 
     /// Moves what is drawn.
-    pub(crate) fn place(&self, graphics: &Graphics, placements: &[Affine3A]) {
-        let columns: Vec<[f32; 12]> = placements.iter().map(Affine3A::to_cols_array).collect();
-        graphics
-            .queue
-            .write_buffer(&self.instances, 0, bytemuck::cast_slice(&columns));
+    pub fn place(&self, graphics: &Graphics, placements: &[Affine3A]) {
+        let columns = columns(placements);
+        let bytes = bytemuck::cast_slice(&columns);
+        graphics.queue.write_buffer(&self.instances, 0, bytes);
     }
 
-    /// Draws all boxes.
-    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_bind_group(0, &self.group, &[]);
+    /// Draws all boxes with the scene's bind group.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.draw_with(pass, &self.group);
+    }
+
+    /// Draws all boxes with another bind group 0.
+    pub fn draw_with(&self, pass: &mut wgpu::RenderPass<'_>, group: &wgpu::BindGroup) {
+        pass.set_bind_group(0, group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
-        pass.draw(0..self.vertex_count, 0..BOXES as u32);
+        let instances = self.instances.size() / INSTANCE_BYTES;
+        pass.draw(0..self.vertex_count, 0..instances as u32);
     }
+}
+
+/// Returns placements as vertex buffers hold them.
+fn columns(placements: &[Affine3A]) -> Vec<[f32; 12]> {
+    placements.iter().map(Affine3A::to_cols_array).collect()
 }
 
 /// Position and normal of the corners of a box from -1 to 1.
@@ -342,9 +471,19 @@ fn box_vertices() -> Vec<[f32; 6]> {
     out
 }
 
-pub(crate) fn color_attachment(
-    view: &wgpu::TextureView,
-) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+/// Returns the state of a depth buffer that keeps the nearest surface.
+pub fn depth_state() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Less),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// Returns a colour attachment that is cleared to black.
+pub fn color_attachment(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
     Some(wgpu::RenderPassColorAttachment {
         view,
         depth_slice: None,
@@ -356,7 +495,8 @@ pub(crate) fn color_attachment(
     })
 }
 
-pub(crate) fn depth_attachment(
+/// Returns a depth attachment that is cleared to the far plane.
+pub fn depth_attachment(
     view: &wgpu::TextureView,
 ) -> Option<wgpu::RenderPassDepthStencilAttachment<'_>> {
     Some(wgpu::RenderPassDepthStencilAttachment {
@@ -369,10 +509,26 @@ pub(crate) fn depth_attachment(
     })
 }
 
-/// Writes the picture, and says so.
-pub(crate) fn save(file: &str, pixels: &[u8]) -> Result<()> {
-    image::save_buffer(file, pixels, SIZE.x, SIZE.y, image::ColorType::Rgba8)
+/// Returns the technique in the preset file that the program's first argument names, 3x3 comparisons without one.
+pub fn technique_by_argument() -> Result<Arc<dyn ShadowTechnique>> {
+    let Some(file) = std::env::args().nth(1) else {
+        return Ok(Arc::new(MapTechnique::<Pcf>::default()));
+    };
+    let text = std::fs::read_to_string(&file).with_context(|| format!("can't read `{file}`"))?;
+    let preset = TechniquePreset::from_toml(&text).with_context(|| format!("in `{file}`"))?;
+    Ok(preset.technique())
+}
+
+/// Writes an image of a scene and reports it.
+pub fn save(
+    file: &str,
+    pixels: &[u8],
+    scene: &BoxScene,
+    technique: &dyn ShadowTechnique,
+) -> Result<()> {
+    let size = scene.camera.size;
+    image::save_buffer(file, pixels, size.x, size.y, image::ColorType::Rgba8)
         .with_context(|| format!("can't write `{file}`"))?;
-    println!("{file}, {} x {}", SIZE.x, SIZE.y);
+    println!("{file}, {} x {}, {}", size.x, size.y, technique.name());
     Ok(())
 }

@@ -11,7 +11,7 @@ struct Lamp {
 struct Scene {
     clip_from_world: mat4x4f,
     world_from_clip: mat4x4f,
-    lamps: array<Lamp, 2>,
+    lamps: array<Lamp, LAMPS>,
 }
 @group(0) @binding(0) var<uniform> scene: Scene;
 

@@ -9,7 +9,7 @@ struct Maps {
 @group(1) @binding(0) var<uniform> maps: Maps;
 @group(1) @binding(1) var depths: texture_2d_array<f32>;
 
-fn lit(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32 {
+fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32 {
     let clip = maps.clip_from_world[light] * vec4f(position, 1.0);
     let point = clip.xyz / clip.w;
     if clip.w <= 0.0 || point.z > 1.0 {

@@ -1,4 +1,4 @@
-// A light's mask, written for this picture alone. It stands behind the texts of the receivers and of `lit`.
+// A light's mask, written for this picture alone. It stands behind the texts of the receivers and of `shadow`.
 
 @fragment fn store_mask(seen: FullscreenPixel) -> @location(0) f32 {
     let texel = vec2i(seen.at.xy);
@@ -6,5 +6,5 @@
     if depth == 1.0 {
         return 1.0;
     }
-    return lit(seen.light, position_at(seen.at.xy, depth), vec3f(), vec2u(texel));
+    return shadow(seen.light, position_at(seen.at.xy, depth), vec3f(), vec2u(texel));
 }

@@ -1,21 +1,19 @@
 //! What shadows of casters that all move take on frames of real size: a map that is drawn anew, and lists that the device makes anew.
 
-use super::scene::Device;
-use anyhow::{Context, Result};
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use super::{open, timed};
+use crate::renderer::Graphics;
+use anyhow::{Context as _, Result};
+use std::{sync::Arc, time::Duration};
 use umbrage::{
     Camera, Geometry, Light, Receivers, ShadowTechnique,
     cpu::Cpu,
-    glam::Affine3A,
+    glam::{Affine3A, UVec2},
     scenes,
     techniques::{Exact, Hard, MapFilter as _, ShadowMap, Traced},
     wgpu::{
         AdapterChoice, CasterMesh, FrameGeometry, GBuffer, Indices, LightId, LightSet,
         LightSetOptions, MaskFormat, MaskInputs, SetFrame, SetLight, SetReceivers, VertexLayout,
-        wgpu,
+        wgpu::{self, util::DeviceExt as _},
     },
 };
 
@@ -26,8 +24,8 @@ const SCENES: [&str; 5] = ["night-room", "dancer", "street", "nave", "valley"];
 
 /// Plays the scenes, and prints what each frame's parts take.
 pub fn lists(names: &[String]) -> Result<()> {
-    let d = Device::open(&AdapterChoice::from_env())?;
-    println!("{}: least of {RUNS} frames, milliseconds", d.name);
+    let (adapter, graphics) = open(&AdapterChoice::from_env())?;
+    println!("{adapter}: least of {RUNS} frames, milliseconds");
     println!(
         "scene        triangles   hard 2048: cast + lookup   lists: make + lookup   rays: lookup   lists / hard   rays / lists"
     );
@@ -37,85 +35,66 @@ pub fn lists(names: &[String]) -> Result<()> {
         names.to_vec()
     };
     for name in &all {
-        scene(&d, name)?;
+        scene(&graphics, name)?;
     }
     Ok(())
 }
 
-fn scene(d: &Device, name: &str) -> Result<()> {
+fn scene(graphics: &Graphics, name: &str) -> Result<()> {
     let scene = scenes::by_argument(name)?;
     let geometry = Geometry::bake(&scene)?;
     let camera = scene.cameras[0];
     let receivers = Cpu::new().receivers(&camera, &geometry)?;
     let light = *scene.lights.first().context("the scene has no light")?;
-    let seen = Seen::new(d, &receivers);
+    let seen = SeenImages::new(graphics, &receivers);
     let map = ShadowMap {
         size: 2048,
         ..ShadowMap::default()
     };
-    let mut hard = Player::new(d, &geometry, light, Arc::new(Hard {}.on(map)), false)?;
-    let mut exact = Player::new(d, &geometry, light, Arc::new(Exact::default()), false)?;
-    let mut rays = Player::new(d, &geometry, light, Arc::new(Traced { samples: 1 }), true)?;
-    let mut least = [Times::default(); 3];
+    // Rays need the triangles on the CPU, too.
+    let techniques: [(Arc<dyn ShadowTechnique>, bool); 3] = [
+        (Arc::new(Hard {}.on(map)), false),
+        (Arc::new(Exact::default()), false),
+        (Arc::new(Traced { samples: 1 }), true),
+    ];
+    let mut least = Vec::new();
+    for (technique, has_triangles) in techniques {
+        let light = LitScene::new(graphics, &geometry, light, technique, has_triangles)?;
+        least.push((light, [f64::INFINITY; 2]));
+    }
     for run in 0..=RUNS {
-        for (player, least) in [&mut hard, &mut exact, &mut rays]
-            .into_iter()
-            .zip(&mut least)
-        {
-            let times = player.frame(d, &camera, &geometry, &seen)?;
+        for (light, least) in &mut least {
+            let times = light.frame(graphics, &camera, &geometry, &seen)?;
             if run > 0 {
-                least.take(times);
+                *least = std::array::from_fn(|part| least[part].min(times[part]));
             }
         }
     }
-    let [hard, exact, rays] = least;
+    let [hard, exact, rays] = [0, 1, 2].map(|i| least[i].1);
     println!(
         "{name:12} {:9} {:13.1} + {:6.1} {:15.1} + {:6.1} {:14.1} {:14.2} {:14.1}",
         geometry.casters().len(),
-        hard.make,
-        hard.lookup,
-        exact.make,
-        exact.lookup,
-        rays.lookup,
-        (exact.make + exact.lookup) / (hard.make + hard.lookup),
-        rays.lookup / exact.lookup
+        hard[0],
+        hard[1],
+        exact[0],
+        exact[1],
+        rays[1],
+        (exact[0] + exact[1]) / (hard[0] + hard[1]),
+        rays[1] / exact[1]
     );
     Ok(())
 }
 
-/// Milliseconds of a frame's parts.
-#[derive(Clone, Copy)]
-struct Times {
-    make: f64,
-    lookup: f64,
-}
-
-impl Default for Times {
-    fn default() -> Self {
-        Self {
-            make: f64::INFINITY,
-            lookup: f64::INFINITY,
-        }
-    }
-}
-
-impl Times {
-    fn take(&mut self, other: Self) {
-        self.make = self.make.min(other.make);
-        self.lookup = self.lookup.min(other.lookup);
-    }
-}
-
 /// What the camera sees, as textures.
-struct Seen {
+struct SeenImages {
     position: wgpu::TextureView,
     normal: wgpu::TextureView,
     triangle: wgpu::TextureView,
-    size: umbrage::glam::UVec2,
+    size: UVec2,
 }
 
-impl Seen {
-    fn new(d: &Device, receivers: &Receivers) -> Self {
+impl SeenImages {
+    fn new(graphics: &Graphics, receivers: &Receivers) -> Self {
         let mut positions: Vec<[f32; 4]> = Vec::new();
         let mut normals: Vec<[f32; 4]> = Vec::new();
         for i in 0..receivers.len() {
@@ -127,39 +106,44 @@ impl Seen {
         let floats = wgpu::TextureFormat::Rgba32Float;
         let ids = wgpu::TextureFormat::R32Uint;
         Self {
-            position: d.upload(size, floats, bytemuck::cast_slice(&positions)),
-            normal: d.upload(size, floats, bytemuck::cast_slice(&normals)),
-            triangle: d.upload(size, ids, bytemuck::cast_slice(&receivers.triangle)),
+            position: upload(graphics, size, floats, bytemuck::cast_slice(&positions)),
+            normal: upload(graphics, size, floats, bytemuck::cast_slice(&normals)),
+            triangle: upload(
+                graphics,
+                size,
+                ids,
+                bytemuck::cast_slice(&receivers.triangle),
+            ),
             size,
         }
     }
 }
 
 /// A set with one light.
-struct Player {
+struct LitScene {
     set: LightSet,
     light: LightId,
     /// Whether the set is given the triangles on the CPU, too.
     has_triangles: bool,
 }
 
-impl Player {
+impl LitScene {
     fn new(
-        d: &Device,
+        graphics: &Graphics,
         geometry: &Geometry,
         light: Light,
         technique: Arc<dyn ShadowTechnique>,
         has_triangles: bool,
     ) -> Result<Self> {
-        let mut set = LightSet::new(&d.device, LightSetOptions::default())?;
+        let mut set = LightSet::new(&graphics.device, LightSetOptions::default())?;
         let positions: Vec<[f32; 3]> = geometry.positions().iter().map(|p| p.to_array()).collect();
         let casters = geometry.run(&geometry.casters());
         let storage = wgpu::BufferUsages::STORAGE;
-        let vertices = d.buffer(
+        let vertices = graphics.buffer(
             storage | wgpu::BufferUsages::VERTEX,
             bytemuck::cast_slice(&positions),
         );
-        let indices = d.buffer(
+        let indices = graphics.buffer(
             storage | wgpu::BufferUsages::INDEX,
             bytemuck::cast_slice(casters),
         );
@@ -188,14 +172,14 @@ impl Player {
         })
     }
 
-    /// Plays a frame in which all casters moved.
+    /// Draws a frame in which all casters moved. Returns milliseconds of making maps or lists, and of the lookup.
     fn frame(
         &mut self,
-        d: &Device,
+        graphics: &Graphics,
         camera: &Camera,
         geometry: &Geometry,
-        seen: &Seen,
-    ) -> Result<Times> {
+        seen: &SeenImages,
+    ) -> Result<[f64; 2]> {
         self.set.touch(&geometry.caster_bounds())?;
         let frame = SetFrame {
             camera,
@@ -204,13 +188,14 @@ impl Player {
                 revision: 0,
             }),
         };
-        self.set.prepare(&d.device, &d.queue, &frame)?;
+        self.set
+            .prepare(&graphics.device, &graphics.queue, &frame)?;
         if let Some((_, why)) = self.set.unserved().next() {
             println!("{why}");
         }
-        let make = timed(d, |encoder| Ok(self.set.encode(encoder)?))?;
+        let make = submitted(graphics, |encoder| Ok(self.set.encode(encoder)?))?;
         self.set.prepare_masks(
-            &d.queue,
+            &graphics.queue,
             &MaskInputs {
                 size: seen.size,
                 receivers: SetReceivers::Positions(GBuffer {
@@ -222,32 +207,53 @@ impl Player {
                 format: MaskFormat::Float32,
             },
         )?;
-        let lookup = timed(d, |encoder| {
+        let lookup = submitted(graphics, |encoder| {
             self.set.encode_masks(encoder)?;
             Ok(())
         })?;
-        let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
-        Ok(Times {
-            make: milliseconds(make),
-            lookup: milliseconds(lookup),
-        })
+        Ok([make, lookup].map(|time| 1e3 * time.as_secs_f64()))
     }
 }
 
-/// Returns what commands take, from their submission to their end.
-fn timed(
-    d: &Device,
+/// Returns how long commands take, from their submission to their end.
+fn submitted(
+    graphics: &Graphics,
     record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<()>,
 ) -> Result<Duration> {
-    let mut encoder = d
-        .device
-        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoder = graphics.encoder();
     record(&mut encoder)?;
     // What was written before isn't timed.
-    d.queue.submit([]);
-    d.wait()?;
-    let start = Instant::now();
-    d.queue.submit([encoder.finish()]);
-    d.wait()?;
-    Ok(start.elapsed())
+    graphics.queue.submit([]);
+    graphics.wait()?;
+    timed(graphics, || {
+        graphics.queue.submit([encoder.finish()]);
+        Ok(())
+    })
+}
+
+/// Returns a texture with these texels, to be read.
+fn upload(
+    graphics: &Graphics,
+    size: UVec2,
+    format: wgpu::TextureFormat,
+    texels: &[u8],
+) -> wgpu::TextureView {
+    let desc = wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    };
+    let order = wgpu::util::TextureDataOrder::LayerMajor;
+    let (device, queue) = (&graphics.device, &graphics.queue);
+    let texture = device.create_texture_with_data(queue, &desc, order, texels);
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

@@ -1,8 +1,8 @@
-//! A forward renderer with three spots and a sun in one light set: `cargo run --release --example light_set`. Writes `light_set.png`.
+//! Times of light sets: `cargo run --release --example light_set -- --compare`.
 //!
-//! With `--compare` it plays the same picture in turn with a program that was written by hand for exactly that, and prints how long
-//! frames take beside its; with `--casters` it prints what preparing 10,000 casters takes; with `--lists [SCENE]...` what lists of all casters take,
-//! made anew by the device, beside a map.
+//! `--compare` draws the same image in turn with a program written by hand for exactly that, and prints the ratio of frame times.
+//! `--casters` prints how long preparing 10,000 casters takes. `--lists [SCENE]...` prints how long the device takes to list all
+//! casters, compared with drawing a map.
 
 use anyhow::Result;
 use umbrage_examples::light_set;
@@ -10,15 +10,12 @@ use umbrage_examples::light_set;
 fn main() -> Result<()> {
     let argument = std::env::args().nth(1);
     match argument.as_deref() {
-        None => light_set::picture(),
-        Some("--compare") => light_set::frames(),
+        Some("--compare") => light_set::compare(),
         Some("--casters") => light_set::casters(),
         Some("--lists") => {
             let names: Vec<String> = std::env::args().skip(2).collect();
             light_set::lists(&names)
         }
-        Some(other) => {
-            anyhow::bail!("`{other}` is no option; use `--compare`, `--casters`, `--lists` or none")
-        }
+        _ => anyhow::bail!("use `--compare`, `--casters` or `--lists [SCENE]...`"),
     }
 }

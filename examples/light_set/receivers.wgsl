@@ -4,7 +4,7 @@
 @group(2) @binding(1) var depth_of_pixel: texture_2d<f32>;
 @group(2) @binding(2) var normal_of_pixel: texture_2d<f32>;
 
-@vertex fn whole_picture(@builtin(vertex_index) i: u32, @builtin(instance_index) light: u32) -> FullscreenPixel {
+@vertex fn screen(@builtin(vertex_index) i: u32, @builtin(instance_index) light: u32) -> FullscreenPixel {
     return FullscreenPixel(vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i & 2u) * 2.0 - 1.0, 0.0, 1.0), light);
 }
 struct FullscreenPixel {

@@ -8,8 +8,8 @@
 Another program or folder for screenshots: try.py [--viewer PROGRAM] [--out FOLDER]. Without --viewer it is built first.
 Regions of the pictures are compared with those in `goldens` (see `pictures.py`); `--bless` keeps the present ones instead.
 `--only NAME` plays one part: keyboard, moving, loading, dropped, holes, readable, scaled, fluent, mouse, views, or handed.
-`handed` takes a model of one's own, has the least for it found, and pastes what was copied into `examples/embed`. With
-`--copied FILE...` it also pastes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
+`handed` takes a model of one's own, has the least for it found, and hands what was copied to the example `forward`. With
+`--copied FILE...` it also takes the presets that the page in a browser has copied (`web/try.py --only handed` keeps one).
 The program keeps what it shows and measures in a file (`--report`), with the places of the panel's parts: they are found by their words.
 """
 
@@ -753,40 +753,16 @@ def bowl(file):
     file.write_text("\n".join("v {:.4f} {:.4f} {:.4f}".format(*p) for p in points) + "\n" + "\n".join(faces) + "\n")
 
 
-def taken(copied, embed, out, name):
-    """Pastes what the clipboard holds into examples/embed, which must show that technique then; another one before."""
-    technique = copied.split('technique = "')[1].split('"')[0]
-    before = "pcf" if technique != "pcf" else "hard"
-    program = subprocess.Popen([embed, "--technique", before, "--time", "2", "--size", "640x480"])
-    try:
-        window = subprocess.run(["xdotool", "search", "--sync", "--onlyvisible", "--name", "^embed"],
-                                check=True, capture_output=True, text=True, timeout=120).stdout.split()[0]
-
-        def title():
-            return subprocess.run(["xdotool", "getwindowname", window], check=True, capture_output=True, text=True).stdout.strip()
-
-        def wait(words):
-            for _ in range(600):
-                if words in title():
-                    return
-                time.sleep(0.1)
-            raise AssertionError(f"`{title()}` has no `{words}`")
-
-        wait(f": {before},")
-        subprocess.run(["xdotool", "windowfocus", window, "mousemove", "--window", window, "600", "440"], check=True)
-        time.sleep(1)
-        subprocess.run(["xdotool", "key", "ctrl+v"], check=True)
-        wait(f": {technique},")
-        # The title comes before its frame does.
-        time.sleep(3)
-        subprocess.run(["import", "-window", window, out / f"{name}.png"], check=True)
-        print(f"examples/embed shows {technique} after Ctrl+V: {title()}")
-    finally:
-        program.terminate()
-        program.wait()
+def taken(preset, forward, out):
+    """Hands a preset file to the example `forward`, which must draw with its technique."""
+    technique = preset.read_text().split('technique = "')[1].split('"')[0]
+    told = subprocess.run([forward, preset.resolve()], cwd=out, check=True, capture_output=True, text=True, timeout=300).stdout
+    assert told.strip().endswith(f", {technique}"), told
+    (out / "forward.png").rename(out / f"{preset.name}.png")
+    print(f"the example `forward` draws with {technique}")
 
 
-def handed(program, out, embed, copied):
+def handed(program, out, forward, copied):
     """A model of one's own, the least for it, and its preset in a renderer of one's own."""
     folder = pathlib.Path(tempfile.mkdtemp())
     model = folder / "bowl.obj"
@@ -808,13 +784,9 @@ def handed(program, out, embed, copied):
     text = subprocess.run(["xclip", "-selection", "clipboard", "-o"], check=True, capture_output=True, text=True, timeout=30).stdout
     (out / "handed.preset.toml").write_text(text)
     assert f'technique = "{technique}"' in text, text
-    # The window has the clipboard while it is open.
-    taken(text, embed, out, "handed")
     window.close()
-    for i, file in enumerate(copied):
-        text = file.read_text()
-        subprocess.run(["xclip", "-selection", "clipboard"], check=True, input=text, text=True, stdout=subprocess.DEVNULL)
-        taken(text, embed, out, f"handed-{i}")
+    for file in [out / "handed.preset.toml", *copied]:
+        taken(file, forward, out)
 
 
 def dropped(program, out):
@@ -994,8 +966,7 @@ def main():
     parser.add_argument("--out", default=ROOT / "target/viewer-tried", type=pathlib.Path)
     parser.add_argument("--bless", action="store_true")
     parser.add_argument("--only", choices=PARTS)
-    parser.add_argument("--embed", type=pathlib.Path, help="the program of examples/embed; it is built if left out")
-    parser.add_argument("--copied", type=pathlib.Path, nargs="*", default=[], help="presets that are pasted into it, too")
+    parser.add_argument("--copied", type=pathlib.Path, nargs="*", default=[], help="presets that the example `forward` is to take, too")
     options = parser.parse_args()
     missing = [tool for tool in ["Xvfb", "xdotool", "xclip", "import"] if not shutil.which(tool)]
     if missing:
@@ -1005,13 +976,9 @@ def main():
         subprocess.run(["cargo", "build", "--release", "-p", "umbrage-viewer"], cwd=ROOT, check=True)
         target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
         program = target / "release/umbrage-viewer"
-    embed = options.embed
-    if embed is None and options.only in (None, "handed"):
-        folder = ROOT / "examples/embed"
-        subprocess.run(["cargo", "build", "--release"], cwd=folder, check=True)
-        told = subprocess.run(["cargo", "metadata", "--format-version", "1", "--no-deps"], cwd=folder, check=True,
-                              capture_output=True, text=True).stdout
-        embed = pathlib.Path(json.loads(told)["target_directory"]) / "release/embed"
+    target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    if options.only in (None, "handed"):
+        subprocess.run(["cargo", "build", "--release", "-p", "umbrage-examples", "--example", "forward"], cwd=ROOT, check=True)
     # Windows run in folders of their own.
     program = program.resolve()
     if not program.is_file():
@@ -1037,7 +1004,7 @@ def main():
         "fluent": lambda: fluent(program, options.out),
         "mouse": lambda: mouse(program, options.out, kept),
         "views": lambda: views(program, options.out),
-        "handed": lambda: handed(program, options.out, embed.resolve(), options.copied),
+        "handed": lambda: handed(program, options.out, target.resolve() / "release/examples/forward", options.copied),
     }
     try:
         for name, play in parts.items():

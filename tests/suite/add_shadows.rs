@@ -1,46 +1,36 @@
 //! The programs of the page "Add shadows to my renderer" draw shadows. (`pages.rs` compares the page with them.)
 
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "a program that stands alone, of which the tests need a part"
-)]
+#[allow(dead_code, reason = "a program, of which the test needs a part")]
 #[path = "../../examples/add_shadows/deferred.rs"]
 mod deferred;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "a program that stands alone, of which the tests need a part"
-)]
+#[allow(dead_code, reason = "a program, of which the test needs a part")]
 #[path = "../../examples/add_shadows/forward.rs"]
 mod forward;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "a program that stands alone, of which the tests need a part"
-)]
-#[path = "../../examples/add_shadows/renderer.rs"]
-mod renderer;
 
 use glam::{Affine3A, Vec3};
+use std::sync::Arc;
+use umbrage::{ShadowTechnique, techniques::Pcf};
+use umbrage_examples::renderer::BoxScene;
 
 /// Returns the brightness, 0 to 255, of a point that the camera sees.
-fn brightness(pixels: &[u8], point: Vec3) -> u8 {
-    let camera = renderer::camera().expect("valid");
-    let clip = renderer::clip_from_world(&camera).project_point3(point);
-    let size = renderer::SIZE.as_vec2();
+fn brightness(scene: &BoxScene, pixels: &[u8], point: Vec3) -> u8 {
+    let clip = scene.clip_from_world().project_point3(point);
+    let size = scene.camera.size.as_vec2();
     let x = (0.5 + 0.5 * clip.x) * size.x;
     let y = (0.5 - 0.5 * clip.y) * size.y;
-    pixels[4 * (y as usize * renderer::SIZE.x as usize + x as usize)]
+    pixels[4 * (y as usize * scene.camera.size.x as usize + x as usize)]
 }
 
 /// The sun's shadows of some boxes lie on the floor where they should in both programs, and the two see the same everywhere.
 #[test]
 fn both_programs_draw_the_same_shadows() {
-    let pictures = [forward::picture(), deferred::picture()].map(|p| p.expect("draws"));
-    let sun = renderer::lights()[0].direction_from(Vec3::ZERO);
+    let technique: Arc<dyn ShadowTechnique> = Arc::new(MapTechnique::<Pcf>::default());
+    let pictures = [forward::picture(&technique), deferred::picture(&technique)];
+    let pictures = pictures.map(|picture| picture.expect("draws"));
+    let scene = BoxScene::small().expect("valid");
+    let sun = scene.lights[0].direction_from(Vec3::ZERO);
     // Those of the row that is nearest to the camera, of which all shadows are seen.
-    let boxes: Vec<Affine3A> = renderer::placements(1.0);
+    let boxes: Vec<Affine3A> = scene.placements(1.0);
     for place in &boxes[21..25] {
         let middle = Vec3::from(place.translation);
         // Boxes reach twice as high as their middle. The ray from here to the sun meets their axis a little below the top.
@@ -48,7 +38,10 @@ fn both_programs_draw_the_same_shadows() {
         let shadowed = below_top - sun * (below_top.y / sun.y);
         let lit = middle.with_y(0.0) + Vec3::X;
         for pixels in &pictures {
-            let (dark, bright) = (brightness(pixels, shadowed), brightness(pixels, lit));
+            let (dark, bright) = (
+                brightness(&scene, pixels, shadowed),
+                brightness(&scene, pixels, lit),
+            );
             assert!(
                 2 * dark < bright,
                 "{dark} at {shadowed}, {bright} at {lit}, where no shadow falls"

@@ -1,72 +1,40 @@
 //! The prototypes of what others have and the library has not: see docs/others.md.
 
 use umbrage::{
-    Backend, Geometry, Receivers, Scene, ShadowTechnique, View,
+    Backend, ShadowTechnique,
     glam::{UVec2, Vec3},
     metrics::{Errors, Pixel},
     techniques::{Hard, MapFilter as _, ShadowMap},
 };
 use umbrage_cpu::Cpu;
 use umbrage_examples::{
-    contact::ContactShadows,
-    panes::{Glass, Panes, shards, transmitted, window},
+    beside::{
+        contact::ContactShadows,
+        panes::{
+            Glass, Panes,
+            scenes::{GLASS, shards, window},
+            transmitted,
+        },
+    },
+    judge::JudgedScene,
 };
-use umbrage_plan::truth::{Truth, TruthOptions, trace};
+use umbrage_plan::truth::TruthOptions;
 use umbrage_tests::gpu::gpu;
 
-/// A scene with what is known of it.
-struct Judged {
-    scene: Scene,
-    geometry: Geometry,
-    truth: Truth,
-}
-
-impl Judged {
-    fn new(name: &str) -> Self {
-        Self::of(umbrage::scenes::by_argument(name).expect("a built-in scene"))
-    }
-
-    fn of(scene: Scene) -> Self {
-        let geometry = Geometry::bake(&scene).expect("valid");
-        let mut cpu = Cpu::new();
-        let truth = trace(
-            &scene.cameras[0],
-            &scene.lights[0],
-            &geometry,
-            &TruthOptions::default(),
-            &mut |camera, geometry| cpu.receivers(camera, geometry),
-            &|_, _| (),
-        );
-        let truth = truth.expect("valid");
-        Self {
-            scene,
-            geometry,
-            truth,
-        }
-    }
-
-    fn receivers(&self) -> &Receivers {
-        &self.truth.receivers
-    }
-
-    fn mask(&self, backend: &mut dyn Backend, technique: &dyn ShadowTechnique) -> Vec<f32> {
-        let camera = &self.scene.cameras[0];
-        let view = View::new(camera, &self.scene.lights[0], &self.geometry)
-            .with_receivers(self.receivers());
-        let recipe = technique.recipe(&view).expect("a map serves it");
-        backend.render(&view, &recipe).expect("plays").mask
-    }
-
-    fn errors(&self, mask: &[f32]) -> Errors {
-        let truth = &self.truth;
-        Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels).expect("valid")
-    }
+fn mask(
+    judged: &JudgedScene,
+    backend: &mut dyn Backend,
+    technique: &dyn ShadowTechnique,
+) -> Vec<f32> {
+    let shadows = judged.render(backend, technique);
+    shadows.expect("a map serves it").mask
 }
 
 /// A plate that stands on a floor, under a map so coarse that light leaks in at its foot.
 #[test]
 fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
-    let judged = Judged::new("thin-plate");
+    let options = TruthOptions::default();
+    let judged = JudgedScene::by_argument("thin-plate", None, &options).expect("a built-in scene");
     let map = ShadowMap {
         size: 64,
         ..ShadowMap::default()
@@ -78,24 +46,28 @@ fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
         thickness,
     };
     let mut cpu = Cpu::new();
-    let hard = judged.mask(&mut cpu, &Hard {}.on(map));
-    let without_walk = judged.mask(&mut cpu, &walk(0, 0.01));
+    let hard = mask(&judged, &mut cpu, &Hard {}.on(map));
+    let without_walk = mask(&judged, &mut cpu, &walk(0, 0.01));
     assert_eq!(without_walk, hard, "no pixel to walk");
-    let walked = judged.mask(&mut cpu, &walk(60, 0.01));
-    let leak = judged.errors(&hard).false_light;
-    let left = judged.errors(&walked).false_light;
+    let walked = mask(&judged, &mut cpu, &walk(60, 0.01));
+    let false_light = |mask: &[f32]| {
+        let judged_mask = judged.judge(mask.to_vec()).expect("of one size");
+        judged_mask.errors.false_light
+    };
+    let leak = false_light(&hard);
+    let left = false_light(&walked);
     assert!(
         leak > 0.0 && left < 0.8 * leak,
         "{leak} % lit wrongly, {left} % with the walk"
     );
     // Spoilt: what is seen is thinner than anything is.
-    let too_thin = judged.mask(&mut cpu, &walk(60, 1e-6));
-    let still = judged.errors(&too_thin).false_light;
+    let too_thin = mask(&judged, &mut cpu, &walk(60, 1e-6));
+    let still = false_light(&too_thin);
     assert!(
         still > left,
         "{still} % lit wrongly where nothing has a thickness"
     );
-    let on_gpu = judged.mask(&mut *gpu(), &walk(60, 0.01));
+    let on_gpu = mask(&judged, &mut *gpu(), &walk(60, 0.01));
     let differing = walked.iter().zip(&on_gpu).filter(|(a, b)| a != b).count();
     assert_eq!(differing, 0, "pixels that differ");
 }
@@ -104,16 +76,17 @@ fn contact_shadows_close_the_gap_at_a_foot_and_agree_on_both_backends() {
 #[test]
 fn coloured_shadows_come_near_rays_through_the_panes_and_agree_on_both_backends() {
     let size = UVec2::new(320, 180);
-    for scene in [window::scene(size), shards::scene(size)] {
-        check_coloured_shadows(&Judged::of(scene.expect("valid")));
+    for scene in [window(size), shards(size)] {
+        let judged = JudgedScene::new(scene.expect("valid"), &TruthOptions::default());
+        check_coloured_shadows(&judged.expect("valid"));
     }
 }
 
-fn check_coloured_shadows(judged: &Judged) {
+fn check_coloured_shadows(judged: &JudgedScene) {
     let scene = &judged.scene;
-    let through = |glass| transmitted(scene, judged.receivers(), glass).expect("valid");
+    let through = |glass| transmitted(scene, &judged.truth.receivers, glass).expect("valid");
     // Rays through panes that let nothing through are those of the truth that all other techniques are compared with.
-    let of_opaque = window::GLASS.map(|glass| Glass {
+    let of_opaque = GLASS.map(|glass| Glass {
         transmittance: Vec3::ZERO,
         ..glass
     });
@@ -123,7 +96,7 @@ fn check_coloured_shadows(judged: &Judged) {
             assert_eq!(share, Vec3::splat(judged.truth.visibility[i]), "pixel {i}");
         }
     }
-    let truth = through(&window::GLASS);
+    let truth = through(&GLASS);
     let map = ShadowMap {
         size: 1024,
         ..ShadowMap::default()
@@ -136,8 +109,8 @@ fn check_coloured_shadows(judged: &Judged) {
         dithered,
     };
     // Spoilt: each pane has the colour of its neighbour.
-    let [red, green, blue] = window::GLASS.map(|glass| glass.transmittance);
-    let mut swapped = window::GLASS;
+    let [red, green, blue] = GLASS.map(|glass| glass.transmittance);
+    let mut swapped = GLASS;
     for (glass, other) in swapped.iter_mut().zip([green, blue, red]) {
         glass.transmittance = other;
     }
@@ -149,19 +122,19 @@ fn check_coloured_shadows(judged: &Judged) {
             let errors = Errors::measure(judged.truth.size, mask, &wanted, pixels);
             errors.expect("valid").rmse
         };
-        let opaque = error(&judged.mask(&mut cpu, &Hard {}.on(map)));
-        let spoilt = error(&judged.mask(&mut cpu, &panes(colour, swapped, false)));
+        let opaque = error(&mask(judged, &mut cpu, &Hard {}.on(map)));
+        let spoilt = error(&mask(judged, &mut cpu, &panes(colour, swapped, false)));
         for dithered in [false, true] {
-            let technique = panes(colour, window::GLASS, dithered);
-            let mask = judged.mask(&mut cpu, &technique);
-            let found = error(&mask);
+            let technique = panes(colour, GLASS, dithered);
+            let on_cpu = mask(judged, &mut cpu, &technique);
+            let found = error(&on_cpu);
             assert!(
                 found < 0.5 * opaque.min(spoilt),
                 "{}, colour {colour}, holes {dithered}: {found}; {opaque} of opaque panes, {spoilt} of others' colours",
                 scene.name
             );
-            let on_gpu = judged.mask(&mut *gpu, &technique);
-            let differing = mask.iter().zip(&on_gpu).filter(|(a, b)| a != b).count();
+            let on_gpu = mask(judged, &mut *gpu, &technique);
+            let differing = on_cpu.iter().zip(&on_gpu).filter(|(a, b)| a != b).count();
             assert_eq!(
                 differing, 0,
                 "pixels that differ, {}, colour {colour}",

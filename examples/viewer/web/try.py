@@ -575,7 +575,7 @@ def planned(viewer):
 
 
 def handed(viewer):
-    """The least for a model of one's own, copied: kept as `copied.preset.toml`, which ../try.py pastes into examples/embed."""
+    """The least for a model of one's own, copied: kept as `copied.preset.toml`, which ../try.py hands to the example `forward`."""
     viewer.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     # No plan is what is on the right: the copy of the wrong side would be found out.
     viewer.open("?scene=cubes&left=hard&right=midpoint&split=left")

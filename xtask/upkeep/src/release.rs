@@ -157,7 +157,7 @@ fn publish() -> Result<()> {
     run(&mut command)
 }
 
-/// Lints and tests the viewer, and plays its window and its page as a user would. The page's preset is pasted into `examples/embed`, too.
+/// Lints and tests the viewer, and plays its window and its page as a user would. The example `forward` takes the page's preset, too.
 fn viewer() -> Result<()> {
     let package = ["--release", "--package", "umbrage-viewer"];
     let mut clippy = cargo();

@@ -26,11 +26,7 @@ const PAGE: &str = "examples/viewer/web/index.html";
 const WORKER: &str = "examples/viewer/web/worker.js";
 
 /// What the page shows where it can't run.
-const PICTURES: [&str; 3] = [
-    "docs/embed.png",
-    "docs/textbook/acne.fault.png",
-    "docs/textbook/acne.cure.png",
-];
+const PICTURES: [&str; 1] = ["docs/failures/acne.png"];
 
 /// Most bytes of the page, compressed, without the pictures.
 const MOST_COMPRESSED: u64 = 8_000_000;

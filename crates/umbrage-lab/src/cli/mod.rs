@@ -9,7 +9,7 @@
 //! }
 //! ```
 //!
-//! Techniques of your own come in by [`Program::with`]; `examples/measure_variance.rs` in the repository does that.
+//! Techniques of your own come in by [`Program::with`]; `examples/measure.rs` in the repository does that.
 
 mod args;
 mod bench;

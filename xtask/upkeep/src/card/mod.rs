@@ -41,11 +41,11 @@ pub(crate) fn pack(options: &PackOptions) -> Result<()> {
     let folder = &options.pack;
     check_folder(folder)?;
     let mut programs = build()?;
-    let bevy = root().join("examples/bevy/target/release/beside_bevy");
+    let bevy = root().join("examples/beside/engines/target/release/beside_bevy");
     if bevy.is_file() {
         programs.push(("beside_bevy".to_owned(), bevy));
     } else {
-        println!("without Bevy, as examples/bevy is not built: its README says how");
+        println!("without Bevy, as examples/beside/engines is not built: its README says how");
     }
     write_folder(folder, &programs)?;
     download_loader(&folder.join("loader"))?;

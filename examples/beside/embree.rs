@@ -1,0 +1,330 @@
+//! Lookups of `exact` in turn with rays of Embree 4 to the same light from the same pixels: `embree.sh` fetches Embree's library,
+//! compiles `embree.c` and calls this.
+//!
+//! `cargo run --release --example embree PROGRAM LIBRARY FOLDER [SCENE]...`: the compiled program, the library, a folder for
+//! triangles and rays, and built-in scenes (all speed and content scenes if none is named). Each ideal light is a row.
+
+use anyhow::{Context, ensure};
+use std::{
+    fs,
+    io::{BufRead, BufReader, Write},
+    path::{Path, PathBuf},
+    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+use umbrage::{
+    Aabb, Backend, Geometry, Light, Receivers, ShadowTechnique, View,
+    cpu::Cpu,
+    glam::{UVec2, Vec3},
+    light_sample::{LightSampler, ray_origin, segment, unit_square},
+    math::dot3,
+    scenes::Kind,
+    techniques::Exact,
+};
+use umbrage_lab::bench::{Paired, Repetitions, paired};
+
+const SIZE: UVec2 = UVec2::new(1280, 720);
+const LOOKUPS: Repetitions = Repetitions {
+    warm_up: 1,
+    runs: 5,
+};
+const BUILDS: Repetitions = Repetitions {
+    warm_up: 1,
+    runs: 3,
+};
+/// How many times as fast as Embree a lookup is to be, in the geometric mean of all rows.
+const MEAN_BAR: f64 = 1.5;
+/// If more of the rays have another answer, the two didn't trace the same.
+const MOST_OTHER: f64 = 0.01;
+/// A light whose lists are made beforehand, so that what is made once a scene isn't timed.
+const OTHER_LIGHT: Light = Light::Point {
+    position: Vec3::ZERO,
+    radius: 0.0,
+};
+
+fn main() -> anyhow::Result<()> {
+    let mut arguments = std::env::args().skip(1);
+    let mut next = |what| {
+        arguments
+            .next()
+            .with_context(|| format!("{what} is missing"))
+    };
+    let program = PathBuf::from(next("the compiled program")?);
+    let library = PathBuf::from(next("Embree's library")?);
+    let folder = PathBuf::from(next("the folder")?);
+    fs::create_dir_all(&folder)?;
+    let mut names: Vec<String> = arguments.collect();
+    if names.is_empty() {
+        let entries = umbrage::scenes::all().iter();
+        let large = entries.filter(|entry| matches!(entry.kind, Kind::Speed | Kind::Content));
+        names.extend(large.map(|entry| entry.name.to_owned()));
+    }
+
+    println!(
+        "| scene | casters | Embree build ms | Embree trace ms | exact make ms | exact lookup ms | make | lookup | rays | hidden | \
+         differ |"
+    );
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+    let mut ratios: Vec<f64> = Vec::new();
+    let mut name_of_library = String::new();
+    let mut cpu = Cpu::new();
+    for name in &names {
+        let scene = umbrage::scenes::by_argument(name)?;
+        let geometry = Geometry::bake(&scene)?;
+        let camera = scene.cameras[0].resized(SIZE);
+        let receivers = cpu.receivers(&camera, &geometry)?;
+        for (number, light) in scene.lights.iter().enumerate() {
+            if !light.is_ideal() {
+                continue;
+            }
+            let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
+            let rays = Rays::of(&view, &geometry, &receivers);
+            write_folder(&folder, &geometry, &rays)?;
+            let mut embree = Embree::start(&program, &library, &folder)?;
+            let row = measure(&mut embree, &mut cpu, &view, &geometry, &rays)?;
+            let asked = rays.asked.iter().filter(|&&asked| asked).count();
+            println!(
+                "| `{}`, {} light {} | {} | {:.0} | {:.1} | {:.0} | {:.1} | {:.2} | {:.2} | {asked} | {} | {} |",
+                name,
+                light.kind(),
+                number + 1,
+                geometry.casters().len(),
+                row.makes.theirs.min,
+                row.lookups.theirs.min,
+                row.makes.ours.min,
+                row.lookups.ours.min,
+                row.makes.ratio,
+                row.lookups.ratio,
+                row.hidden,
+                row.differ
+            );
+            ratios.push(row.lookups.ratio);
+            name_of_library.clone_from(&embree.name);
+        }
+    }
+    ensure!(!ratios.is_empty(), "none of the scenes has an ideal light");
+
+    let logarithms: f64 = ratios.iter().map(|ratio| ratio.ln()).sum();
+    let mean = (logarithms / ratios.len() as f64).exp();
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    println!("\n{name_of_library}, {} threads each.", threads());
+    println!("Lookups are {mean:.2} times as fast in the geometric mean, {least:.2} at least.");
+    ensure!(
+        mean >= MEAN_BAR && least > 1.0,
+        "the bars are {MEAN_BAR} in the mean, and 1 everywhere"
+    );
+    Ok(())
+}
+
+/// What was measured of one light.
+struct Row {
+    makes: Paired,
+    lookups: Paired,
+    /// Pixels whose ray is stopped, by `exact`.
+    hidden: usize,
+    /// Pixels whose ray Embree answers otherwise.
+    differ: usize,
+}
+
+fn measure(
+    embree: &mut Embree,
+    cpu: &mut Cpu,
+    view: &View<'_>,
+    geometry: &Geometry,
+    rays: &Rays,
+) -> anyhow::Result<Row> {
+    let makes = paired(
+        BUILDS,
+        || make_anew(view, geometry),
+        || embree.asked("build"),
+    )?;
+    let recipe = Exact {}.recipe(view)?;
+    let lookups = paired(
+        LOOKUPS,
+        || {
+            let timings = cpu.render(view, &recipe)?.timings;
+            timings.receive.context("the CPU times its lookups")
+        },
+        || embree.asked("trace"),
+    )?;
+
+    let mask = cpu.render(view, &recipe)?.mask;
+    let ours: Vec<bool> = mask.iter().map(|&lit| lit < 1.0).collect();
+    let theirs = embree.answers()?;
+    let differ = count_other(&ours, &theirs, &rays.asked);
+    check_comparison(&ours, &theirs, &rays.asked)?;
+    let asked = rays.asked.iter().filter(|&&asked| asked).count();
+    ensure!(
+        differ as f64 <= MOST_OTHER * asked as f64,
+        "{differ} of {asked} rays have other answers: these are not the same rays"
+    );
+    let none = vec![false; ours.len()];
+    Ok(Row {
+        makes,
+        lookups,
+        hidden: count_other(&ours, &none, &rays.asked),
+        differ,
+    })
+}
+
+/// Makes the lists as if for the first time, and returns how long that takes.
+fn make_anew(view: &View<'_>, geometry: &Geometry) -> anyhow::Result<Duration> {
+    let fresh = geometry.without_hierarchies();
+    // What is made once a scene: its boxes, the extent of receivers, the table of corners.
+    let warm = View::new(view.camera, &OTHER_LIGHT, &fresh);
+    drop(Exact {}.recipe(&warm)?);
+    let view = View {
+        geometry: Some(&fresh),
+        ..*view
+    };
+    let start = Instant::now();
+    let recipe = Exact {}.recipe(&view)?;
+    let taken = start.elapsed();
+    drop(recipe);
+    Ok(taken)
+}
+
+/// Returns how many of the rays have another answer.
+fn count_other(ours: &[bool], theirs: &[bool], asked: &[bool]) -> usize {
+    let answers = ours.iter().zip(theirs).zip(asked);
+    answers
+        .filter(|&((ours, theirs), &asked)| asked && ours != theirs)
+        .count()
+}
+
+/// Errors if the comparison doesn't see that every seventh answer is spoilt.
+fn check_comparison(ours: &[bool], theirs: &[bool], asked: &[bool]) -> anyhow::Result<()> {
+    let is_spoilt = |i: usize| i.is_multiple_of(7);
+    let spoilt: Vec<bool> = (0..theirs.len())
+        .map(|i| theirs[i] != is_spoilt(i))
+        .collect();
+    let found = count_other(theirs, &spoilt, asked);
+    let expected = (0..theirs.len())
+        .filter(|&i| asked[i] && is_spoilt(i))
+        .count();
+    ensure!(
+        found == expected && count_other(ours, ours, asked) == 0,
+        "{found} spoilt answers were seen, and {expected} were there"
+    );
+    Ok(())
+}
+
+/// The rays that `exact` answers, pixel by pixel.
+struct Rays {
+    /// Origin, and what leads from there to the light.
+    rays: Vec<[Vec3; 2]>,
+    /// Whether the answer is not known without a ray.
+    asked: Vec<bool>,
+}
+
+impl Rays {
+    fn of(view: &View<'_>, geometry: &Geometry, receivers: &Receivers) -> Self {
+        let eye = view.camera.eye();
+        let light = LightSampler::new(view.light);
+        let extent = geometry.max_receiver_extent();
+        // Beyond all triangles, from wherever a ray towards a directional light starts.
+        let far = 2.0 * geometry.bounds().union(&Aabb::around([eye])).diagonal();
+        let mut out = Self {
+            rays: Vec::with_capacity(receivers.len()),
+            asked: Vec::with_capacity(receivers.len()),
+        };
+        for i in 0..receivers.len() {
+            let normal = receivers.normal(i);
+            let origin = ray_origin(receivers.position(i), normal, eye, extent);
+            let ray = segment(&light, origin, unit_square(0, 0), far);
+            let faces_light = dot3(normal, ray) > 0.0;
+            out.rays.push([origin, ray]);
+            out.asked.push(receivers.receives[i] && faces_light);
+        }
+        out
+    }
+}
+
+/// Writes casters and rays as `embree.c` reads them, little-endian.
+fn write_folder(folder: &Path, geometry: &Geometry, rays: &Rays) -> anyhow::Result<()> {
+    let casters = geometry.run(&geometry.casters());
+    let counts = format!(
+        "vertices {} triangles {} width {} height {}\n",
+        geometry.positions().len(),
+        casters.len(),
+        SIZE.x,
+        SIZE.y
+    );
+    let flat = rays.rays.as_flattened();
+    let asked: Vec<u8> = rays.asked.iter().map(|&asked| u8::from(asked)).collect();
+    fs::write(folder.join("counts.txt"), counts)?;
+    fs::write(
+        folder.join("vertices.f32"),
+        bytemuck::cast_slice(geometry.positions()),
+    )?;
+    fs::write(folder.join("triangles.u32"), bytemuck::cast_slice(casters))?;
+    fs::write(folder.join("rays.f32"), bytemuck::cast_slice(flat))?;
+    fs::write(folder.join("asked.u8"), asked)?;
+    Ok(())
+}
+
+/// `embree.c`, running.
+struct Embree {
+    name: String,
+    folder: PathBuf,
+    child: Child,
+    orders: ChildStdin,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Embree {
+    fn start(program: &Path, library: &Path, folder: &Path) -> anyhow::Result<Self> {
+        let mut child = Command::new(program)
+            .args([library, folder])
+            .arg(threads().to_string())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .with_context(|| format!("{} can't be started", program.display()))?;
+        let orders = child.stdin.take().context("it takes orders")?;
+        let answers = child.stdout.take().context("it answers")?;
+        let mut out = Self {
+            name: String::new(),
+            folder: folder.to_owned(),
+            child,
+            orders,
+            answers: BufReader::new(answers),
+        };
+        out.name = out.line()?;
+        Ok(out)
+    }
+
+    fn line(&mut self) -> anyhow::Result<String> {
+        let mut line = String::new();
+        self.answers.read_line(&mut line)?;
+        ensure!(line.ends_with('\n'), "the program for Embree ended early");
+        Ok(line.trim_end().to_owned())
+    }
+
+    /// Gives an order, and returns how long it says that it took.
+    fn asked(&mut self, order: &str) -> anyhow::Result<Duration> {
+        writeln!(self.orders, "{order}")?;
+        self.orders.flush()?;
+        let milliseconds: f64 = self.line()?.parse()?;
+        Ok(Duration::from_secs_f64(milliseconds / 1e3))
+    }
+
+    /// Returns whether each pixel's ray was stopped when it was traced last.
+    fn answers(&self) -> anyhow::Result<Vec<bool>> {
+        let bytes = fs::read(self.folder.join("hidden.u8"))?;
+        Ok(bytes.iter().map(|&byte| byte != 0).collect())
+    }
+}
+
+impl Drop for Embree {
+    fn drop(&mut self) {
+        // It may have ended already; then there is nothing to do.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn threads() -> usize {
+    thread::available_parallelism().map_or(1, usize::from)
+}
