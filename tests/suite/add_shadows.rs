@@ -7,6 +7,7 @@ mod deferred;
 #[path = "../../examples/add_shadows/forward.rs"]
 mod forward;
 
+use umbrage_techniques::MapTechnique;
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 use umbrage::{ShadowTechnique, techniques::Pcf};
