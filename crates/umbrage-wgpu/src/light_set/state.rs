@@ -33,7 +33,7 @@ pub(crate) enum LightState {
     Shown {
         plan: LightPlan,
         /// The plan that replaces it.
-        next: Option<LightPlan>,
+        next: Option<Box<LightPlan>>,
     },
 }
 
@@ -42,12 +42,8 @@ impl LightState {
     pub(crate) fn newest(&self) -> Option<&LightPlan> {
         match self {
             Self::New | Self::Refused(_) => None,
-            Self::OverBudget(plan)
-            | Self::Waiting(plan)
-            | Self::Shown {
-                next: Some(plan), ..
-            }
-            | Self::Shown { plan, next: None } => Some(plan),
+            Self::OverBudget(plan) | Self::Waiting(plan) => Some(plan),
+            Self::Shown { plan, next } => Some(next.as_deref().unwrap_or(plan)),
         }
     }
 
@@ -84,7 +80,7 @@ impl LightState {
             Self::Waiting(plan) => *plan = new,
             Self::Shown { plan, next } => {
                 let is_other = new.difference(plan) != Difference::Nothing;
-                *next = is_other.then_some(new);
+                *next = is_other.then(|| Box::new(new));
             }
         }
         difference
@@ -99,7 +95,7 @@ impl LightState {
                 next: Some(next),
             } => {
                 let difference = next.difference(&plan);
-                (next, difference)
+                (*next, difference)
             }
             unchanged => {
                 *self = unchanged;
@@ -121,7 +117,7 @@ impl LightState {
     /// The content of the light's layers is lost.
     pub(crate) fn lose_content(&mut self) {
         *self = match std::mem::take(self) {
-            Self::Shown { plan, next } => Self::Waiting(next.unwrap_or(plan)),
+            Self::Shown { plan, next } => Self::Waiting(next.map_or(plan, |next| *next)),
             other => other,
         };
     }
