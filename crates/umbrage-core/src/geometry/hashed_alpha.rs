@@ -411,8 +411,8 @@ fn shares(from: u32, to: u32) -> Vec<Shares> {
 /// The pairs, for the lockstep tests.
 #[cfg(feature = "testing")]
 pub const TWINS: &[crate::recipe::twin::Twin] = {
-    use crate::geometry::bvh::{RAY_BOX, RAY_TRIANGLE};
     use crate::geometry::cut_out::CUT_OUT;
+    use crate::geometry::{ray_box::RAY_BOX, ray_triangle::RAY_TRIANGLE};
     &[
         crate::twin!(HASHED_ALPHA, squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2) -> f32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),
         crate::twin!(HASHED_ALPHA, finer_level(squared: f32, last: u32) -> u32, needs [RAY_BOX, RAY_TRIANGLE, CUT_OUT]),

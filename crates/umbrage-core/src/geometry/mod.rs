@@ -23,6 +23,8 @@ pub(crate) mod shaft;
 pub(crate) mod subdivide;
 pub(crate) mod weld;
 
+pub use crate::geometry::placed::NO_MATERIAL;
+
 #[cfg(feature = "rays")]
 use crate::geometry::bvh::Bvh;
 use crate::{
@@ -47,9 +49,6 @@ use std::{
 
 /// Triangles a box of [`Geometry::run_boxes`]; the last one may have fewer.
 pub const TRIANGLES_A_RUN: u32 = RUN;
-
-/// The material of triangles whose instance names none: [`Material::default`](crate::Material::default).
-pub const NO_MATERIAL: u32 = u32::MAX;
 
 /// World-space triangles, ordered so that casters and receivers are each one contiguous range. Copies share the triangles.
 ///

@@ -1,11 +1,14 @@
 //! The meshes of a scene's instances, placed into the world.
 
-use super::{NO_MATERIAL, displaced_mesh};
 use crate::{
+    geometry::displaced_mesh,
     invalid::Invalid,
     scene::{Instance, Mesh, Scene},
 };
 use glam::{Mat3, Vec2, Vec3, Vec4};
+
+/// The material of triangles whose instance names none: [`Material::default`](crate::Material::default).
+pub const NO_MATERIAL: u32 = u32::MAX;
 
 /// Vertices and triangles in world space. [`Geometry`](super::Geometry) says what each list holds.
 #[derive(Debug, Default)]

@@ -1,6 +1,6 @@
 //! Triangles as data: what one thread or process placed into the world goes to another.
 
-use super::{CutOuts, Geometry, PlacedMeshes};
+use crate::geometry::{Geometry, cut_out::CutOuts, placed::PlacedMeshes};
 use crate::invalid::Invalid;
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};

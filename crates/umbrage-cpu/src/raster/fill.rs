@@ -5,11 +5,8 @@ use crate::raster::{
     holes::HoleTest,
     mode::{DepthOp, TileAttachments},
     record::{Record, edge_function},
-    tile::{STRIDE, TileBuffer},
+    tile::{LANES, STRIDE, TINY_ROWS, TileBuffer},
 };
-
-/// Pixels filled at once.
-pub(crate) const LANES: usize = 8;
 
 /// Numbers of the lanes.
 const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
@@ -17,9 +14,6 @@ const LANE_F: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Triangles up to this wide and high are filled without looking for blocks that are all inside or outside.
 const SMALL: i32 = 16;
-
-/// Rows of the smallest triangles.
-pub(crate) const TINY_ROWS: i32 = 4;
 
 /// Pixels that a triangle may cover in a tile, and its edge functions there.
 #[derive(Clone, Copy, Debug)]

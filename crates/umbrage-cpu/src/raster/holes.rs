@@ -1,6 +1,6 @@
 //! Holes of triangles, cut out by alpha textures: pixels in them are as if outside the triangle.
 
-use crate::raster::fill::LANES;
+use crate::raster::tile::LANES;
 use umbrage_core::{CameraRays, CutOuts, Geometry};
 
 /// What tells which pixels of which triangles are holes. Triangles are those of the geometry, under its ids.

@@ -2,7 +2,7 @@
 //!
 //! One type per mode, so that each gets its own loops. All loops are plain, so that the compiler can vectorise them.
 
-use crate::raster::{fill::LANES, tile::TileBuffer};
+use crate::raster::tile::{LANES, TileBuffer};
 
 /// What an image keeps of what is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,13 +1,13 @@
 //! Tiles: the part of the image that one thread fills at a time, copied to a small buffer that stays in the nearest
 //! cache.
 
-use crate::raster::{
-    bin::TILE,
-    fill::{LANES, TINY_ROWS},
-    mode::Mode,
-};
+use crate::raster::{bin::TILE, mode::Mode};
 use umbrage_core::NO_TRIANGLE;
 
+/// Pixels filled at once.
+pub(crate) const LANES: usize = 8;
+/// Rows of the smallest triangles.
+pub(crate) const TINY_ROWS: i32 = 4;
 /// Floats between rows of a tile's buffer: lanes may run over a row's right end, into what is never copied out.
 pub(crate) const STRIDE: usize = TILE + LANES;
 

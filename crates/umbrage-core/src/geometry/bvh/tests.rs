@@ -2,7 +2,7 @@
 
 use crate::{
     gbuffer::receivers::NO_TRIANGLE,
-    geometry::{Geometry, bvh::segment_hits, random::Random},
+    geometry::{Geometry, random::Random, ray_triangle::segment_hits},
     scene::{Instance, Mesh, Scene},
 };
 use glam::{Affine3A, Vec3};

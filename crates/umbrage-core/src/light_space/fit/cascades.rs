@@ -8,12 +8,13 @@ use crate::{
         cascades::{Cascades, SliceEnds, Split},
         caster_set::CasterSet,
         fit::{
-            Fit,
             frustum::{CameraFrustum, Slice},
             input::FitInput,
+            kind::Fit,
             parallel,
             points::{Points, bounds_in, padded, receiver_points},
-            receiver_split, stable,
+            receiver_split,
+            stable::{self, SphereCenter},
         },
         layers::{Arrangement, CascadePick, LightSpaces},
     },
@@ -176,7 +177,7 @@ impl<'a> CascadeInput<'a> {
     pub(super) fn side(&self, slice: Slice, receivers: &[DVec3; 2]) -> f64 {
         match self.fit {
             Fit::Stable { .. } | Fit::AroundCamera { .. } => {
-                2.0 * stable::slice_radius(&self.frustum, slice, self.fit.sphere_center())
+                2.0 * stable::slice_radius(&self.frustum, slice, SphereCenter::of_fit(&self.fit))
             }
             Fit::Tight | Fit::Whole | Fit::Manual { .. } => {
                 let extent = receivers[1] - receivers[0];
@@ -201,7 +202,7 @@ impl<'a> CascadeInput<'a> {
         }
         if self.is_stable() {
             let view = &self.input.view;
-            let center = self.fit.sphere_center();
+            let center = SphereCenter::of_fit(&self.fit);
             let space = stable::slice(view, self.direction, slice, center, size, margin)?;
             return Ok(Some(space));
         }

@@ -3,12 +3,15 @@
 use crate::{
     gbuffer::seen_points::SeenPoints,
     geometry::aabb::Aabb,
-    light_space::fit::{ANGLE_PADDING, points::caster_points},
+    light_space::fit::{memory::Cone, points::caster_points},
     parallel::prelude::*,
     view::View,
 };
 use glam::{DVec3, Vec3};
 use std::sync::OnceLock;
+
+/// Radians beside the outermost caster, for rounding.
+pub(super) const ANGLE_PADDING: f32 = 1e-3;
 
 /// A valid view, what is seen in it, and what was found out about it.
 #[derive(Clone, Debug)]
@@ -17,15 +20,6 @@ pub(super) struct FitInput<'a> {
     /// The points of the view's receivers.
     pub(super) seen: Option<SeenPoints<'a>>,
     caster_cone: OnceLock<Cone>,
-}
-
-/// A cone with its apex at the light.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cone {
-    /// World space, unit.
-    pub(super) axis: Vec3,
-    /// Radians.
-    pub(super) half_angle: f32,
 }
 
 impl<'a> FitInput<'a> {

@@ -5,12 +5,10 @@ use crate::{
     invalid::Invalid,
     light_space::{
         fit::{
-            WIDEST_HALF_ANGLE,
             cull::{self, Lookups, Need, Receiving},
             input::FitInput,
             map_space::{MapBounds, MapSpace},
             parallel::inner,
-            perspective::MIN_NEAR_OVER_FAR,
             points::{Points, caster_reach, receiver_points},
         },
         layers::cube_face_views,
@@ -19,6 +17,11 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
+/// Widest half angle, degrees, of the cone that one perspective map may have to cover.
+pub(super) const WIDEST_HALF_ANGLE: f32 = 75.0;
+/// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
+/// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
+pub(super) const MIN_NEAR_OVER_FAR: f32 = 1.0 / 16_384.0;
 /// Room beside the outermost directions, as a fraction of their tangent, for rounding.
 const TANGENT_SLACK: f64 = 1e-3;
 /// Half angle, radians, of the pyramid where no caster can shadow a receiver: any would do.

@@ -4,11 +4,12 @@ use crate::{
     gbuffer::{receivers::Receivers, seen_points::SeenPoints},
     geometry::box_tree::BoxTree,
     light_space::{
-        fit::{input::Cone, kind::Fit},
+        fit::kind::Fit,
         layers::{Layout, LightSpaces},
     },
     recipe_error::RecipeError,
 };
+use glam::Vec3;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The light spaces that were found for one view, so that techniques with the same fit, layout, size and margin share the
@@ -32,6 +33,15 @@ pub(super) struct FitKey {
     pub(super) layout: Layout,
     pub(super) size: u32,
     pub(super) margin: f32,
+}
+
+/// A cone with its apex at the light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cone {
+    /// World space, unit.
+    pub(super) axis: Vec3,
+    /// Radians.
+    pub(super) half_angle: f32,
 }
 
 impl FitMemory {

@@ -29,7 +29,7 @@ use crate::{
     light_space::{
         Extents, LightSpace,
         cascades::{Cascades, SliceEnds},
-        fit::{cascades::CascadeInput, input::FitInput, stable::SphereCenter},
+        fit::{cascades::CascadeInput, input::FitInput, memory::FitKey, stable::SphereCenter},
         layers::{Layout, LightSpaces},
         look_along, orthographic,
     },
@@ -38,11 +38,6 @@ use crate::{
     view::View,
 };
 use glam::Vec3;
-
-/// Widest half angle, degrees, of the cone that one perspective map may have to cover.
-const WIDEST_HALF_ANGLE: f32 = 75.0;
-/// Radians beside the outermost caster, for rounding.
-const ANGLE_PADDING: f32 = 1e-3;
 
 impl Fit {
     /// A few words for tables; empty for the tight fit.
@@ -90,7 +85,7 @@ impl Fit {
             Self::Tight => parallel::tight(input, direction, size, margin, true)?,
             Self::Whole => parallel::tight(input, direction, size, margin, false)?,
             Self::Stable { range } | Self::AroundCamera { range } => {
-                let center = self.sphere_center();
+                let center = SphereCenter::of_fit(self);
                 stable::parallel(&input.view, direction, range, center, size, margin)?
             }
             Self::Manual { eye, extents } => LightSpace {
@@ -98,14 +93,6 @@ impl Fit {
                 clip_from_view: orthographic(extents)?,
             },
         })
-    }
-
-    /// Returns where the sphere of a stable fit has its centre.
-    fn sphere_center(&self) -> SphereCenter {
-        match self {
-            Self::AroundCamera { .. } => SphereCenter::Camera,
-            _ => SphereCenter::Seen,
-        }
     }
 
     /// Errors if a number is not finite. What depends on the light is checked when its light space is made.
@@ -161,7 +148,7 @@ impl Fit {
         let Some(memory) = view.fits else {
             return self.find(layout, view, size, margin);
         };
-        let key = memory::FitKey {
+        let key = FitKey {
             fit: *self,
             layout,
             size,

@@ -7,9 +7,10 @@ use crate::{
         caster_set::CasterSet,
         depth_range::{ViewPyramid, depth_range_of},
         fit::{
-            ANGLE_PADDING, Fit, WIDEST_HALF_ANGLE,
-            input::{Cone, FitInput},
-            lamp::{Lamp, SquarePyramid},
+            input::{ANGLE_PADDING, FitInput},
+            kind::Fit,
+            lamp::{Lamp, MIN_NEAR_OVER_FAR, SquarePyramid, WIDEST_HALF_ANGLE},
+            memory::Cone,
             points::{bounds_in, caster_points, receiver_points},
         },
         layers::{Arrangement, LightSpaces, cube_face_views},
@@ -20,10 +21,6 @@ use crate::{
 };
 use glam::{Mat4, Vec3};
 use std::ops::Range;
-
-/// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
-/// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
-pub(super) const MIN_NEAR_OVER_FAR: f32 = 1.0 / 16_384.0;
 
 /// Returns the light space of a single map: one square pyramid. Parameters as [`Fit::light_space`].
 ///

@@ -17,6 +17,7 @@ use crate::{
         fit::{
             cull::{Need, Reach, Receiving},
             frustum::{CameraFrustum, Slice},
+            kind::Fit,
             map_space::{MapBounds, MapSpace},
         },
         look_along,
@@ -48,6 +49,14 @@ pub(super) enum SphereCenter {
 }
 
 impl SphereCenter {
+    /// Returns where the sphere of a stable fit has its centre.
+    pub(super) fn of_fit(fit: &Fit) -> Self {
+        match fit {
+            Fit::AroundCamera { .. } => Self::Camera,
+            _ => Self::Seen,
+        }
+    }
+
     /// Returns the whole number of texels in steps of which a map moves.
     fn step(self, size: u32) -> f64 {
         match self {
