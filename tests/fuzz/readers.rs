@@ -17,7 +17,7 @@ use umbrage::{
 };
 use umbrage_lab::{
     baseline::{self, Except},
-    stability::{Demand, Stability, report::StabilityResults},
+    stability::{Demand, report::StabilityResults},
 };
 
 /// A picture that is small enough to be rendered for each input.
@@ -251,11 +251,9 @@ pub(super) fn results(bytes: &[u8]) {
         let lines = umbrage_lab::report::lines(&comparison);
         let _ = umbrage_lab::report::to_csv(&lines);
     }
-    if let Ok(stability) = Stability::read(&path) {
+    if let Ok(StabilityResults { stability, .. }) = StabilityResults::read(&path) {
         let _ = stability.meets("pcf", &Demand::FailNone);
         let _ = stability.meets("pcf", &Demand::Pass(vec!["3".to_owned()]));
-    }
-    if let Ok(results) = StabilityResults::read(&path) {
-        let _ = results.stability.setting_verdicts();
+        let _ = stability.setting_verdicts();
     }
 }

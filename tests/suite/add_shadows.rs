@@ -7,11 +7,11 @@ mod deferred;
 #[path = "../../examples/add_shadows/forward.rs"]
 mod forward;
 
-use umbrage_techniques::MapTechnique;
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 use umbrage::{ShadowTechnique, techniques::Pcf};
 use umbrage_examples::renderer::BoxScene;
+use umbrage_techniques::MapTechnique;
 
 /// Returns the brightness, 0 to 255, of a point that the camera sees.
 fn brightness(scene: &BoxScene, pixels: &[u8], point: Vec3) -> u8 {

@@ -1,6 +1,6 @@
 //! The WGSL of techniques, as it is pasted into a user's shader.
 
-use crate::LabError;
+use crate::error::LabError;
 use umbrage_core::{Geometry, Invalid, RecipeError, ShadowTechnique, View, glam::UVec2};
 use umbrage_wgpu::receive_wgsl;
 

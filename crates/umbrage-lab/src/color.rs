@@ -1,6 +1,6 @@
 //! Color pictures of scenes: Blinn-Phong shading with a marker at the light.
 
-use crate::{LabError, output::png::encode_rgb};
+use crate::{error::LabError, output::png::encode_rgb};
 use glam::UVec2;
 use umbrage_core::{
     Fit, Geometry, Invalid, LightMarker, Receivers, Recipe, RecipeError, Scene, ShadowTechnique,

@@ -1,6 +1,6 @@
 //! Calling off a plan that nobody waits for any more.
 
-use crate::MeasureError;
+use crate::error::MeasureError;
 use std::sync::{
     Arc,
     atomic::{AtomicBool, Ordering},

@@ -1,12 +1,12 @@
 //! Times again what looks slower, before it counts as slower.
 
 use super::{
-    Changes,
+    changes::Changes,
     times::{RatioSample, Suspect},
 };
 use crate::{
-    LabError,
     compare::{Again, Backends, CompareOptions, Ranks, Runs, SceneInput, again},
+    error::LabError,
 };
 use std::collections::BTreeMap;
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    baseline::{Except, changes},
+    baseline::{changes, except::Except},
     compare::{Comparison, compare},
 };
 use glam::UVec2;
@@ -132,7 +132,7 @@ impl Stage {
 
     /// What the guard says of a run in which the row takes `first` times as long as in the baseline, and `later` times when
     /// it is timed again.
-    fn guard(&mut self, first: f64, later: f64) -> crate::baseline::Changes {
+    fn guard(&mut self, first: f64, later: f64) -> crate::baseline::changes::Changes {
         lock(&self.clock).set(1.0);
         let old = self.compare();
         lock(&self.clock).set(first);

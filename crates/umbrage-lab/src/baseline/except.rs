@@ -1,6 +1,6 @@
 //! What the baseline has and the new results lack, and which of that is excepted.
 
-use super::Changes;
+use super::changes::Changes;
 use crate::compare::{CompareRow, Comparison};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_core::Invalid;

@@ -1,6 +1,6 @@
 //! Figures that are the same on every run: errors, counted cost and bytes. Any growth is a change.
 
-use super::ROUNDING;
+use super::changes::ROUNDING;
 use crate::compare::Measured;
 use umbrage_core::metrics::MAX_UNDECIDED_SHARE;
 use umbrage_plan::cost::CostModel;

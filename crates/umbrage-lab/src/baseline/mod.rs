@@ -18,47 +18,22 @@
 //! guard that compares less than it did guards less. New rows are told, no more.
 
 mod again;
+mod changes;
 mod except;
 mod figures;
 mod read;
 pub mod times;
 
 pub use again::{ROUNDS, time_again};
+pub use changes::{Changes, ROUNDING};
 pub use except::Except;
 pub use read::{apart, read};
 
 use crate::compare::{CompareRow, Comparison, Environment, RowOutcome, RowTimes, SceneResult};
 use std::collections::HashMap;
-use times::Suspect;
-
-/// Relative growth up to this counts as none: sums over pixels may be added up in another order.
-pub const ROUNDING: f64 = 1e-9;
 
 /// The first schema whose times are compared: yardsticks had other lengths before it.
 const FIRST_TIMED: u32 = 7;
-
-/// What has changed since the baseline, a line for each change.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Changes {
-    /// The number of rows that both have and that could be compared. A check that compared nothing has checked nothing.
-    pub compared: usize,
-    /// The number of these whose times could be compared.
-    pub timed: usize,
-    /// What got slower, dearer, larger or less accurate: a failure.
-    pub worse: Vec<String>,
-    /// What got quicker, cheaper, smaller or more accurate.
-    pub better: Vec<String>,
-    /// Rows that the baseline lacks.
-    pub new: Vec<String>,
-    /// What only the baseline has, and what can't be compared with it: a failure, too.
-    pub lost: Vec<String>,
-    /// The names that would except all that is lost.
-    pub except: Vec<String>,
-    /// What was excepted, and what the reader must know.
-    pub notes: Vec<String>,
-    /// What looks slower; it is to be [timed again](time_again) before it counts as slower.
-    pub suspects: Vec<Suspect>,
-}
 
 /// Compares `new` with the baseline `old`. What `except` names may be missing.
 pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {

@@ -2,7 +2,7 @@
 //! new.
 
 use super::paired::{Pair, Paired, Repetitions, paired};
-use crate::LabError;
+use crate::error::LabError;
 use std::{
     cell::RefCell,
     time::{Duration, Instant},

@@ -6,13 +6,11 @@
 mod handwritten;
 mod lists;
 mod paired;
-mod plans;
 mod rays;
 mod soft;
 mod suite;
 
 pub use lists::lists;
 pub use paired::{Pair, PairTimes, Paired, Repetitions, paired};
-pub use plans::plans;
 pub use soft::soft;
 pub use suite::{BenchOptions, run};

@@ -4,7 +4,7 @@ use super::{
     lists::{is_played, plan, receive_time},
     paired::{Pair, Paired, Repetitions, paired},
 };
-use crate::LabError;
+use crate::error::LabError;
 use std::cell::RefCell;
 use umbrage_core::{
     Backend, Geometry, Light, Receivers, Recipe, View,

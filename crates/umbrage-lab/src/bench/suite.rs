@@ -5,7 +5,7 @@ use super::{
     paired::{Pair, Paired, Repetitions, paired},
     rays,
 };
-use crate::LabError;
+use crate::error::LabError;
 use std::time::Duration;
 use umbrage_core::{
     Backend, BackendError, Camera, Geometry, Light, Receivers, Recipe, Scene, ShadowTechnique,

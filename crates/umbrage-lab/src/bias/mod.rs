@@ -13,7 +13,7 @@ pub use rivals::rivals;
 pub use stage::{Staged, lights_around, staged};
 pub use table::{Summary, markdown, write};
 
-use crate::{LabError, compare::Backends};
+use crate::{compare::Backends, error::LabError};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{

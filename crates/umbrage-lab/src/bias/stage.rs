@@ -1,6 +1,6 @@
 //! Scenes under ideal lights: with their own where they have some, models without any on a floor under four.
 
-use crate::LabError;
+use crate::error::LabError;
 use glam::{Affine3A, UVec2, Vec3};
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Light, Mesh, Scene};
 

@@ -2,8 +2,8 @@
 
 use super::BiasRow;
 use crate::{
-    LabError,
-    output::{Folder, csv},
+    error::LabError,
+    output::{csv, folder::Folder},
 };
 use std::{
     fmt::Write as _,

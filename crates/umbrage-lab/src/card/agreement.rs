@@ -1,9 +1,9 @@
 //! Whether an adapter's masks are the CPU's.
 
-use super::{CardAgreement, built_in};
+use super::data::{CardAgreement, built_in};
 use crate::{
-    LabError,
     compare::{Backends, CompareOptions, SceneInput, compare},
+    error::LabError,
 };
 use glam::UVec2;
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! Cards as files.
 
-use super::{Card, SCHEMA};
-use crate::LabError;
+use super::data::{Card, SCHEMA};
+use crate::error::LabError;
 use serde::Deserialize;
 use std::{fs, io, path::Path};
 use umbrage_core::Invalid;

@@ -1,6 +1,9 @@
 //! `docs/cards.md`: what was measured on which adapter.
 
-use super::{Card, CardTime, exact_techniques};
+use super::{
+    agreement::exact_techniques,
+    data::{Card, CardTime},
+};
 use crate::compare::thousands;
 use std::fmt::Write as _;
 use umbrage_core::Fusing;

@@ -1,5 +1,7 @@
 use super::*;
 use std::fs;
+use umbrage_core::Fusing;
+use umbrage_plan::cost::CostModel;
 
 fn card(adapter: &str, is_software: bool) -> Card {
     let time = |frame: &str, milliseconds| CardTime {

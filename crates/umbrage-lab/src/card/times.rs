@@ -1,9 +1,9 @@
 //! How long the settings that stand for each technique take in frames of real size.
 
-use super::{CardTime, built_in};
+use super::data::{CardTime, built_in};
 use crate::{
-    LabError,
     compare::{Backends, CompareOptions, OnEvent, Runs, SceneInput, compare},
+    error::LabError,
 };
 use umbrage_plan::truth::TruthOptions;
 

@@ -1,10 +1,51 @@
 //! `bench`: prints speeds as ratios.
 
-use crate::bench::{BenchOptions, Pair, lists, plans, run, soft};
-use crate::cli::args::BenchArguments;
+use crate::{
+    bench::{BenchOptions, Pair, lists, run, soft},
+    cli::{args::shared::BackendName, figures_table::figures_table},
+};
 use anyhow::{Result, bail};
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use clap::Args;
+use comfy_table::Table;
 use umbrage_wgpu::{AdapterChoice, Gpu};
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask bench               every ratio, medians of 20 runs taken in turn
+  cargo xtask bench --runs 100    the same, steadier
+  cargo xtask bench --lists nave  lists of casters against hard maps and rays, in one scene
+  cargo xtask bench --soft --runs 2 nave-soft    points of a wide light against rays with the same error
+  cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs
+  cargo xtask bench --costs --backend wgpu         those of the graphics adapter alone, within a minute on a card
+  cargo xtask bench --costs --write prices.toml    the same, kept for `compare --prices` and `plan --prices`")]
+pub(crate) struct BenchArguments {
+    /// Measure the prices of work on this machine instead
+    #[arg(long)]
+    pub(crate) costs: bool,
+    /// With --costs: whose prices are measured; the others stay the built-in ones
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "available",
+        requires = "costs"
+    )]
+    pub(crate) backend: BackendName,
+    /// Write the prices to this file, for `--prices` of `compare` and `plan`
+    #[arg(long, value_name = "FILE", requires = "costs")]
+    pub(crate) write: Option<std::path::PathBuf>,
+    /// Time the lists of `exact` against hard maps and rays instead
+    #[arg(long, conflicts_with = "costs", group = "of_scenes")]
+    pub(crate) lists: bool,
+    /// Time `soft` against rays with the same error instead
+    #[arg(long, conflicts_with = "costs", group = "of_scenes")]
+    pub(crate) soft: bool,
+    /// With `--lists` or `--soft`: the built-in scenes; all large ones if none is named
+    #[arg(value_name = "SCENE", requires = "of_scenes")]
+    pub(crate) scenes: Vec<String>,
+    /// Runs of each side; their medians are compared
+    #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) runs: u32,
+}
 
 /// Prints each ratio as it comes, then the table of all.
 pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
@@ -16,10 +57,7 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
         }
         pairs.push(pair);
     };
-    if arguments.plans {
-        check_scenes(&arguments.scenes)?;
-        plans(arguments.runs as usize, &arguments.scenes, tell)?;
-    } else if arguments.lists {
+    if arguments.lists {
         check_scenes(&arguments.scenes)?;
         let mut gpu = adapter();
         lists(
@@ -85,22 +123,19 @@ fn run_suite(arguments: &BenchArguments, tell: impl FnMut(Pair)) -> Result<()> {
     Ok(())
 }
 
+const HEADER: [&str; 8] = [
+    "work",
+    "ours",
+    "theirs",
+    "ours ms",
+    "theirs ms",
+    "times as fast",
+    "bar",
+    "runs",
+];
+
 fn table(pairs: &[Pair]) -> Table {
-    let mut table = Table::new();
-    table
-        .load_style(UTF8_FULL_CONDENSED)
-        .set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_header([
-        "work",
-        "ours",
-        "theirs",
-        "ours ms",
-        "theirs ms",
-        "times as fast",
-        "bar",
-        "runs",
-    ]);
-    for pair in pairs {
+    let row = |pair: &Pair| {
         let [ours, theirs] = pair.who.clone();
         let verdict = if pair.fault.is_some() {
             " FAULT"
@@ -112,7 +147,7 @@ fn table(pairs: &[Pair]) -> Table {
         let bar = pair
             .bar
             .map_or_else(|| format!("-{verdict}"), |bar| format!("{bar:.2}{verdict}"));
-        table.add_row([
+        [
             pair.work.clone(),
             ours,
             theirs,
@@ -121,10 +156,7 @@ fn table(pairs: &[Pair]) -> Table {
             format!("{:.2}", pair.ratio),
             bar,
             pair.runs.to_string(),
-        ]);
-    }
-    for column in table.column_iter_mut().skip(3) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+        ]
+    };
+    figures_table(HEADER, pairs.iter().map(row), 3)
 }

@@ -1,18 +1,15 @@
 //! `card`: measures one graphics adapter, or writes the page of those that were measured.
 
-use crate::cli::{
-    args::{Backend, CardArguments, CardPart},
-    costs, inputs,
-    program::Program,
-    progress::Progress,
-    usage::Usage,
-};
 use crate::{
     card::{Card, CardTime, FRAMES, measure_agreement, measure_times, page, read, read_all, write},
+    cli::{
+        args::shared::BackendName, costs, inputs, program::Program, progress::Progress,
+        usage::Usage,
+    },
     compare::Backends,
 };
 use anyhow::{Context as _, Result, bail};
-use clap::ValueEnum as _;
+use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::{
     fs,
@@ -20,6 +17,55 @@ use std::{
     time::Instant,
 };
 use umbrage_plan::cost::fit;
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask card                                    all parts on the best adapter, within three minutes on a card
+  cargo xtask card --adapter nvidia --by 'Ada L.' --out docs/cards/my-card.json
+  cargo xtask card --parts adapter,agreement          what it rounds, and whether its masks are the CPU's
+  cargo xtask card --page                             write docs/cards.md from the files in docs/cards
+  cargo xtask card --pack card                        a folder for a machine without a compiler or network")]
+pub(crate) struct CardArguments {
+    /// Graphics adapter by part of its name, such as nvidia; else WGPU_ADAPTER_NAME's, else the
+    /// best one
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// Parts to measure; all if none is named
+    #[arg(long, value_name = "PART", value_delimiter = ',', value_enum)]
+    pub(crate) parts: Vec<CardPart>,
+    /// File for the figures (JSON), rewritten after each part; else target/card/card.json in the
+    /// repository. Parts that are not measured keep what the file has of the same adapter, driver
+    /// and commit; a file named here may hold no other card
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Who measures, for the page
+    #[arg(long, value_name = "NAME")]
+    pub(crate) by: Option<String>,
+    /// The commit that was built, where there is no repository
+    #[arg(long, value_name = "HASH")]
+    pub(crate) commit: Option<String>,
+    /// Write the page of all cards instead: FOLDER.md from the files in FOLDER
+    #[arg(long, value_name = "FOLDER", num_args = 0..=1, default_missing_value = "docs/cards", conflicts_with_all = ["adapter", "parts", "out", "by", "commit"])]
+    pub(crate) page: Option<PathBuf>,
+    /// Build, and pack programs, drivers' loader and a run script into a folder instead
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["adapter", "parts", "out", "by", "commit", "page"])]
+    pub(crate) pack: Option<PathBuf>,
+}
+
+/// A part of what is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CardPart {
+    /// Name, driver, limits, and how it rounds: seconds
+    Adapter,
+    /// Its masks against the CPU's
+    Agreement,
+    /// Milliseconds of the settings that stand for each technique
+    Times,
+    /// A light set against a program written by hand
+    LightSet,
+    /// Prices of work for the planner
+    Prices,
+}
 
 /// Runs of each recipe whose work is priced, at most.
 const PRICED_RUNS: u32 = 20;
@@ -94,15 +140,15 @@ fn measure_part(
 ) -> Result<()> {
     let name = part.to_possible_value().map(|v| v.get_name().to_owned());
     println!("measuring: {}", name.unwrap_or_default());
-    let open = |backend: Backend| inputs::open(backend, arguments.adapter.as_ref());
+    let open = |backend: BackendName| inputs::open(backend, arguments.adapter.as_ref());
     match part {
         CardPart::Adapter => {}
         CardPart::Agreement => {
-            let mut backends = open(Backend::Both)?;
+            let mut backends = open(BackendName::Both)?;
             card.agreement = Some(measure_agreement(&mut backends)?);
         }
         CardPart::Times => {
-            let mut backends: Backends = open(Backend::Wgpu)?;
+            let mut backends: Backends = open(BackendName::Wgpu)?;
             let progress = Progress::new();
             let times = measure_times(&FRAMES, &mut backends, &|event| progress.note(event));
             progress.finish();
@@ -116,7 +162,7 @@ fn measure_part(
             None => println!("this program has no light set to time"),
         },
         CardPart::Prices => {
-            let mut backends = open(Backend::Wgpu)?;
+            let mut backends = open(BackendName::Wgpu)?;
             if let Some(device) = backends.playing.first_mut() {
                 let samples = costs::time_stages(&mut **device, PRICED_RUNS)?;
                 card.prices = Some(fit(samples).model);

@@ -1,6 +1,6 @@
 //! Measures what work costs on this machine.
 
-use crate::cli::{args::BenchArguments, inputs, progress::StepBar};
+use crate::cli::{bench::BenchArguments, inputs, progress::LoggedBar};
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::{Backend, Fit, Scene, glam::UVec2};
@@ -84,7 +84,7 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
 /// Times all stages, and reports progress.
 pub(crate) fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<CostSample>> {
     let count: usize = STAGES.iter().map(Stage::count).sum();
-    let bar = StepBar::new(format!("timing {}", backend.name()), count as u64);
+    let bar = LoggedBar::of_steps(format!("timing {}", backend.name()), count as u64);
     let mut samples = Vec::new();
     for stage in &STAGES {
         let scenes: Vec<Scene> = stage
@@ -95,7 +95,7 @@ pub(crate) fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<Co
             .collect();
         let settings = settings(&stage.maps);
         let more = time_work(backend, &scenes, stage.sizes, &settings, runs, &mut || {
-            bar.step()
+            bar.bar.inc(1)
         })?;
         samples.extend(more);
     }

@@ -1,7 +1,7 @@
 //! From what is typed to what the lab takes.
 
 use crate::cli::program::Program;
-use crate::cli::{args::Backend, usage::Usage};
+use crate::cli::{args::shared::BackendName, usage::Usage};
 use crate::compare::Backends;
 use anyhow::Result;
 use std::path::Path;
@@ -11,13 +11,13 @@ use umbrage_scenes::SceneError;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Opens backends, wgpu on the adapter named.
-pub(crate) fn open(backend: Backend, adapter: Option<&String>) -> Result<Backends> {
+pub(crate) fn open(backend: BackendName, adapter: Option<&String>) -> Result<Backends> {
     let choice = self::adapter(adapter);
     let opened = match backend {
-        Backend::Available => Backends::available(&choice),
-        Backend::Cpu => Ok(Backends::cpu()),
-        Backend::Wgpu => Backends::wgpu(&choice),
-        Backend::Both => Backends::both(&choice),
+        BackendName::Available => Backends::available(&choice),
+        BackendName::Cpu => Ok(Backends::cpu()),
+        BackendName::Wgpu => Backends::wgpu(&choice),
+        BackendName::Both => Backends::both(&choice),
     };
     opened.map_err(|e| of_adapter(e, adapter))
 }

@@ -1,77 +1,60 @@
 //! Progress and formats that `plan` and its regret table share.
 
-use crate::cli::{
-    cost::spoken,
-    progress::{LOG_INTERVAL, Repeater},
-};
-use indicatif::{ProgressBar, ProgressStyle};
-use std::time::{Duration, Instant};
+use crate::cli::{cost::spoken, progress::LoggedBar};
+use indicatif::ProgressBar;
+use std::time::Duration;
 use umbrage_plan::Step;
 
 /// The progress of a plan; lines without a terminal. How many candidates it tries is not known beforehand, so only tracing truth moves
 /// the bar.
-pub(crate) struct Progress {
-    bar: ProgressBar,
-    log: Option<Repeater>,
-}
+pub(crate) struct PlanProgress(LoggedBar);
 
-impl Progress {
+impl PlanProgress {
     pub(crate) fn new() -> Self {
-        let style = ProgressStyle::with_template("{bar:30} {elapsed} gone  {prefix}{wide_msg}");
-        let bar = ProgressBar::new(1000)
-            .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.enable_steady_tick(Duration::from_millis(200));
-        let start = Instant::now();
-        let shown = bar.clone();
         // Not among the results, which may be read by a program.
-        let print_line = move || {
-            let gone = spoken(start.elapsed());
-            eprintln!("{gone} gone: {}{}", shown.prefix(), shown.message());
+        let print_line = |bar: &ProgressBar, elapsed: Duration| {
+            let gone = spoken(elapsed);
+            eprintln!("{gone} gone: {}{}", bar.prefix(), bar.message());
         };
-        let log = bar
-            .is_hidden()
-            .then(|| Repeater::new(LOG_INTERVAL, print_line));
-        Self { bar, log }
+        let style = "{bar:30} {elapsed} gone  {prefix}{wide_msg}";
+        let shown = LoggedBar::new(1000, style, print_line);
+        shown.bar.enable_steady_tick(Duration::from_millis(200));
+        Self(shown)
     }
 
     /// Sets a text before each message.
     pub(crate) fn prefix(&self, text: String) {
-        self.bar.set_prefix(text);
+        self.0.bar.set_prefix(text);
     }
 
     /// Shows a step; may be called from any thread.
     pub(crate) fn note(&self, step: Step<'_>) {
+        let bar = &self.0.bar;
         match step {
-            Step::Looking => self.bar.set_message("looking for where visibility varies"),
+            Step::Looking => bar.set_message("looking for where visibility varies"),
             Step::Truth(done, total) => {
-                self.bar.set_message("tracing truth");
-                self.bar
-                    .set_position(1000 * done as u64 / total.max(1) as u64);
+                bar.set_message("tracing truth");
+                bar.set_position(1000 * done as u64 / total.max(1) as u64);
             }
-            Step::Trying(technique, before) => self
-                .bar
-                .set_message(format!("trying {technique} ({before} tried)")),
-            Step::Timing(count) => self
-                .bar
-                .set_message(format!("timing {count} settings in turn")),
-            Step::Explaining => self.bar.set_message("writing down why"),
+            Step::Trying(technique, before) => {
+                bar.set_message(format!("trying {technique} ({before} tried)"));
+            }
+            Step::Timing(count) => bar.set_message(format!("timing {count} settings in turn")),
+            Step::Explaining => bar.set_message("writing down why"),
         }
     }
 
     /// Prints a line above the bar.
     pub(crate) fn say(&self, line: &str) {
-        if self.bar.is_hidden() {
+        if self.0.bar.is_hidden() {
             println!("{line}")
         } else {
-            self.bar.println(line)
+            self.0.bar.println(line)
         }
     }
 
     pub(crate) fn finish(&self) {
-        if let Some(log) = &self.log {
-            log.stop();
-        }
-        self.bar.finish_and_clear();
+        self.0.finish();
     }
 }
 

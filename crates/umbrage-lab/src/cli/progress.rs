@@ -15,11 +15,54 @@ use std::{
 /// Without a terminal for a bar, a line is printed this often.
 pub(crate) const LOG_INTERVAL: Duration = Duration::from_secs(30);
 
-/// A progress bar for the whole comparison; lines without a terminal.
-pub(crate) struct Progress {
-    bar: ProgressBar,
-    at: Mutex<Position>,
+/// A progress bar. Without a terminal, a line is printed every [`LOG_INTERVAL`].
+pub(crate) struct LoggedBar {
+    pub(crate) bar: ProgressBar,
     log: Option<Repeater>,
+}
+
+impl LoggedBar {
+    /// Returns a bar of some steps in a style of `indicatif`. `print_line` receives the bar and
+    /// the time since it began.
+    pub(crate) fn new(
+        steps: u64,
+        style: &str,
+        print_line: impl Fn(&ProgressBar, Duration) + Send + 'static,
+    ) -> Self {
+        let style = ProgressStyle::with_template(style);
+        let bar = ProgressBar::new(steps)
+            .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let start = Instant::now();
+        let shown = bar.clone();
+        let print_line = move || print_line(&shown, start.elapsed());
+        let log = bar
+            .is_hidden()
+            .then(|| Repeater::new(LOG_INTERVAL, print_line));
+        Self { bar, log }
+    }
+
+    /// Returns a bar for work that comes in equal steps.
+    pub(crate) fn of_steps(message: String, steps: u64) -> Self {
+        let print_line = move |bar: &ProgressBar, _: Duration| {
+            println!("{}: {} of {steps}", bar.message(), bar.position());
+        };
+        let out = Self::new(steps, "{wide_bar} {pos}/{len}", print_line);
+        out.bar.set_message(message);
+        out
+    }
+
+    pub(crate) fn finish(&self) {
+        if let Some(log) = &self.log {
+            log.stop();
+        }
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A progress bar for the whole comparison.
+pub(crate) struct Progress {
+    shown: LoggedBar,
+    at: Mutex<Position>,
 }
 
 /// How far the comparison is.
@@ -35,25 +78,15 @@ struct Position {
 
 impl Progress {
     pub(crate) fn new() -> Self {
-        let style = ProgressStyle::with_template(
-            "{bar:30} {percent:>3} %  {elapsed} gone, {eta} to go  {wide_msg}",
-        );
-        let bar =
-            ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        let start = Instant::now();
-        let shown = bar.clone();
-        let print_line = move || {
-            let length = shown.length().unwrap_or(0).max(1);
-            let done = shown.position() as f64 / length as f64;
-            println!("{}", log_line(done, start.elapsed(), &shown.message()));
+        let style = "{bar:30} {percent:>3} %  {elapsed} gone, {eta} to go  {wide_msg}";
+        let print_line = |bar: &ProgressBar, elapsed: Duration| {
+            let length = bar.length().unwrap_or(0).max(1);
+            let done = bar.position() as f64 / length as f64;
+            println!("{}", log_line(done, elapsed, &bar.message()));
         };
-        let log = bar
-            .is_hidden()
-            .then(|| Repeater::new(LOG_INTERVAL, print_line));
         Self {
-            bar,
+            shown: LoggedBar::new(0, style, print_line),
             at: Mutex::default(),
-            log,
         }
     }
 
@@ -65,10 +98,10 @@ impl Progress {
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(message) = message(event) {
-            self.bar.set_message(message);
+            self.shown.bar.set_message(message);
         }
         match event {
-            CompareEvent::Started { work, .. } => self.bar.set_length(work),
+            CompareEvent::Started { work, .. } => self.shown.bar.set_length(work),
             CompareEvent::Scene { rows, work, .. } => {
                 let before = at.before + at.work;
                 *at = Position {
@@ -81,49 +114,17 @@ impl Progress {
         }
         // In a log, a line for each scene.
         if let CompareEvent::SceneDone { result } = event
-            && self.bar.is_hidden()
+            && self.shown.bar.is_hidden()
         {
             println!("{}: {} rows", result.name, result.rows.len());
         }
         if let Some(position) = position(*at, event) {
-            self.bar.set_position(position);
+            self.shown.bar.set_position(position);
         }
     }
 
     pub(crate) fn finish(&self) {
-        if let Some(log) = &self.log {
-            log.stop();
-        }
-        self.bar.finish_and_clear();
-    }
-}
-
-/// A bar for work that comes in equal steps; lines without a terminal.
-pub(crate) struct StepBar {
-    bar: ProgressBar,
-    log: Option<Repeater>,
-}
-
-impl StepBar {
-    pub(crate) fn new(message: String, steps: u64) -> Self {
-        let bar = ProgressBar::new(steps).with_message(message);
-        let shown = bar.clone();
-        let print_line = move || println!("{}: {} of {steps}", shown.message(), shown.position());
-        let log = bar
-            .is_hidden()
-            .then(|| Repeater::new(LOG_INTERVAL, print_line));
-        Self { bar, log }
-    }
-
-    pub(crate) fn step(&self) {
-        self.bar.inc(1);
-    }
-
-    pub(crate) fn finish(&self) {
-        if let Some(log) = &self.log {
-            log.stop();
-        }
-        self.bar.finish_and_clear();
+        self.shown.finish();
     }
 }
 

@@ -1,11 +1,11 @@
 //! `plan --regret`: compares plans with exhaustive sweeps.
 
-use crate::cli::args::PlanArguments;
+use crate::cli::plan::PlanArguments;
 use crate::cli::program::Program;
 use crate::cli::{
     inputs::scene,
     plan::{clock_of, options_of},
-    planning::Progress,
+    planning::PlanProgress,
 };
 use crate::plan_files::write_regret;
 use anyhow::{Result, bail};
@@ -26,7 +26,7 @@ const BLOCK_SIDE: u32 = 4;
 pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let scenes = scenes(program, &arguments.scenes)?;
     let mut clock = clock_of(arguments)?;
-    let progress = Progress::new();
+    let progress = PlanProgress::new();
     let mut all = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         progress.prefix(format!("{} ({} of {}): ", scene.name, i + 1, scenes.len()));

@@ -1,7 +1,7 @@
 //! Prints a comparison's figures on the terminal.
 
+use crate::cli::figures_table::figures_table;
 use crate::compare::{CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, SceneResult};
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_plan::{footprint, pareto::front};
 
 /// With more rows than this, only those are printed that no other beats in both time and error.
@@ -26,17 +26,9 @@ const HEADER: [&str; 12] = [
 pub(crate) fn print(scenes: &[SceneResult]) {
     let whole = scenes.iter().map(|s| s.rows.len()).sum::<usize>() <= ALL_ROWS;
     for scene in scenes {
-        let mut table = Table::new();
-        table
-            .load_style(UTF8_FULL_CONDENSED)
-            .set_content_arrangement(ContentArrangement::Dynamic)
-            .set_header(HEADER);
-        for row in chosen(scene, whole) {
-            table.add_row(cells(row, scene.motion));
-        }
-        for column in table.column_iter_mut().skip(3) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
+        let rows = chosen(scene, whole);
+        let rows = rows.into_iter().map(|row| cells(row, scene.motion));
+        let table = figures_table(HEADER, rows, 3);
         let [w, h] = scene.size;
         println!(
             "\n{}: {} light, {w} x {h}, {} triangles\n{table}",

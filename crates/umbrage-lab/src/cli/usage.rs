@@ -1,6 +1,6 @@
 //! Wrong usage that only a command itself can see, such as a scene's name, and the exit codes.
 
-use crate::LabError;
+use crate::error::LabError;
 use umbrage_core::{BackendError, Invalid, RecipeError};
 use umbrage_plan::MeasureError;
 use umbrage_scenes::SceneError;

@@ -1,6 +1,6 @@
 //! The results of `stability` that `compare` and `merge` show beside their settings.
 
-use crate::cli::{args::CompareArguments, program::Program, usage::Usage};
+use crate::cli::{program::Program, usage::Usage};
 use crate::report::StabilitySource;
 use anyhow::Result;
 use std::path::Path;
@@ -15,14 +15,15 @@ pub(crate) fn read(path: &Path) -> Result<StabilitySource> {
 /// the report then says how to get them.
 pub(crate) fn of_run(
     program: &Program,
-    arguments: &CompareArguments,
+    stability: Option<&Path>,
+    deterministic: bool,
 ) -> Result<Option<StabilitySource>> {
-    if let Some(path) = &arguments.stability {
+    if let Some(path) = stability {
         return read(path).map(Some);
     }
     let folder = program.folder(None, "stability");
     // What comes out twice must not depend on what lies around.
-    if arguments.deterministic || !folder.join("results.json").is_file() {
+    if deterministic || !folder.join("results.json").is_file() {
         return Ok(None);
     }
     match StabilitySource::read(&folder) {

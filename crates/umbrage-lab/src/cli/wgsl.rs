@@ -1,9 +1,34 @@
 //! `wgsl`: prints the shader text of a technique.
 
-use crate::assembled_wgsl;
-use crate::cli::{args::WgslArguments, presets, program::Program};
+use crate::{
+    assembled::assembled_wgsl,
+    cli::{presets, program::Program},
+};
 use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
 use umbrage_techniques::TechniquePreset;
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask wgsl hard                            with the default settings
+  cargo xtask wgsl --preset street.preset.toml     with settings from a file
+  cargo xtask wgsl pcf --prefix sun_ > sun.wgsl    with a prefix of yours before each name")]
+pub(crate) struct WgslArguments {
+    /// The technique
+    #[arg(
+        value_name = "NAME",
+        required_unless_present = "preset",
+        conflicts_with = "preset"
+    )]
+    pub(crate) name: Option<String>,
+    /// File with the settings of a technique, as `plan` writes it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) preset: Option<PathBuf>,
+    /// What each name of the text begins with
+    #[arg(long, value_name = "TEXT", default_value = "shadow_")]
+    pub(crate) prefix: String,
+}
 
 /// Prints the text that a user pastes into a shader; errors if there is no such technique.
 pub(crate) fn wgsl(program: &Program, arguments: &WgslArguments) -> Result<()> {

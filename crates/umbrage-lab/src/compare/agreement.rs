@@ -5,7 +5,7 @@
 //! does ([`Snapping`]), and that is what the other backend must agree with: on other grids the same answers are decided, no
 //! fewer.
 
-use crate::{LabError, compare::nudges::nudges};
+use crate::{compare::nudges::nudges, error::LabError};
 use umbrage_core::{
     Backend, Receivers, Recipe, Shadows, Snapping, View,
     metrics::{AGREEMENT_TOLERANCE, Agreement, Doubt},

@@ -1,6 +1,8 @@
 //! The backends that are compared.
 
-use super::{CompareOptions, Environment, KeptTruth, timing::DeviceClock};
+use super::{
+    kept_truth::KeptTruth, options::CompareOptions, result::Environment, timing::DeviceClock,
+};
 use std::fmt;
 use umbrage_core::{Backend, BackendError};
 use umbrage_cpu::Cpu;

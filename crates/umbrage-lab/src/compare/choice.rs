@@ -9,10 +9,11 @@
 //! without rays is named, too.
 
 use super::{
-    Comparison, CostBasis, FrameMotion, MIN_ERROR, Relative, Section, relative,
-    relative::{SceneGroup, scene_groups},
+    options::Section,
+    relative::{MIN_ERROR, Relative, SceneGroup, relative, scene_groups},
+    result::{Comparison, CostBasis},
 };
-use umbrage_plan::pareto;
+use umbrage_plan::{motion::FrameMotion, pareto};
 
 /// The greatest relative error of a cheap setting that is worth naming.
 const MAX_CHEAP_ERROR: f64 = 0.5;
@@ -299,7 +300,7 @@ pub(crate) fn thousands(count: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::TimingStats;
+    use crate::compare::result::TimingStats;
 
     fn setting(technique: &str, error: f64, time: f64) -> Relative {
         Relative {

@@ -14,8 +14,8 @@
 //! Whether a point that lies within rounding of the tangent plane is above it hangs on how far a ray's origin is lifted and
 //! on the order of additions: there either answer is right.
 
-use super::{Control, horizon, scene::SceneView};
-use crate::LabError;
+use super::{horizon, result::Control, seen::SceneView};
+use crate::error::LabError;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 use umbrage_core::{

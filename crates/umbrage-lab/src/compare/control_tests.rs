@@ -1,7 +1,12 @@
 //! Controls under lights of every kind, and inputs spoilt so that they must fail.
 
 use super::*;
-use crate::compare::{Backends, CompareOptions, Comparison, SceneInput, compare};
+use crate::compare::{
+    backends::Backends,
+    compare,
+    options::{CompareOptions, SceneInput},
+    result::Comparison,
+};
 use glam::Affine3A;
 use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
 use umbrage_cpu::Cpu;

@@ -1,6 +1,6 @@
 //! Finds out where a comparison is made: machine, commit and date.
 
-use super::{Environment, commit::commit};
+use super::{commit::commit, result::Environment};
 use std::{
     path::Path,
     process::Command,

@@ -42,7 +42,7 @@ pub enum CompareEvent<'a> {
     /// A scene's figures are there.
     SceneDone {
         /// The figures.
-        result: &'a super::SceneResult,
+        result: &'a super::result::SceneResult,
     },
     /// The report is being written.
     Writing,

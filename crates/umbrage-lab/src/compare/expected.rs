@@ -1,10 +1,13 @@
 //! Counts and estimates what a comparison will take before it begins.
 
 use super::{
-    Backends, CompareEvent, CompareOptions, SceneInput, compare, scene::camera_and_light,
-    settings_of,
+    backends::Backends,
+    compare,
+    event::CompareEvent,
+    options::{CompareOptions, SceneInput},
+    settings::settings_of,
 };
-use crate::LabError;
+use crate::error::LabError;
 use glam::UVec2;
 use std::{
     sync::Mutex,
@@ -54,7 +57,7 @@ impl Expected {
             ..Self::default()
         };
         for input in inputs {
-            let (camera, light) = camera_and_light(&input.scene)?;
+            let (camera, light) = input.camera_and_light()?;
             let rows = settings_of(input, options)?.len() * backends;
             let options = input.options_or(options);
             let pixels = pixels(options.camera(camera).size);
@@ -86,6 +89,11 @@ impl Expected {
         }
         Ok(out)
     }
+
+    /// Returns the work of one scene: pixels of its image times its rows.
+    pub(super) fn work(&self) -> u64 {
+        self.pixels * self.rows as u64
+    }
 }
 
 fn pixels(size: UVec2) -> u64 {
@@ -104,7 +112,7 @@ pub fn pilot(
 ) -> Result<Duration, LabError> {
     let mut sizes = Vec::new();
     for input in inputs {
-        let (camera, _) = camera_and_light(&input.scene)?;
+        let (camera, _) = input.camera_and_light()?;
         sizes.push(input.options_or(options).camera(camera).size);
     }
     let largest = inputs

@@ -3,16 +3,17 @@
 //! A file is found by a hash of all that truth depends on: triangles, camera, light, options, and the program that traces. It
 //! begins with a checksum of the rest, so that a file that was cut off or changed is traced anew.
 
+use super::seen::SceneView;
 use crate::{
-    LabError,
-    output::{Folder, checksum, program_hash},
+    error::LabError,
+    output::{checksum, folder::Folder, program_hash},
 };
 use std::{
     fs,
     path::PathBuf,
     time::{Duration, SystemTime},
 };
-use umbrage_core::{Camera, Geometry, Light, Receivers, metrics::Pixel};
+use umbrage_core::{Receivers, metrics::Pixel};
 use umbrage_plan::truth::{Truth, TruthOptions};
 
 /// The most bytes that are kept; the files that were used least recently are removed.
@@ -26,15 +27,6 @@ pub struct KeptTruth {
     program: String,
 }
 
-/// All that truth depends on, but for the program.
-#[derive(Clone, Copy)]
-pub(super) struct TruthSubject<'a> {
-    pub(super) camera: &'a Camera,
-    pub(super) light: &'a Light,
-    pub(super) geometry: &'a Geometry,
-    pub(super) options: &'a TruthOptions,
-}
-
 impl KeptTruth {
     /// Keeps truth in a folder, which is made once there is something to keep.
     pub fn in_folder(folder: PathBuf) -> Self {
@@ -44,25 +36,29 @@ impl KeptTruth {
         }
     }
 
-    fn name(&self, subject: &TruthSubject<'_>) -> String {
-        let triangles = subject.geometry.fingerprint();
-        let camera = subject.camera;
-        let light = subject.light;
-        let options = subject.options;
+    fn name(&self, view: &SceneView<'_>, options: &TruthOptions) -> String {
+        let triangles = view.geometry.fingerprint();
+        let camera = view.camera;
+        let light = view.light;
         let program = &self.program;
         let text = format!("{triangles:x} {camera:?} {light:?} {options:?} {program}");
         format!("{}.truth", checksum(text.as_bytes()))
     }
 
     /// Returns what is kept; none if nothing is, or it is not whole. `receivers` are what the camera sees.
-    pub(super) fn read(&self, subject: &TruthSubject<'_>, receivers: Receivers) -> Option<Truth> {
+    pub(super) fn read(
+        &self,
+        view: &SceneView<'_>,
+        options: &TruthOptions,
+        receivers: Receivers,
+    ) -> Option<Truth> {
         // Without the program's hash nobody knows whose truth it is.
         if self.program.is_empty() {
             return None;
         }
-        let path = self.folder.join(self.name(subject));
+        let path = self.folder.join(self.name(view, options));
         let bytes = fs::read(&path).ok()?;
-        let truth = decoded(&bytes, receivers, subject.geometry.fingerprint())?;
+        let truth = decoded(&bytes, receivers, view.geometry.fingerprint())?;
         // So that what is used is not what is removed first. Where that is refused it is removed earlier, which costs time alone.
         if let Ok(file) = fs::File::options().append(true).open(&path) {
             let _ = file.set_modified(SystemTime::now());
@@ -74,13 +70,18 @@ impl KeptTruth {
     ///
     /// # Errors
     /// Errors if the folder can't be written.
-    pub(super) fn write(&self, subject: &TruthSubject<'_>, truth: &Truth) -> Result<(), LabError> {
+    pub(super) fn write(
+        &self,
+        view: &SceneView<'_>,
+        options: &TruthOptions,
+        truth: &Truth,
+    ) -> Result<(), LabError> {
         // Nothing is read then: see `read`.
         if self.program.is_empty() {
             return Ok(());
         }
         let folder = Folder::create(&self.folder)?;
-        folder.write(&self.name(subject), &encoded(truth))?;
+        folder.write(&self.name(view, options), &encoded(truth))?;
         for name in self.too_many() {
             folder.remove(&name)?;
         }
@@ -187,6 +188,7 @@ fn decoded(bytes: &[u8], receivers: Receivers, fingerprint: u64) -> Option<Truth
 mod tests {
     use super::*;
     use glam::UVec2;
+    use umbrage_core::{Camera, Geometry, Light};
     use umbrage_cpu::Cpu;
 
     struct Stage {
@@ -212,13 +214,16 @@ mod tests {
             }
         }
 
-        fn subject(&self) -> TruthSubject<'_> {
-            TruthSubject {
+        fn view(&self) -> SceneView<'_> {
+            SceneView {
                 camera: &self.camera,
                 light: &self.light,
                 geometry: &self.geometry,
-                options: &self.options,
             }
+        }
+
+        fn read(&self, kept: &KeptTruth, receivers: Receivers) -> Option<Truth> {
+            kept.read(&self.view(), &self.options, receivers)
         }
 
         fn receivers(&self) -> Receivers {
@@ -250,12 +255,11 @@ mod tests {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let kept = KeptTruth::in_folder(dir.path().join("truth"));
         let stage = Stage::new();
-        assert!(kept.read(&stage.subject(), stage.receivers()).is_none());
+        assert!(stage.read(&kept, stage.receivers()).is_none());
         let truth = stage.truth();
-        kept.write(&stage.subject(), &truth).expect("writable");
-        let read = kept
-            .read(&stage.subject(), stage.receivers())
-            .expect("kept");
+        kept.write(&stage.view(), &stage.options, &truth)
+            .expect("writable");
+        let read = stage.read(&kept, stage.receivers()).expect("kept");
         assert_eq!(bits(&read.visibility), bits(&truth.visibility));
         assert_eq!(bits(&read.error), bits(&truth.error));
         assert_eq!(bits(&read.blocker), bits(&truth.blocker));
@@ -267,15 +271,15 @@ mod tests {
         // Of another camera, light, option or program nothing is kept.
         let mut other = Stage::new();
         other.options.samples = 9;
-        assert!(kept.read(&other.subject(), stage.receivers()).is_none());
+        assert!(other.read(&kept, stage.receivers()).is_none());
         let mut other = Stage::new();
         other.camera = other.camera.nudged(glam::Vec2::X);
-        assert!(kept.read(&other.subject(), stage.receivers()).is_none());
+        assert!(other.read(&kept, stage.receivers()).is_none());
         let rebuilt = KeptTruth {
             program: "another".to_owned(),
             ..kept.clone()
         };
-        assert!(rebuilt.read(&stage.subject(), stage.receivers()).is_none());
+        assert!(stage.read(&rebuilt, stage.receivers()).is_none());
     }
 
     #[test]

@@ -1,4 +1,21 @@
 //! Comparing techniques, settings and backends on scenes against truth.
+//!
+//! A row from the command line to the report, in reading order:
+//!
+//! 1. `cli/compare.rs`: the arguments, and the options that they make.
+//! 2. This file: [`compare`], scene by scene.
+//! 3. `settings.rs`: the technique settings of a scene.
+//! 4. `scene.rs`: truth, then each setting.
+//! 5. `row.rs`: the recipe, its execution on each backend, its error and its agreement.
+//! 6. `timing.rs`: runs in turn with a yardstick.
+//! 7. `result.rs`: the row as plain data.
+//! 8. `report/mod.rs`: a scene's figures and images on disk.
+//! 9. `report/assemble.rs`: `results.json`, charts and the page of all scenes.
+//! 10. `report/table.rs`: the line of `rows.csv`; `report/page_rows.rs` is the same for the page.
+//!
+//! Beside the way: `kept_truth` (truth of earlier runs), `seen` (pixels that a backend sees),
+//! `agreement` and `nudges` (rounding), `control` and `horizon` (negative controls), `map_uses`,
+//! `expected` (cost of a comparison), `relative` and `choice` (settings over many scenes).
 
 pub(crate) mod agreement;
 mod backends;
@@ -10,15 +27,15 @@ mod event;
 mod expected;
 mod horizon;
 mod kept_truth;
+mod map_uses;
 mod nudges;
 mod options;
-mod planned;
-mod preparation;
 mod relative;
 mod result;
+mod row;
 mod scene;
 mod seen;
-mod slug;
+mod settings;
 mod timing;
 
 pub use agreement::agree;
@@ -29,20 +46,20 @@ pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};
 pub use kept_truth::KeptTruth;
 pub use options::{CompareOptions, MIN_JUDGED_RUNS, NamedPreset, Runs, SceneInput, Section};
-pub use preparation::Preparation;
 pub use relative::{MIN_ERROR, Relative, SceneGroup, relative, scene_groups};
 pub use result::{
-    CompareRow, Comparison, Control, CostBasis, Environment, Measured, Ranks, RowOutcome, RowTimes,
-    SCHEMA, SceneResult, TimingStats, TruthSummary,
+    CompareRow, Comparison, Control, CostBasis, Environment, Measured, Preparation, Ranks,
+    RowOutcome, RowTimes, SCHEMA, SceneResult, TimingStats, TruthSummary,
 };
+pub use row::RowImages;
 pub use scene::SceneImages;
 pub use timing::CALM;
 pub(crate) use timing::{Again, again};
 pub use umbrage_plan::motion::FrameMotion;
 
-use crate::LabError;
+use crate::error::LabError;
+use settings::settings_of;
 use umbrage_core::Fit;
-use umbrage_techniques::TechniquePreset;
 
 /// In comparisons of at most this many scenes every row gets its pictures: whoever names a scene wants to see it.
 pub(crate) const FEW_SCENES: usize = 3;
@@ -70,11 +87,12 @@ pub fn compare(
     options.settings(Fit::Tight)?;
     let mut parts = Vec::new();
     for input in inputs {
-        parts.push(Part::of(input, options, backends.playing.len())?);
+        let one = std::slice::from_ref(input);
+        parts.push(Expected::new(one, options, backends.playing.len())?);
     }
     on_event(CompareEvent::Started {
         scenes: inputs.len(),
-        work: parts.iter().map(|part| part.work).sum(),
+        work: parts.iter().map(Expected::work).sum(),
     });
     let mut scenes = Vec::new();
     // The report may have more scenes than this run (from other shards), but never fewer: then it doesn't use them.
@@ -84,7 +102,7 @@ pub fn compare(
             name: &input.scene.name,
             index,
             rows: parts[index].rows,
-            work: parts[index].work,
+            work: parts[index].work(),
         });
         let settings = settings_of(input, options)?;
         let options = input.options_or(options);
@@ -100,55 +118,6 @@ pub fn compare(
         notices: backends.notices.clone(),
         scenes,
     })
-}
-
-/// A scene's part of a comparison.
-struct Part {
-    rows: usize,
-    /// Pixels of its image times its rows.
-    work: u64,
-}
-
-impl Part {
-    fn of(input: &SceneInput, options: &CompareOptions, backends: usize) -> Result<Self, LabError> {
-        let rows = settings_of(input, options)?.len() * backends;
-        let (camera, _) = scene::camera_and_light(&input.scene)?;
-        let size = input.options_or(options).camera(camera).size;
-        let pixels = u64::from(size.x) * u64::from(size.y);
-        Ok(Self {
-            rows,
-            work: pixels * rows as u64,
-        })
-    }
-}
-
-/// Returns all settings that are played on a scene.
-fn settings_of(
-    input: &SceneInput,
-    options: &CompareOptions,
-) -> Result<Vec<slug::NamedSetting>, LabError> {
-    let options = input.options_or(options);
-    let tight = options.settings(Fit::Tight)?;
-    let all = with_fit(&tight, input.fit, options)?;
-    Ok(slug::with_slugs(&options.presets, &all))
-}
-
-/// Returns the settings, then those under the scene's own fit. Settings without a map are the same under both and stay single.
-fn with_fit(
-    tight: &[TechniquePreset],
-    fit: Option<Fit>,
-    options: &CompareOptions,
-) -> Result<Vec<TechniquePreset>, LabError> {
-    let mut out = tight.to_vec();
-    let Some(fit) = fit else {
-        return Ok(out);
-    };
-    for setting in options.settings(fit)? {
-        if !tight.contains(&setting) {
-            out.push(setting);
-        }
-    }
-    Ok(out)
 }
 
 #[cfg(test)]

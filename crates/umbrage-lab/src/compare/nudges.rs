@@ -1,6 +1,6 @@
 //! What rounding may come to: a recipe as the CPU renders it after something moved by so much.
 
-use crate::LabError;
+use crate::error::LabError;
 use glam::{Vec2, Vec3, Vec4};
 use umbrage_core::{
     Backend, Cast, CastMode, LightSpace, Receivers, Recipe, Shadows, Snapping, View,

@@ -1,12 +1,11 @@
 //! Options of a comparison.
 
-use super::FrameMotion;
-use crate::LabError;
 use glam::UVec2;
 use std::time::Duration;
-use umbrage_core::{Camera, Fit, Invalid, Scene};
-use umbrage_plan::catalogue::Catalogue;
-use umbrage_plan::{cost::PriceList, truth::TruthOptions};
+use umbrage_core::{Camera, Fit, Invalid, Light, Scene};
+use umbrage_plan::{
+    catalogue::Catalogue, cost::PriceList, motion::FrameMotion, truth::TruthOptions,
+};
 use umbrage_techniques::TechniquePreset;
 
 /// What a scene is compared for.
@@ -49,10 +48,28 @@ impl SceneInput {
         }
     }
 
+    /// Returns the scene's first camera and first light, which are the ones compared.
+    pub(super) fn camera_and_light(&self) -> Result<(&Camera, &Light), Invalid> {
+        let scene = &self.scene;
+        let camera = scene.cameras.first();
+        let light = scene.lights.first();
+        let camera = camera.ok_or_else(|| missing(scene, "camera"))?;
+        let light = light.ok_or_else(|| missing(scene, "light"))?;
+        Ok((camera, light))
+    }
+
     /// Returns the options by which the scene is compared: its own, or else these.
     pub fn options_or<'a>(&'a self, of_all: &'a CompareOptions) -> &'a CompareOptions {
         self.options.as_deref().unwrap_or(of_all)
     }
+}
+
+fn missing(scene: &Scene, what: &str) -> Invalid {
+    Invalid::new(
+        format!("scene `{}`", scene.name),
+        format!("has no {what}"),
+        "add one",
+    )
 }
 
 /// A technique with settings of the user's, compared under a name of its own.
@@ -262,37 +279,6 @@ impl CompareOptions {
             },
             ..Self::quick()
         }
-    }
-
-    /// Returns the technique settings to be compared, their maps under this fit.
-    ///
-    /// # Errors
-    /// Errors if a name is unknown or a map size is missing.
-    pub(super) fn settings(&self, fit: Fit) -> Result<Vec<TechniquePreset>, LabError> {
-        let mut chosen = self.catalogue.select(&self.techniques)?;
-        if self.is_preview && self.techniques.is_empty() {
-            chosen.retain(|entry| entry.is_previewed);
-        }
-        if self.map_sizes.is_empty() {
-            return Err(Invalid::new(
-                "map sizes",
-                "are missing",
-                "give at least one, such as 1024",
-            )
-            .into());
-        }
-        let max = self.max_settings.unwrap_or(usize::MAX);
-        let mut out = Vec::new();
-        for entry in chosen {
-            let listed = if self.headline {
-                entry.headline
-            } else {
-                entry.settings
-            };
-            let of_entry = listed(&self.map_sizes, fit);
-            out.extend(of_entry.into_iter().take(max));
-        }
-        Ok(out)
     }
 
     /// Returns a scene's camera with the wanted image size.

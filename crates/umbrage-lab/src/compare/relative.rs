@@ -9,9 +9,13 @@
 //! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
 //! mean over the others.
 
-use super::{Comparison, CostBasis, FrameMotion, Measured, SceneResult, Section, TimingStats};
+use super::{
+    options::Section,
+    result::{Comparison, CostBasis, Measured, SceneResult, TimingStats},
+};
 use serde::Serialize;
 use std::collections::HashMap;
+use umbrage_plan::motion::FrameMotion;
 
 /// Relative errors below this are drawn here: a thousandth of the error of no shadow cannot be seen, and 0 has no logarithm.
 pub const MIN_ERROR: f64 = 1e-3;
@@ -250,7 +254,7 @@ impl SceneResult {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::{CompareRow, Preparation, RowOutcome, RowTimes};
+    use crate::compare::result::{CompareRow, Preparation, RowOutcome, RowTimes};
     use umbrage_core::metrics::{Causes, Errors};
     use umbrage_plan::cost::Work;
 

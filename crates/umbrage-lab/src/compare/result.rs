@@ -1,11 +1,12 @@
 //! The results of a comparison: plain data, written to `results.json` as it is.
 
-use super::{FrameMotion, Preparation, Section};
+use super::options::Section;
 use serde::{Deserialize, Serialize};
 use umbrage_core::metrics::{Agreement, Causes, Errors};
 use umbrage_plan::{
     cost::{Work, rank_correlation},
     footprint::MapUse,
+    motion::FrameMotion,
     statistics::Sorted,
 };
 
@@ -469,6 +470,16 @@ pub enum CostBasis {
     Wall,
     /// Counted work times its price: the same on every run.
     Cost,
+}
+
+/// The times of what comes before a backend plays, for one setting on one scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Preparation {
+    /// Once a scene: hierarchies over its triangles, welded edges and the like, milliseconds. It is the time by which the first
+    /// recipe of fresh triangles takes longer than later ones.
+    pub scene_ms: f64,
+    /// Making the recipe: once a change of what it depends on.
+    pub recipe: TimingStats,
 }
 
 /// How long the stages took; none where a stage is not played or not measurable.

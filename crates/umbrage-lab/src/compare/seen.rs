@@ -1,10 +1,26 @@
 //! Compares the triangles that a backend sees with those that truth was traced for.
 
-use super::scene::SceneView;
-use crate::LabError;
-use umbrage_core::{Backend, Receivers, Shadows, Snapping, metrics::Pixel};
+use crate::error::LabError;
+use umbrage_core::{
+    Backend, Camera, Geometry, Light, Receivers, Shadows, Snapping, View, metrics::Pixel,
+};
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_plan::truth::{Truth, TruthOptions, ambiguous_on};
+
+/// The camera, the light and the triangles of a scene, without receivers.
+#[derive(Clone, Copy)]
+pub(super) struct SceneView<'a> {
+    pub(super) camera: &'a Camera,
+    pub(super) light: &'a Light,
+    pub(super) geometry: &'a Geometry,
+}
+
+impl<'a> SceneView<'a> {
+    /// Returns the same as core's type.
+    pub(super) fn core(&self) -> View<'a> {
+        View::new(self.camera, self.light, self.geometry)
+    }
+}
 
 /// What a backend sees of a scene.
 #[derive(Debug)]

@@ -1,7 +1,10 @@
 //! Comparisons on the CPU, and faulty backends.
 
 use super::*;
-use crate::faulty_backend::{FaultyBackend, darken_one, lighten_one};
+use crate::{
+    compare::settings::with_fit,
+    faulty_backend::{FaultyBackend, darken_one, lighten_one},
+};
 use std::collections::BTreeSet;
 use umbrage_core::{
     Fit, Geometry, Receivers, ShadowTechnique as _, Shadows, Snapping, View, glam::UVec2,
@@ -543,17 +546,15 @@ fn images_come_with_every_row() {
     let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
     let mut seen = 0;
     let sink = &mut |r: &SceneResult, images: &SceneImages| {
-        assert_eq!(
-            [r.rows.len(); 2],
-            [images.masks.len(), images.lookups.len()]
-        );
-        for (row, heat) in r.rows.iter().zip(&images.lookups) {
+        assert_eq!(r.rows.len(), images.rows.len());
+        for (row, images) in r.rows.iter().zip(&images.rows) {
             // Cascades stand side by side, three in a row.
             let is_one_map = !row.settings.contains("cascades");
-            let heat = heat.as_ref();
+            let heat = images.lookups.as_ref();
             assert!(heat.is_none_or(|heat| (heat.size == [256; 2]) == is_one_map));
         }
-        assert!(images.masks.iter().flatten().all(|m| m.len() == 96 * 64));
+        let mut masks = images.rows.iter().filter_map(|row| row.mask.as_ref());
+        assert!(masks.all(|m| m.len() == 96 * 64));
         assert!(images.truth.pixels.contains(&Pixel::Counted));
         seen += 1;
         Ok(())
@@ -582,7 +583,11 @@ fn only_few_scenes_keep_where_maps_are_looked_up() {
                     .all(|row| row.measured().is_some_and(|m| m.maps.is_some())),
                 "figures are for all"
             );
-            kept += images.lookups.iter().flatten().count();
+            kept += images
+                .rows
+                .iter()
+                .filter(|row| row.lookups.is_some())
+                .count();
             Ok(())
         };
         compare(

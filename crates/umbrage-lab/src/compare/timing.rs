@@ -1,4 +1,4 @@
-//! Times rows in turn with a yardstick.
+//! Times rows in turn with a yardstick, and the making of their recipes.
 //!
 //! A graphics device clocks down while the CPU traces truth or prepares a row. So before each row
 //! it renders the yardstick until that takes as little time as ever. What counts is the row's time
@@ -6,16 +6,16 @@
 //! full clock.
 
 use super::{
-    Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats,
-    result::{has_device_clock, stem_of},
-    scene::camera_and_light,
-    settings_of,
+    backends::Backends,
+    options::{CompareOptions, Runs, SceneInput},
+    result::{Ranks, RowTimes, TimingStats, has_device_clock, stem_of},
+    settings::settings_of,
 };
-use crate::LabError;
+use crate::error::LabError;
 use std::time::{Duration, Instant};
 use umbrage_core::{
-    Backend, BackendError, Geometry, Receivers, Recipe, ShadowTechnique as _, Shadows, Timings,
-    View,
+    Backend, BackendError, Geometry, Receivers, Recipe, RecipeError, ShadowTechnique, Shadows,
+    Timings, View,
 };
 use umbrage_plan::cost::Work;
 use umbrage_yardstick::{MAX_UNITS, MIN_UNITS, Yardstick};
@@ -54,6 +54,55 @@ pub(super) fn measure(
     let receivers = first.receivers.as_ref().or(view.receivers);
     let times = time(backend, view, receivers, recipe, runs, cost_ms, clock)?.times();
     Ok((first, Some(times)))
+}
+
+/// How often a recipe is made to be timed.
+const RECIPES: u32 = 3;
+/// Seconds after which no further recipe is made to be timed.
+const MAX_SECONDS: f64 = 0.5;
+
+/// Makes a recipe and times that.
+///
+/// # Errors
+/// Errors if the technique can't make it.
+pub(super) fn time_recipe(
+    technique: &dyn ShadowTechnique,
+    view: &View<'_>,
+) -> Result<(Recipe, TimingStats), RecipeError> {
+    let recipe = technique.recipe(view)?;
+    recipe.make_tables();
+    let start = Instant::now();
+    let mut times = Vec::new();
+    for _ in 0..RECIPES {
+        let one = Instant::now();
+        technique.recipe(view)?.make_tables();
+        times.push(one.elapsed().as_secs_f64() * 1e3);
+        if start.elapsed().as_secs_f64() > MAX_SECONDS {
+            break;
+        }
+    }
+    Ok((recipe, TimingStats::of(times).unwrap_or_default()))
+}
+
+/// Returns by how many milliseconds a first recipe for the triangles of a scene takes longer than `later_ms`; 0 if the technique
+/// doesn't serve it.
+pub(super) fn time_of_scene(
+    technique: &dyn ShadowTechnique,
+    view: &View<'_>,
+    later_ms: f64,
+) -> f64 {
+    let fresh = view.geometry.map(Geometry::without_hierarchies);
+    let view = View {
+        geometry: fresh.as_ref(),
+        ..*view
+    };
+    let start = Instant::now();
+    match technique.recipe(&view) {
+        Ok(recipe) => recipe.make_tables(),
+        Err(_) => return 0.0,
+    }
+    let first_ms = start.elapsed().as_secs_f64() * 1e3;
+    (first_ms - later_ms).max(0.0)
 }
 
 /// The clock of a graphics device over the rows of a scene, which are timed with the same
@@ -387,7 +436,7 @@ pub(crate) fn again(
     runs: &Runs,
     backends: &mut Backends,
 ) -> Result<Vec<Option<Again>>, LabError> {
-    let (camera, light) = camera_and_light(&input.scene)?;
+    let (camera, light) = input.camera_and_light()?;
     let settings = settings_of(input, options)?;
     let options = input.options_or(options);
     let camera = options.camera(camera);

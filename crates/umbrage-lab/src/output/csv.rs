@@ -1,6 +1,6 @@
 //! Tables of comma-separated values.
 
-use crate::LabError;
+use crate::error::LabError;
 use serde::Serialize;
 
 /// Returns a table of records: a header of the field names, then one line a record. `file` names it in errors.

@@ -9,7 +9,7 @@
 //! # Ok::<(), umbrage_lab::LabError>(())
 //! ```
 
-use crate::LabError;
+use crate::error::LabError;
 use kuva::prelude::{
     Layout, LegendPosition, LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, TickFormat,
 };

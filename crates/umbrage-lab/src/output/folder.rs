@@ -1,6 +1,6 @@
 //! Writing files whole or not at all.
 
-use crate::LabError;
+use crate::error::LabError;
 use std::{
     fs, io,
     path::{Path, PathBuf},

@@ -1,7 +1,7 @@
 //! Heat maps of lookups.
 
 use super::png::encode_rgb;
-use crate::LabError;
+use crate::error::LabError;
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_plan::footprint::Heat;
 

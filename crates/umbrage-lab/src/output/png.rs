@@ -1,6 +1,6 @@
 //! Masks and errors as pictures, encoded as PNG.
 
-use crate::LabError;
+use crate::error::LabError;
 use glam::{UVec2, Vec3};
 use image::{ExtendedColorType, ImageEncoder, codecs::png};
 use umbrage_core::metrics::{Cause, Pixel};

@@ -8,8 +8,8 @@ pub use bias_curve::curve_figure;
 pub use regret_table::{RegretLine, write_regret};
 
 use crate::{
-    LabError,
-    output::{Folder, csv, slug},
+    error::LabError,
+    output::{csv, folder::Folder, slug},
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! Writes the comparison of plans with sweeps as a table.
 
 use crate::{
-    LabError,
-    output::{Folder, csv},
+    error::LabError,
+    output::{csv, folder::Folder},
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! A strip of pictures beside a plan: truth, what was chosen, and cheaper ones, with the error below each.
 
-use crate::{LabError, output::png};
+use crate::{error::LabError, output::png};
 use glam::{UVec2, Vec3};
 use kuva::{
     backend::png::PngBackend,

@@ -3,10 +3,10 @@
 //! The format is version 1.0 of NumPy Enhancement Proposal 1, "A Simple File Format for NumPy Arrays"
 //! (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
-use crate::output::Folder;
+use crate::output::folder::Folder;
 use crate::{
-    LabError,
     compare::{SceneImages, SceneResult},
+    error::LabError,
 };
 use glam::UVec2;
 use std::io;
@@ -37,8 +37,8 @@ pub(super) fn write(
     write_array(folder, "truth.npy", receivers, &truth.visibility)?;
     write_array(folder, "t.npy", receivers, &receivers.distance)?;
     write_array(folder, "ambiguous.npy", receivers, &ambiguous)?;
-    for (row, mask) in result.rows.iter().zip(&images.masks) {
-        if let Some(mask) = mask {
+    for (row, images) in result.rows.iter().zip(&images.rows) {
+        if let Some(mask) = &images.mask {
             let name = format!("{}.{}.npy", row.slug, row.backend);
             write_array(folder, &name, receivers, mask)?;
         }

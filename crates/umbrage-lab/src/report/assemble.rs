@@ -1,20 +1,22 @@
 //! Writes the report of all scenes from their folders: the same for one run, one that was stopped and continued, and shards.
 
 use super::{
-    StabilitySource, chart, chosen, lines,
+    chart, chosen,
     page::{self, Contents, CostRanks, PageGroup, PageScene, PageSetting},
     page_rows::{PageRow, RowPictures},
+    stability_source::StabilitySource,
     still::{self, GroupWords, Words},
     store::{Stored, is_chart},
-    to_csv, work_table,
+    table::{lines, to_csv},
+    work_table,
 };
 use crate::{
-    LabError,
     compare::{
         CompareRow, Comparison, CostBasis, Environment, Relative, SCHEMA, SceneResult,
         SettingGroup, setting_groups,
     },
-    output::{Folder, csv},
+    error::LabError,
+    output::{csv, folder::Folder},
 };
 use std::{
     fs,

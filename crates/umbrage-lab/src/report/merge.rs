@@ -1,11 +1,12 @@
 //! Merges the reports of a comparison's shards into one: byte by byte what a single run would have written of the same figures.
 
 use super::{
-    StabilitySource, assemble,
+    assemble,
     run::Run,
+    stability_source::StabilitySource,
     store::{ComparisonPlan, Stored},
 };
-use crate::{LabError, compare::Comparison, output::Folder};
+use crate::{compare::Comparison, error::LabError, output::folder::Folder};
 use std::{
     fs, io,
     path::{Path, PathBuf},

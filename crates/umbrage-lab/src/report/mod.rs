@@ -41,9 +41,9 @@ pub use store::ComparisonPlan;
 pub use table::{Line, lines, to_csv};
 
 use crate::{
-    LabError,
-    compare::{Comparison, Environment, FEW_SCENES, SceneImages, SceneResult},
-    output::{Folder, heat_map, png, program_hash},
+    compare::{Comparison, Environment, FEW_SCENES, RowImages, SceneImages, SceneResult},
+    error::LabError,
+    output::{folder::Folder, heat_map, png, program_hash},
 };
 use rayon::prelude::*;
 use run::Run;
@@ -137,7 +137,7 @@ impl Report {
         let all = self.run.plan.scenes.len() <= FEW_SCENES;
         (0..result.rows.len())
             .into_par_iter()
-            .filter(|i| all || chosen.contains(i) || images.colors[*i].is_some())
+            .filter(|i| all || chosen.contains(i) || images.rows[*i].color.is_some())
             .try_for_each(|i| row_pictures(&folder, result, images, i))?;
         if all {
             (0..result.rows.len())
@@ -199,7 +199,8 @@ fn row_pictures(
     row: usize,
 ) -> Result<(), LabError> {
     let truth = &images.truth;
-    let Some(mask) = &images.masks[row] else {
+    let RowImages { mask, color, .. } = &images.rows[row];
+    let Some(mask) = mask else {
         return Ok(());
     };
     let stem = result.rows[row].stem();
@@ -209,7 +210,7 @@ fn row_pictures(
     )?;
     let error = png::error(truth.size, mask, &truth.visibility, &truth.pixels)?;
     folder.write(&format!("{stem}.error.png"), &error)?;
-    if let Some(png) = &images.colors[row] {
+    if let Some(png) = color {
         folder.write(&format!("{stem}.color.png"), png)?;
     }
     Ok(())
@@ -222,7 +223,7 @@ fn heat_picture(
     images: &SceneImages,
     row: usize,
 ) -> Result<(), LabError> {
-    let Some(heat) = &images.lookups[row] else {
+    let Some(heat) = &images.rows[row].lookups else {
         return Ok(());
     };
     folder.write(

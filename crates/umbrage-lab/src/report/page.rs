@@ -16,8 +16,7 @@ use std::collections::BTreeMap;
 const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
 /// In the order in which they run: later ones use what earlier ones declare.
-const SCRIPTS: [&str; 8] = [
-    include_str!("../output/elements.js"),
+const SCRIPTS: [&str; 7] = [
     include_str!("page/base.js"),
     include_str!("page/verdicts.js"),
     include_str!("page/chart.js"),

@@ -2,9 +2,9 @@
 
 use super::store::{self, ComparisonPlan, Stored};
 use crate::{
-    LabError,
     compare::{Environment, SceneResult},
-    output::Folder,
+    error::LabError,
+    output::folder::Folder,
 };
 use serde::{Deserialize, Serialize};
 use std::{

@@ -1,9 +1,9 @@
 //! Scenes on disk: each is a folder that is written whole or not at all, so that a stopped comparison loses nothing.
 
-use crate::output::Folder;
+use crate::output::folder::Folder;
 use crate::{
-    LabError,
     compare::{CompareOptions, Environment, SCHEMA, SceneInput, SceneResult},
+    error::LabError,
     output::{checksum, hash, slug},
 };
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! `rows.csv`: a line for each row, with all figures.
 
 use crate::compare::{CompareRow, Comparison, RowOutcome, SceneResult, TimingStats};
-use crate::{LabError, output::csv};
+use crate::{error::LabError, output::csv};
 use serde::{Deserialize, Serialize};
 
 /// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were not measured, errors among

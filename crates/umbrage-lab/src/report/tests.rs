@@ -113,21 +113,16 @@ pub(super) fn scene() -> (SceneResult, SceneImages) {
         controls,
         ..SceneResult::default()
     };
-    let colors = vec![None; masks.len()];
-    let mut lookups = vec![None; masks.len()];
-    lookups[0] = Some(Arc::new(Heat {
+    let images = |mask| RowImages {
+        mask,
+        ..RowImages::default()
+    };
+    let mut rows: Vec<RowImages> = masks.into_iter().map(images).collect();
+    rows[0].lookups = Some(Arc::new(Heat {
         size: [2, 1],
         lookups: vec![0, 3],
     }));
-    (
-        result,
-        SceneImages {
-            truth,
-            masks,
-            colors,
-            lookups,
-        },
-    )
+    (result, SceneImages { truth, rows })
 }
 
 /// A comparison of two scenes of one name.

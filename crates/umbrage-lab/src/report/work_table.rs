@@ -1,7 +1,7 @@
 //! `work.csv`: the counted work of each row beside its time, from which anyone can fit prices of their own.
 
 use crate::compare::{CompareRow, Comparison, SceneResult, TimingStats};
-use crate::{LabError, output::csv};
+use crate::{error::LabError, output::csv};
 use serde::{Deserialize, Serialize};
 use umbrage_plan::cost::Work;
 

@@ -1,7 +1,7 @@
 //! Renders one recipe on every backend. Figures are the first's; the others must agree with it where they serve the recipe.
 
 use super::guard::{self, NoMask};
-use crate::compare::agree;
+use crate::compare::agreement::agree;
 use umbrage_core::{Backend, Recipe, Shadows, Snapping, View};
 
 /// The first backend's mask, and on how many pixels the other backends differ from it.

@@ -1,7 +1,7 @@
 //! What is known of a case before any technique plays it: truth, and what a perfect map would show.
 
 use super::texels::{Texels, point_at, to_center, within};
-use crate::LabError;
+use crate::error::LabError;
 use glam::{DVec2, Vec3};
 use umbrage_core::{
     Camera, Fit, Geometry, Invalid, Layout, Light, RecipeError, Scene, View,

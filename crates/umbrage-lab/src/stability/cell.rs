@@ -1,6 +1,9 @@
 //! The results of a run, as plain data.
 
-use super::{Verdict, VerdictLimits, window::BiasWindow};
+use super::{
+    bias_window::BiasWindow,
+    verdict::{Judgement, Verdict, VerdictLimits},
+};
 use serde::{Deserialize, Serialize};
 
 /// The whole matrix.
@@ -102,28 +105,6 @@ pub enum CellOutcome {
         /// What did: NaN, a panic, an error of the graphics API.
         what: String,
     },
-}
-
-/// A cell's figure by one criterion.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Judgement {
-    /// In the measure's unit; smaller is better. None if it is not measured.
-    pub figure: Option<f64>,
-    /// Against the limits.
-    pub verdict: Verdict,
-    /// Why it is not measured; none if it is.
-    pub reason: Option<String>,
-}
-
-impl Judgement {
-    /// Returns the judgement of what could not have failed. `reason` says why.
-    pub fn not_measured(reason: &str) -> Self {
-        Self {
-            figure: None,
-            verdict: Verdict::NotMeasured,
-            reason: Some(reason.to_owned()),
-        }
-    }
 }
 
 impl CellOutcome {

@@ -1,7 +1,10 @@
 //! What a case is judged by: its own measure, and what a cure would take away.
 
 use super::{
-    VerdictLimits, case_truth::CaseTruth, cell::CriterionResult, measure::Measure, verdict::Verdict,
+    case_truth::CaseTruth,
+    cell::CriterionResult,
+    measure::Measure,
+    verdict::{Verdict, VerdictLimits},
 };
 
 /// A measure with its limits on one case.

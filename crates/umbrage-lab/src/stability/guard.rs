@@ -1,7 +1,7 @@
 //! Catches what must never happen in a cell: visibilities outside 0..=1, panics, errors of the graphics API, and backends whose
 //! state a rendering has changed.
 
-use crate::LabError;
+use crate::error::LabError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use umbrage_core::{
     Backend, BackendError, Geometry, Recipe, RecipeError, ShadowTechnique, Shadows, View,

@@ -1,15 +1,15 @@
 //! The measures that cases are judged by, their units, and where they pass and fail.
 
 use super::{
-    VerdictLimits,
     case_truth::CaseTruth,
     measures::{
         band::{self, Band},
-        cube_seams, edge, gap,
-        gap::Contact,
+        cube_seams, edge,
+        gap::{self, Contact},
         open,
         penumbra::{self, ShadowPlaces},
     },
+    verdict::VerdictLimits,
 };
 use glam::Vec3;
 use umbrage_core::{

@@ -15,6 +15,7 @@
 //! is visible (steps of 1/255, one pixel in a thousand), or from the noise of a stated number of rays.
 
 mod all_backends;
+mod bias_window;
 mod case_truth;
 mod cell;
 mod criterion;
@@ -37,8 +38,9 @@ mod threads;
 mod verdict;
 mod window;
 
+pub use bias_window::{Base, BiasWindow};
 pub use case_truth::{CaseTruth, OPEN_TEXELS, without_extent};
-pub use cell::{CaseResult, Cell, CellOutcome, CriterionResult, Judgement, Stability};
+pub use cell::{CaseResult, Cell, CellOutcome, CriterionResult, Stability};
 pub use criterion::Criterion;
 pub use guard::is_as_new;
 pub use measure::Measure;
@@ -50,8 +52,8 @@ pub use run::{StabilityEvent, StabilityOptions, case_truth, check_state, run};
 pub use setting_verdicts::{FailedRow, SettingVerdicts, nearest};
 pub use settings::settings;
 pub use umbrage_scenes::motion::Motion;
-pub use verdict::{FAILS_AT, Verdict, VerdictLimits};
-pub use window::{Base, BiasWindow, windows};
+pub use verdict::{FAILS_AT, Judgement, Verdict, VerdictLimits};
+pub use window::windows;
 
 #[cfg(test)]
 mod tests;

@@ -14,16 +14,19 @@
 //! there.
 
 use super::{
-    Cell, CellOutcome, Criterion, Judgement, Verdict, VerdictLimits, all_backends,
+    all_backends,
     case_truth::{CaseTruth, visibility_at_receivers},
+    cell::{Cell, CellOutcome},
+    criterion::Criterion,
     guard::{self, NoMask},
     measure::Measure,
     measures::shimmer::{change, change_error, shimmer},
     pictures,
     play::{cell, no_mask},
     threads::SharedBackends,
+    verdict::{Judgement, Verdict, VerdictLimits},
 };
-use crate::LabError;
+use crate::error::LabError;
 use glam::Vec3;
 use std::sync::Arc;
 use umbrage_core::{Camera, Geometry, Invalid, Light, Receivers, Recipe, ShadowTechnique, View};

@@ -1,8 +1,9 @@
 //! Which techniques a stability run lets pass: for planners that ask more than a small error.
 
-use super::{CaseResult, CellOutcome, Stability, Verdict};
-use crate::LabError;
-use std::path::Path;
+use super::{
+    cell::{CaseResult, CellOutcome, Stability},
+    verdict::Verdict,
+};
 use umbrage_core::Invalid;
 
 /// What is asked of a technique.
@@ -15,25 +16,6 @@ pub enum Demand {
 }
 
 impl Stability {
-    /// Reads the results of a run, `results.json`.
-    ///
-    /// # Errors
-    /// Errors if the file can't be read or holds something else.
-    pub fn read(path: &Path) -> Result<Self, LabError> {
-        let unusable = |why: String| {
-            Invalid::new(
-                format!("stability results `{}`", path.display()),
-                why,
-                "give the results.json that `stability` writes",
-            )
-        };
-        let text = std::fs::read_to_string(path).map_err(|e| unusable(e.to_string()))?;
-        // Beside the matrix the file has the sweeps.
-        let (matrix, _): (Self, serde_json::Value) =
-            serde_json::from_str(&text).map_err(|e| unusable(e.to_string()))?;
-        Ok(matrix)
-    }
-
     /// Whether a technique meets a demand, by the best of its settings in each case: one that passes with the right bias passes,
     /// since planners choose the bias. What is not measured or not served is no pass, and no failure. A technique that the run
     /// knows nothing of passes nothing.
@@ -100,7 +82,10 @@ fn best(case: &CaseResult, technique: &str) -> Option<Verdict> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stability::Cell;
+    use crate::stability::{
+        cell::Cell,
+        report::{STABILITY_SCHEMA, StabilityResults},
+    };
 
     fn case(row: u8, name: &str, verdicts: &[(&str, Verdict)]) -> CaseResult {
         let cells = verdicts.iter().map(|&(technique, verdict)| Cell {
@@ -170,10 +155,14 @@ mod tests {
     fn results_come_back_from_their_file() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let path = dir.path().join("results.json");
-        let sweeps: [u8; 0] = [];
-        let text = serde_json::to_string(&(results(), sweeps)).expect("plain data");
+        let written = StabilityResults {
+            schema: STABILITY_SCHEMA,
+            stability: results(),
+            ..StabilityResults::default()
+        };
+        let text = serde_json::to_string(&written).expect("plain data");
         std::fs::write(&path, text).expect("writable");
-        let read = Stability::read(&path).expect("readable");
+        let read = StabilityResults::read(&path).expect("readable").stability;
         assert_eq!(read.cases.len(), 2);
         assert_eq!(read.meets("second_depth", &Demand::FailNone), Ok(false));
     }
@@ -185,6 +174,6 @@ mod tests {
             .expect_err("no such row");
         assert!(error.to_string().contains("shells, pan"), "{error}");
         let dir = tempfile::tempdir().expect("a temporary folder");
-        assert!(Stability::read(&dir.path().join("none.json")).is_err());
+        assert!(StabilityResults::read(&dir.path().join("none.json")).is_err());
     }
 }

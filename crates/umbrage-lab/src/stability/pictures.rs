@@ -1,7 +1,7 @@
 //! Pictures of cells: truth, mask and error side by side, or a strip of frames.
 
 use super::case_truth::CaseTruth;
-use crate::{LabError, output::png};
+use crate::{error::LabError, output::png};
 use glam::{UVec2, Vec3};
 
 /// Pixels between two pictures.

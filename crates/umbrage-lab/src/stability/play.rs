@@ -1,15 +1,18 @@
 //! Plays still cases: one setting against a case's truth, on every backend.
 
 use super::{
-    Cell, CellOutcome, Criterion, Judgement, Verdict, all_backends,
+    all_backends,
     case_truth::CaseTruth,
+    cell::{Cell, CellOutcome},
+    criterion::Criterion,
     guard::{self, NoMask},
     measure::{Measure, SCREEN, rmse},
     measures::cascade_seams,
     pictures,
     threads::SharedBackends,
+    verdict::{Judgement, Verdict},
 };
-use crate::LabError;
+use crate::error::LabError;
 use umbrage_core::{Light, Receivers, Recipe, ShadowTechnique, View};
 use umbrage_plan::{catalogue::Catalogue, cost::Work, motion::draws_the_picture};
 use umbrage_techniques::TechniquePreset;

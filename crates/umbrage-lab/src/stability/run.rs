@@ -1,8 +1,9 @@
 //! Plays all rows with all techniques.
 
 use super::{
-    CaseResult, Cell, CellOutcome, Criterion, Motion, Stability,
     case_truth::CaseTruth,
+    cell::{CaseResult, Cell, CellOutcome, Stability},
+    criterion::Criterion,
     guard,
     measure::Measure,
     motion::Moving,
@@ -12,7 +13,7 @@ use super::{
     settings::settings,
     threads::{self, SharedBackends},
 };
-use crate::{LabError, compare::Backends};
+use crate::{compare::Backends, error::LabError};
 use glam::UVec2;
 use std::{
     sync::{
@@ -24,6 +25,7 @@ use std::{
 use umbrage_core::{Backend, Invalid, ShadowTechnique as _};
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_plan::truth::TruthOptions;
+use umbrage_scenes::motion::Motion;
 use umbrage_techniques::TechniquePreset;
 
 /// What to play, and how carefully.

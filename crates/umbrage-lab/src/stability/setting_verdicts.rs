@@ -3,7 +3,10 @@
 //! A row counts once, with the worst verdict of its cases. Cases with another fit than the tight one are apart: where a row fails
 //! under the tight fit alone, the fit that cures it is named.
 
-use super::{CaseResult, Cell, Stability, Verdict};
+use super::{
+    cell::{CaseResult, Cell, Stability},
+    verdict::Verdict,
+};
 use serde::Serialize;
 
 /// A row that a setting does not pass.
@@ -210,7 +213,7 @@ pub fn nearest<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stability::{CellOutcome, Judgement};
+    use crate::stability::{cell::CellOutcome, verdict::Judgement};
 
     fn cell(settings: &str, outcome: CellOutcome) -> Cell {
         Cell {

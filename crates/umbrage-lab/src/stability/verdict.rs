@@ -1,6 +1,5 @@
-//! Verdicts (pass, degraded, fails) and the limits between them.
+//! Verdicts (pass, degraded, fails), the limits between them, and judgements by them.
 
-use super::cell::Judgement;
 use serde::{Deserialize, Serialize};
 
 /// A figure judged against its limits. The order is from the best to the worst: of a cell's verdicts the greatest counts.
@@ -115,6 +114,28 @@ impl VerdictLimits {
             Verdict::Degraded
         } else {
             Verdict::Fails
+        }
+    }
+}
+
+/// A cell's figure by one criterion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Judgement {
+    /// In the measure's unit; smaller is better. None if it is not measured.
+    pub figure: Option<f64>,
+    /// Against the limits.
+    pub verdict: Verdict,
+    /// Why it is not measured; none if it is.
+    pub reason: Option<String>,
+}
+
+impl Judgement {
+    /// Returns the judgement of what could not have failed. `reason` says why.
+    pub fn not_measured(reason: &str) -> Self {
+        Self {
+            figure: None,
+            verdict: Verdict::NotMeasured,
+            reason: Some(reason.to_owned()),
         }
     }
 }

@@ -6,45 +6,24 @@
 //! bias: a window that starts at 0 needs no tuning. Under [`Base::Bare`] the offset is all there is.
 
 use super::{
-    CaseTruth, Criterion, Measure, PLATE, Stability, StabilityCase, StabilityOptions, Verdict,
     all_backends,
+    bias_window::{Base, BiasWindow, GREATEST},
+    case_truth::CaseTruth,
+    cell::Stability,
+    criterion::Criterion,
     guard::NoMask,
-    run::{case_truth, some_backend},
-    sweeps::{not_played, play},
+    measure::Measure,
+    row::StabilityCase,
+    rows::PLATE,
+    run::{StabilityOptions, case_truth, some_backend},
+    sweeps::curve::{not_played, play},
     threads::{self, SharedBackends},
+    verdict::Verdict,
 };
-use crate::{LabError, compare::Backends};
-use serde::{Deserialize, Serialize};
+use crate::{compare::Backends, error::LabError};
 use std::sync::{Mutex, PoisonError};
 use umbrage_core::ShadowTechnique;
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
-
-/// What the offset is added to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Base {
-    /// The technique's default bias.
-    Own,
-    /// No other bias. Faces that the default leaves out stay out.
-    Bare,
-}
-
-/// The amounts of bias at which a technique, by its default settings, passes acne and gap.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BiasWindow {
-    /// The technique's name.
-    pub technique: String,
-    /// Its settings without the offset.
-    pub settings: String,
-    /// What the offset is added to.
-    pub base: Base,
-    /// The least and the greatest passing normal offset, texels; none if no amount passes.
-    pub passes: Option<[f64; 2]>,
-    /// Whether it passes without any offset, which may lie beside the widest window.
-    pub passes_without: bool,
-    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding; none with a single backend.
-    pub disagreeing: Option<u64>,
-}
 
 /// Amounts that are tried beside 0, each 1.2 times the one before. A window that lies between two of them is not found.
 const STEPS: u32 = 33;
@@ -52,8 +31,6 @@ const STEPS: u32 = 33;
 const HALVINGS: u32 = 4;
 /// The least of them, texels: what rounding alone may ask for.
 const LEAST: f64 = 0.05;
-/// The greatest, texels: more than the widest kernel reaches.
-const GREATEST: f64 = 20.0;
 /// Clip depth: beside a normal offset, as much as depths are rounded by.
 const ROUNDING: f32 = 1e-5;
 
@@ -62,36 +39,6 @@ const CASES: [StabilityCase; 2] = [
     StabilityCase::still("thin-plate", Measure::Gap(PLATE)),
     StabilityCase::still("low-sun-5", Measure::Acne),
 ];
-
-impl BiasWindow {
-    /// Returns the window's width, texels; 0 if no amount passes.
-    pub fn width(&self) -> f64 {
-        self.passes.map_or(0.0, |[from, to]| to - from)
-    }
-
-    /// Whether the technique passes as it is.
-    pub fn needs_no_tuning(&self) -> bool {
-        self.passes_without
-    }
-
-    /// Returns the window in a few words: `0 to 1.9 texels`.
-    pub fn words(&self) -> String {
-        match self.passes {
-            None => "no amount passes".to_owned(),
-            Some([from, to]) if to >= GREATEST => format!("{} texels and more", short(from)),
-            Some([from, to]) => format!("{} to {} texels", short(from), short(to)),
-        }
-    }
-
-    /// Returns a message if backends disagree.
-    pub fn fault(&self) -> Option<String> {
-        let n = self.disagreeing.filter(|n| *n > 0)?;
-        Some(format!(
-            "bias window of {} ({}): backends differ on {n} decided pixels",
-            self.technique, self.settings
-        ))
-    }
-}
 
 impl Stability {
     /// Returns what the windows of bias say, in a sentence or two: which techniques need no tuning, which some, which can't be
@@ -127,16 +74,6 @@ impl Stability {
             parts.push(format!("widest window: {name}, {words}"));
         }
         Some(parts.join("; "))
-    }
-}
-
-/// Formats an amount with two significant digits.
-fn short(amount: f64) -> String {
-    match amount {
-        0.0 => "0".to_owned(),
-        a if a < 1.0 => format!("{a:.2}"),
-        a if a < 10.0 => format!("{a:.1}"),
-        a => format!("{a:.0}"),
     }
 }
 

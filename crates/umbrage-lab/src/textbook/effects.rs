@@ -1,6 +1,6 @@
 //! The one list of effects.
 
-use super::{Effect, Preset};
+use super::effect::{Effect, Preset};
 use umbrage_core::{
     Extents, Fit, Layout, Light, RasterBias, Scene,
     glam::{UVec2, Vec3},

@@ -1,6 +1,9 @@
 //! Writes all effects into one self-contained page.
 
-use super::{Effect, PlayedEffect, Preset, Side};
+use super::{
+    effect::{Effect, Preset},
+    play::{PlayedEffect, Side},
+};
 use crate::output::html::{data_uri, document, escape};
 use umbrage_core::ShadowTechnique as _;
 

@@ -1,44 +1,15 @@
 //! The textbooks' effects as presets: each a scene and settings that show a fault, and settings that cure it, with the
 //! numbers that the textbooks use. [`play()`] measures and pictures both; [`html`] makes one page of all.
 
+mod effect;
 mod effects;
 mod gallery;
 mod play;
 
+pub use effect::{Effect, Preset};
 pub use effects::all;
 pub use gallery::html;
 pub use play::{PlayedEffect, Side, play};
-
-use umbrage_core::Scene;
-use umbrage_techniques::TechniquePreset;
-
-/// A scene with a technique.
-#[derive(Clone, Copy, Debug)]
-pub struct Preset {
-    /// A short description of the settings: `constant bias .05`.
-    pub label: &'static str,
-    /// Builds the scene.
-    pub scene: fn() -> Scene,
-    /// Makes the technique.
-    pub technique: fn() -> TechniquePreset,
-}
-
-/// A fault and its cure.
-#[derive(Clone, Copy, Debug)]
-pub struct Effect {
-    /// For file names: `peter-panning`.
-    pub name: &'static str,
-    /// For people.
-    pub title: &'static str,
-    /// What is seen and why.
-    pub text: &'static str,
-    /// With the fault.
-    pub fault: Preset,
-    /// Without it, or with less of it.
-    pub cure: Preset,
-    /// Why the mask errs more with the cure, in a sentence for the page; none where it doesn't.
-    pub worse: Option<&'static str>,
-}
 
 /// The effect of this name.
 pub fn find(name: &str) -> Option<&'static Effect> {

@@ -1,7 +1,7 @@
 //! Measures an effect and renders its pictures.
 
-use super::{Effect, Preset};
-use crate::{LabError, color, output::png};
+use super::effect::{Effect, Preset};
+use crate::{color, error::LabError, output::png};
 use glam::UVec2;
 use umbrage_core::{Backend, Invalid, RecipeError, Shadows, metrics::Errors};
 use umbrage_cpu::Cpu;

@@ -1,6 +1,6 @@
 //! A text with tables and pictures, written as Markdown and as HTML.
 
-use crate::output::html::{document, escape};
+use crate::output::html::{self, document, escape};
 
 /// A piece of a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +68,11 @@ impl Document {
             Block::Heading(1, words) => Some(words.as_str()),
             _ => None,
         });
-        document(title.unwrap_or_default(), STYLE, &body)
+        document(
+            title.unwrap_or_default(),
+            &format!("{}{STYLE}", html::STYLE),
+            &body,
+        )
     }
 }
 

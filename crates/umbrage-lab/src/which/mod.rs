@@ -11,8 +11,8 @@ mod pictures;
 mod words;
 
 use crate::{
-    LabError,
-    output::Folder,
+    error::LabError,
+    output::folder::Folder,
     report::{MeasuredScene, StabilitySource, measured_scenes},
 };
 use std::path::{Path, PathBuf};

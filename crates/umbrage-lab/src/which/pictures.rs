@@ -2,9 +2,9 @@
 
 use super::{PICTURES, groups::WhichGroup};
 use crate::{
-    LabError,
     compare::{CompareRow, SceneResult},
-    output::{Folder, png, slug},
+    error::LabError,
+    output::{folder::Folder, png, slug},
     report::MeasuredScene,
 };
 use glam::UVec2;

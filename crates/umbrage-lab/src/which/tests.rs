@@ -3,8 +3,8 @@
 use super::*;
 use crate::{
     compare::{
-        CompareOptions, CompareRow, Environment, Measured, RowOutcome, RowTimes, SceneImages,
-        SceneInput, SceneResult, Section, TimingStats,
+        CompareOptions, CompareRow, Environment, Measured, RowImages, RowOutcome, RowTimes,
+        SceneImages, SceneInput, SceneResult, Section, TimingStats,
     },
     report::{ComparisonPlan, Report},
     stability::{
@@ -72,9 +72,13 @@ fn scene(better: f64) -> (SceneResult, SceneImages) {
         elapsed: Duration::ZERO,
     };
     let images = SceneImages {
-        masks: vec![Some(vec![0.5; 12]); rows.len()],
-        colors: vec![None; rows.len()],
-        lookups: vec![None; rows.len()],
+        rows: vec![
+            RowImages {
+                mask: Some(vec![0.5; 12]),
+                ..RowImages::default()
+            };
+            rows.len()
+        ],
         truth,
     };
     let result = SceneResult {

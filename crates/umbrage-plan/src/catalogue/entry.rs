@@ -1,8 +1,8 @@
 //! Rows of a list of measured techniques, and the list.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
-    RandomParameter, kernel::UnknownKernel,
+    Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter,
+    kernel::{CataloguedKernel, UnknownKernel},
 };
 use std::{
     fmt::{self, Debug, Formatter},

@@ -1,6 +1,9 @@
 //! What is measured and planned of `exact`.
 
-use super::{CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost, kernel};
+use super::{
+    CataloguedTechnique, ClosedFormDemand,
+    kernel::{self, CataloguedKernel, KernelCost},
+};
 use umbrage_core::{ReceiveKernel, Receivers, Recipe};
 use umbrage_techniques::{Exact, ExactKernel, ShadowMap};
 

@@ -1,6 +1,10 @@
 //! What is measured and planned of `hard`.
 
-use super::{CataloguedKernel, CataloguedTechnique, kernel, sweeps};
+use super::{
+    CataloguedTechnique,
+    kernel::{self, CataloguedKernel},
+    sweeps,
+};
 use umbrage_core::{Fit, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{
     Bias, Hard, HardKernel, MapFilter as _, MapFormat, MapTechnique, ShadowMap,

@@ -1,6 +1,6 @@
 //! What `vsm`, `evsm` and `msm` have in common.
 
-use super::{CataloguedTechnique, ClosedFormDemand, KernelCost};
+use super::{CataloguedTechnique, ClosedFormDemand, kernel::KernelCost};
 use std::any::Any;
 use umbrage_core::FilterKernel;
 use umbrage_techniques::{BoxBlurKernel, HalveKernel, HalveUniforms, MomentPrecision, ShadowMap};
@@ -51,8 +51,8 @@ pub(super) fn lookup_cost(levels: u32) -> KernelCost {
 /// Says what is measured of a kernel that looks up moments.
 macro_rules! catalogued_kernel {
     ($kernel:ty) => {
-        impl crate::catalogue::CataloguedKernel for $kernel {
-            fn cost_per_receiver(&self) -> crate::catalogue::KernelCost {
+        impl crate::catalogue::kernel::CataloguedKernel for $kernel {
+            fn cost_per_receiver(&self) -> crate::catalogue::kernel::KernelCost {
                 crate::catalogue::moments::lookup_cost(self.uniforms.mipmaps.levels)
             }
 

@@ -1,7 +1,9 @@
 //! What is measured and planned of `pcf`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, KernelCost, RandomParameter, kernel, sweeps,
+    Candidate, CataloguedTechnique, RandomParameter,
+    kernel::{self, CataloguedKernel, KernelCost},
+    sweeps,
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{Bias, MapFilter as _, MapTechnique, Pcf, PcfKernel, ShadowMap};

@@ -1,6 +1,10 @@
 //! What is measured and planned of `pcf_dithered`.
 
-use super::{CataloguedKernel, CataloguedTechnique, KernelCost, kernel, sweeps};
+use super::{
+    CataloguedTechnique,
+    kernel::{self, CataloguedKernel, KernelCost},
+    sweeps,
+};
 use umbrage_core::{Fit, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{MapFilter as _, MapTechnique, PcfDithered, PcfDitheredKernel};
 

@@ -1,8 +1,9 @@
 //! What is measured and planned of `pcf_merged`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost,
-    RandomParameter, kernel, sweeps,
+    Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter,
+    kernel::{self, CataloguedKernel, KernelCost},
+    sweeps,
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, glam::Vec3};
 use umbrage_techniques::{Bias, MapFilter as _, MapTechnique, MergedKernel, PcfMerged, ShadowMap};

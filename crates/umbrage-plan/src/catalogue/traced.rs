@@ -1,8 +1,8 @@
 //! What is measured and planned of `traced`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, KernelCost,
-    RandomParameter, kernel,
+    Candidate, CataloguedTechnique, ClosedFormDemand, RandomParameter,
+    kernel::{self, CataloguedKernel, KernelCost},
 };
 use umbrage_core::{Fit, Light, ReceiveKernel, Recipe};
 use umbrage_techniques::{ShadowMap, Traced, TracedKernel};

@@ -1,6 +1,9 @@
 //! What is measured and planned of `none`.
 
-use super::{CataloguedKernel, CataloguedTechnique, KernelCost, kernel};
+use super::{
+    CataloguedTechnique,
+    kernel::{self, CataloguedKernel, KernelCost},
+};
 use umbrage_core::{ReceiveKernel, Recipe};
 use umbrage_techniques::{Unshadowed, UnshadowedKernel};
 

@@ -1,8 +1,9 @@
 //! What is measured and planned of `vsm`.
 
 use super::{
-    Candidate, CataloguedKernel, CataloguedTechnique, ClosedFormDemand, PlannedBiases,
-    RandomParameter, kernel, moments, sweeps,
+    Candidate, CataloguedTechnique, ClosedFormDemand, PlannedBiases, RandomParameter,
+    kernel::{self, CataloguedKernel},
+    moments, sweeps,
 };
 use umbrage_core::{FilterKernel, Fit, Light, ReceiveKernel};
 use umbrage_techniques::{Bias, MapFilter as _, MapTechnique, ShadowMap, Vsm, VsmKernel};

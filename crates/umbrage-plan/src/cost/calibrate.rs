@@ -1,7 +1,7 @@
 //! Measures the prices of work.
 
-use super::{CostModel, Work, counts, least_squares::solve};
-use crate::{MeasureError, catalogue::Catalogue, statistics::Sorted};
+use super::{CostModel, counts, least_squares::solve, work::Work};
+use crate::{catalogue::Catalogue, error::MeasureError, statistics::Sorted};
 use glam::UVec2;
 use std::{
     sync::Arc,

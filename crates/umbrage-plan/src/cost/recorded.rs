@@ -5,7 +5,11 @@
 //! 100 triangles or more. `record.sh` makes such lines of one or several files `work.csv`.
 
 use super::{
-    Calibration, CostModel, CostSample, KIND_NAMES, PriceList, Work, fit, rank_correlation,
+    CostModel, KIND_NAMES,
+    calibrate::{Calibration, CostSample, fit},
+    price_list::PriceList,
+    ranks::rank_correlation,
+    work::Work,
 };
 use std::collections::BTreeMap;
 

@@ -2,7 +2,7 @@
 //! by maps that differ from the pilot.
 
 use super::scene::PlanScene;
-use crate::MeasureError;
+use crate::error::MeasureError;
 use glam::UVec2;
 use umbrage_core::RecipeError;
 use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap, TechniquePreset, Traced};

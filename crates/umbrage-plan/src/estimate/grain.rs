@@ -11,7 +11,7 @@
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
-    MeasureError,
+    error::MeasureError,
     truth::{ReceiverPoint, TruthOptions, trace_points},
 };
 use umbrage_core::{BackendError, Recipe, math::dot3};

@@ -2,7 +2,7 @@
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
-    MeasureError,
+    error::MeasureError,
     statistics::Sorted,
     truth::{PointTruth, ReceiverPoint, TruthOptions, trace_points},
 };

@@ -6,7 +6,7 @@ use super::{
     scene::PlanScene,
 };
 use crate::{
-    MeasureError,
+    error::MeasureError,
     progress::{OnStep, Step},
     truth::{PixelTruth, TruthOptions},
 };

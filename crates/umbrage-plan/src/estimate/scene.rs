@@ -2,9 +2,9 @@
 
 use super::weighting::Weighting;
 use crate::{
-    MeasureError,
     catalogue::Catalogue,
     cost::{CostModel, Work},
+    error::MeasureError,
     motion::follows_camera,
     truth::{PixelTruth, Progress, TruthOptions, TruthRequest, trace_pixels, unlit},
 };

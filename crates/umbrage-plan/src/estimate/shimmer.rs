@@ -5,7 +5,7 @@
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
-    MeasureError,
+    error::MeasureError,
     motion::{draws_the_picture, pan, pixel_shift},
 };
 use umbrage_core::{Camera, RecipeError, math::transform};

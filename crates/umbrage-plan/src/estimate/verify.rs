@@ -17,7 +17,7 @@ use super::{
     scene::PlanScene,
 };
 use crate::{
-    MeasureError,
+    error::MeasureError,
     progress::{OnStep, Step},
 };
 use umbrage_core::Recipe;

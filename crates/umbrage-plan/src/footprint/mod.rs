@@ -5,7 +5,7 @@ mod lookup_tests;
 #[cfg(test)]
 mod tests;
 
-use crate::catalogue::{Catalogue, CataloguedKernel};
+use crate::catalogue::{Catalogue, kernel::CataloguedKernel};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{

@@ -4,7 +4,8 @@ pub mod pixel_shift;
 
 use glam::{Affine3A, Quat, Vec3};
 use serde::{Deserialize, Serialize};
-use umbrage_core::{Camera, Cast, Geometry, Recipe, ShadowTechnique, Source, View};
+use std::sync::Arc;
+use umbrage_core::{Camera, Cast, Geometry, Recipe, ShadowTechnique, Source, TableId, View};
 
 /// What moves from frame to frame, and so what has to be made anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -27,6 +28,16 @@ impl FrameMotion {
             Self::Still => "nothing moves",
             Self::CameraMoves => "the camera moves",
             Self::AllMoves => "all moves",
+        }
+    }
+
+    /// Returns whether what a recipe draws is kept from frame to frame, if `kept_as_camera_moves`
+    /// says so of frames in which the camera alone moves (`None`: not known).
+    pub fn keeps(self, kept_as_camera_moves: Option<bool>) -> bool {
+        match self {
+            Self::Still => true,
+            Self::CameraMoves => kept_as_camera_moves == Some(true),
+            Self::AllMoves => false,
         }
     }
 }
@@ -120,8 +131,18 @@ pub fn draw_alike(a: &Recipe, b: &Recipe) -> bool {
     let same_casts = a.casts.len() == b.casts.len()
         && a.casts.iter().zip(&b.casts).all(|(a, b)| cast_alike(a, b));
     let same_filters = a.filters.len() == b.filters.len()
-        && a.filters.iter().zip(&b.filters).all(|(a, b)| a.is_like(b));
+        && a.filters.iter().zip(&b.filters).all(|(of_a, of_b)| {
+            of_a.is_like(of_b) && of_a.tables.iter().all(|&table| table_alike(a, b, table))
+        });
     a.images == b.images && same_casts && same_filters
+}
+
+/// Returns whether the tables of two recipes at one index have the same rows.
+pub fn table_alike(a: &Recipe, b: &Recipe, index: TableId) -> bool {
+    match (a.tables.get(index), b.tables.get(index)) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a.rows(), b.rows()) || a.rows() == b.rows(),
+        _ => false,
+    }
 }
 
 fn cast_alike(a: &Cast, b: &Cast) -> bool {
@@ -157,7 +178,7 @@ fn source_alike(a: &Source, b: &Source) -> bool {
 mod tests {
     use super::*;
     use glam::UVec2;
-    use umbrage_core::{Cascades, Fit, Layout};
+    use umbrage_core::{Cascades, Fit, Layout, Table, TableRows};
     use umbrage_cpu::Cpu;
     use umbrage_techniques::{
         Hard, MapFilter as _, MapTechnique, ShadowMap, ShadowVolumes, Traced, Vsm,
@@ -247,29 +268,47 @@ mod tests {
         assert!(!follows(&Traced::default()));
     }
 
-    /// Filters of the same inputs that differ in a number draw something else.
-    #[test]
-    fn filters_that_differ_are_told_apart() {
+    /// Returns the recipe of a map with a blur. The whole scene fits alike, however wide that is.
+    fn blurred(blur: u32) -> Recipe {
         let scene = umbrage_scenes::by_argument("cubes").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-        // The whole scene fits alike, however wide the blur is.
         let map = ShadowMap {
             fit: Fit::Whole,
             size: 64,
             ..ShadowMap::default()
         };
-        let blurred = |blur| {
-            let technique = Vsm {
-                blur,
-                ..Vsm::default()
-            }
-            .on(map);
-            technique.recipe(&view).expect("serves the sun")
-        };
+        let technique = Vsm {
+            blur,
+            ..Vsm::default()
+        }
+        .on(map);
+        technique.recipe(&view).expect("serves the sun")
+    }
+
+    /// Filters of the same inputs that differ in a number draw something else.
+    #[test]
+    fn filters_that_differ_are_told_apart() {
         let [narrow, same, mut wide] = [2, 2, 3].map(blurred);
         assert!(draw_alike(&narrow, &same));
         wide.casts.clone_from(&narrow.casts);
         assert!(!draw_alike(&narrow, &wide));
+    }
+
+    /// Filters that read other rows from a table of the same index draw something else.
+    #[test]
+    fn tables_are_compared_by_their_rows() {
+        let with_rows = |word: u32| {
+            let mut recipe = blurred(2);
+            recipe.filters[0].tables.push(recipe.tables.len());
+            recipe.tables.push(Table {
+                label: "test",
+                rows: TableRows::on_first_use(move || Arc::from([[word; 4]])),
+            });
+            recipe
+        };
+        let [one, same, other] = [1, 1, 2].map(with_rows);
+        assert!(draw_alike(&one, &same));
+        assert!(!draw_alike(&one, &other));
     }
 }

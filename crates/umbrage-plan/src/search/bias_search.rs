@@ -1,12 +1,12 @@
 //! The search for the bias of a kernel and map that has the least estimated error.
 
 use super::{
-    Setting,
     bias::{BiasAmounts, BiasKind},
     families::Family,
+    setting::Setting,
     trials::Trials,
 };
-use crate::MeasureError;
+use crate::error::MeasureError;
 
 /// Greatest ratio of the error of the best kind's first amount to the error aimed at. Beyond it, no other amount of any kind is
 /// tried, since none would help.

@@ -1,6 +1,6 @@
 //! Times settings by the clock, in turn, so that what slows the machine down slows all of them.
 
-use crate::{MeasureError, estimate::scene::PlanScene, motion::FrameMotion};
+use crate::{error::MeasureError, estimate::scene::PlanScene, motion::FrameMotion};
 use umbrage_core::{Backend, BackendError, Geometry, Recipe, Timings, View};
 use umbrage_techniques::TechniquePreset;
 use web_time::{Duration, Instant};

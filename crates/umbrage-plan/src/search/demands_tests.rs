@@ -4,9 +4,14 @@ use super::{
     tests::{planned, scene, small, with_planner},
     *,
 };
-use crate::{RendererData, Weighting, cost::CostModel, motion::FrameMotion, truth};
+use crate::{
+    cost::CostModel,
+    estimate::{scene::RendererData, weighting::Weighting},
+    motion::FrameMotion,
+    truth,
+};
 use glam::UVec2;
-use umbrage_core::{Fit, Receivers};
+use umbrage_core::{Camera, Fit, Receivers};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
     Hard, MapFilter as _, MapTechnique, Pcf, ShadowMap, TechniquePreset, Traced,
@@ -19,7 +24,7 @@ fn few_rays_are_grainy_and_smooth_kernels_are_not() {
         with_planner(name, |mut planner| {
             let bounds = Bounds::error(1.0);
             let mut grain = |preset: TechniquePreset| {
-                let trials = &mut planner.search.trials;
+                let trials = &mut planner.trials;
                 let setting = trials.try_out(&preset).expect("plays").expect("supported");
                 let endured = trials.endured(setting, &bounds).expect("plays");
                 endured.grain.expect("there are penumbrae")
@@ -51,14 +56,14 @@ fn only_fits_that_follow_the_camera_shimmer() {
             renderer: RendererData::SeenPoints,
             ..Bounds::error(1.0)
         };
-        planner.search.trials.prepare(&bounds).expect("valid");
+        planner.trials.prepare(&bounds).expect("valid");
         let mut shimmer = |fit: Fit| {
             let map = ShadowMap {
                 size: 256,
                 fit,
                 ..ShadowMap::default()
             };
-            let trials = &mut planner.search.trials;
+            let trials = &mut planner.trials;
             let setting = trials
                 .try_out(&Hard {}.on(map).into())
                 .expect("plays")
@@ -189,7 +194,7 @@ fn weighted_samples_tell_of_whole_images() {
     let mut planner =
         Planner::new(&camera, &scene.lights[0], &geometry, &options, &|_| {}).expect("valid");
     let preset = TechniquePreset::from(MapTechnique::<Hard>::default());
-    let trials = &mut planner.search.trials;
+    let trials = &mut planner.trials;
     let first = trials.try_out(&preset).expect("plays").expect("supported");
     let verified = trials.verify(&first, None, &|_| {}).expect("plays");
     let view = &mut trials.views[0].scene;
@@ -223,7 +228,8 @@ fn the_clock_decides_between_finalists() {
     let scene = scene("cubes");
     let bounds = Bounds::error(0.1);
     let mut cpu = Cpu::new();
-    let plan = plan_by_clock(&scene, &bounds, &small(), &mut cpu, &|_| {}).expect("can be planned");
+    let plan =
+        plan_by_clock(&scene, &bounds, &small(), Some(&mut cpu), &|_| {}).expect("can be planned");
     let chosen = plan.chosen.expect("possible");
     let times: Vec<f64> = plan.timed.iter().filter_map(|s| s.measured_ms).collect();
     assert!(times.len() > 1 && times.is_sorted(), "{times:?}");
@@ -235,7 +241,7 @@ fn the_clock_decides_between_finalists() {
         ..bounds
     };
     assert!(
-        plan_by_clock(&scene, &slow, &small(), &mut cpu, &|_| {})
+        plan_by_clock(&scene, &slow, &small(), Some(&mut cpu), &|_| {})
             .expect("plans")
             .miss
             .is_none()
@@ -250,7 +256,7 @@ fn the_clock_decides_between_finalists() {
         },
         ..small()
     };
-    let miss = plan_by_clock(&scene, &quick, &options, &mut cpu, &|_| {})
+    let miss = plan_by_clock(&scene, &quick, &options, Some(&mut cpu), &|_| {})
         .expect("plans")
         .miss;
     assert!(miss.is_some_and(|miss| miss.reason.contains("by the clock")));

@@ -1,99 +1,23 @@
 //! What more could be left out beside a cheaper technique: shadows that nobody sees, casters that are seen less than a pixel wide, and
 //! drawing again what has not changed. Each is played, and told with what it saves and what it costs in error.
 
-use super::{LightPlan, LightsPlan, Plan, Planner, Setting, planner::is_kept};
+use super::{
+    lights::{LightPlan, LightsPlan},
+    outcome::{LeftOut, Omission, Plan},
+    planner::Planner,
+    setting::Setting,
+};
 use crate::{
-    Estimate, MeasureError,
+    error::MeasureError,
     estimate::{scene::PlanScene, weighting::Weighting},
     motion::FrameMotion,
 };
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Scene};
 use umbrage_techniques::{FrameRules, Hard, LightPreset, MapTechnique, TechniquePreset, Update};
 
 /// Casters are small whose bounding sphere is seen less than so many pixels wide.
 const SMALL_PIXELS: f32 = 1.0;
-
-/// Work that a renderer may leave out, and what that changes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LeftOut {
-    /// What is left out.
-    pub what: Omission,
-    /// What that saves a frame, milliseconds by the price list.
-    pub saved_ms: f64,
-    /// The error with all of it.
-    pub error_before: f64,
-    /// The error without.
-    pub estimate: Estimate,
-    /// Whether the plan's preset leaves it out: the error stays within the bounds.
-    pub is_taken: bool,
-}
-
-/// Something that may be left out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Omission {
-    /// The light's whole shadow, since nobody sees it. It saves what a default map would take.
-    Shadow,
-    /// Casters that are seen less than so many pixels wide.
-    SmallCasters {
-        /// The width, pixels.
-        below_pixels: f32,
-        /// How many instances that are.
-        instances: usize,
-        /// How many triangles they have.
-        triangles: usize,
-    },
-    /// Drawing again in frames in which nothing of it changes.
-    Redrawing(Update),
-}
-
-impl LeftOut {
-    /// Returns it in words, for people.
-    pub fn words(&self) -> String {
-        let saved_ms = self.saved_ms;
-        let errors = format!(
-            "error {:.4}, with it {:.4}",
-            self.estimate.error, self.error_before
-        );
-        let what = match self.what {
-            Omission::Shadow => "the shadow as a whole, which nobody sees".to_owned(),
-            Omission::SmallCasters {
-                below_pixels,
-                instances,
-                triangles,
-            } => format!(
-                "{instances} casters of {triangles} triangles that are seen less than {below_pixels} pixels wide"
-            ),
-            Omission::Redrawing(Update::Once) => "drawing again: nothing moves".to_owned(),
-            Omission::Redrawing(_) => "drawing again while the camera alone moves".to_owned(),
-        };
-        let verb = if self.is_taken {
-            "left out"
-        } else {
-            "could be left out, but is not"
-        };
-        format!("{verb}: {what}; saves {saved_ms:.3} ms a frame ({errors})")
-    }
-}
-
-impl Plan {
-    /// Returns what of its light's work may be left out: the rules of its [`LightPreset`](umbrage_techniques::LightPreset).
-    pub fn frame_rules(&self) -> FrameRules {
-        let mut rules = FrameRules::default();
-        for left_out in self.left_out.iter().filter(|left_out| left_out.is_taken) {
-            match left_out.what {
-                Omission::Shadow => {}
-                Omission::SmallCasters { below_pixels, .. } => {
-                    rules.skip_casters_below_pixels = below_pixels;
-                }
-                Omission::Redrawing(update) => rules.update = update,
-            }
-        }
-        rules
-    }
-}
 
 /// Finds what may be left out of a plan; nothing where nothing was chosen.
 pub(super) fn find(
@@ -118,7 +42,7 @@ fn shadow(planner: &mut Planner<'_>, plan: &Plan) -> Result<Option<LeftOut>, Mea
         return Ok(None);
     };
     let usual = TechniquePreset::from(MapTechnique::<Hard>::default());
-    let Some(price) = planner.search.trials.price(&usual)? else {
+    let Some(price) = planner.trials.price(&usual)? else {
         return Ok(None);
     };
     Ok(Some(LeftOut {
@@ -132,7 +56,7 @@ fn shadow(planner: &mut Planner<'_>, plan: &Plan) -> Result<Option<LeftOut>, Mea
 
 /// Returns when what a setting draws has to be drawn again.
 fn update_of(motion: FrameMotion, setting: &Setting) -> Update {
-    let is_drawn_once = setting.draw_ms > 0.0 && is_kept(motion, setting);
+    let is_drawn_once = setting.draw_ms > 0.0 && motion.keeps(setting.kept_as_camera_moves);
     match motion {
         FrameMotion::Still if is_drawn_once => Update::Once,
         FrameMotion::CameraMoves if is_drawn_once => Update::WhenSceneChanges,
@@ -196,7 +120,7 @@ fn small_casters(
         return Ok(None);
     }
     let geometry = Geometry::bake(&without)?;
-    let trials = &mut planner.search.trials;
+    let trials = &mut planner.trials;
     let mut views = Vec::new();
     for view in &trials.views {
         let mut other = PlanScene::new(
@@ -212,7 +136,7 @@ fn small_casters(
     else {
         return Ok(None);
     };
-    let frame_ms = if is_kept(plan.motion, chosen) {
+    let frame_ms = if plan.motion.keeps(chosen.kept_as_camera_moves) {
         lookup_ms
     } else {
         draw_ms + lookup_ms
@@ -233,7 +157,7 @@ fn small_casters(
         saved_ms,
         error_before: before.error,
         estimate,
-        is_taken: is_within && (saved_ms > 0.0 || is_kept(plan.motion, chosen)),
+        is_taken: is_within && (saved_ms > 0.0 || plan.motion.keeps(chosen.kept_as_camera_moves)),
     }))
 }
 
@@ -262,7 +186,7 @@ fn width(camera: &Camera, bounds: &Aabb) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Bounds, PlanOptions, plan};
+    use crate::search::{bounds::Bounds, options::PlanOptions, plan};
     use glam::{Affine3A, UVec2};
 
     fn options(motion: FrameMotion) -> PlanOptions {
@@ -331,7 +255,9 @@ mod tests {
         assert_eq!(update(FrameMotion::AllMoves), Update::EveryFrame);
         let moving = planned(&cubes(), FrameMotion::CameraMoves);
         let chosen = moving.chosen.as_ref().expect("possible");
-        let expected = if is_kept(FrameMotion::CameraMoves, chosen) && chosen.draw_ms > 0.0 {
+        let expected = if FrameMotion::CameraMoves.keeps(chosen.kept_as_camera_moves)
+            && chosen.draw_ms > 0.0
+        {
             Update::WhenSceneChanges
         } else {
             Update::EveryFrame

@@ -5,9 +5,19 @@
 //! squared errors) that no other pair beats are found by adding one light after the other (Nemhauser and Ullmann 1969, "Discrete
 //! dynamic programming and capital allocation"); the answer is exact, since any part of a best choice is a best choice itself.
 
-use super::{Bounds, PlanOptions, Planner, Setting, cameras, no_such, strategy::Found};
+use super::{
+    bounds::Bounds,
+    options::{PlanOptions, no_such},
+    planner::Planner,
+    setting::Setting,
+    strategy::Found,
+};
 use crate::{
-    Coverage, Estimate, MeasureError, motion::FrameMotion, pareto::front, progress::OnStep,
+    error::MeasureError,
+    estimate::{error::Estimate, sampled_truth::Coverage},
+    motion::FrameMotion,
+    pareto::front,
+    progress::OnStep,
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{Backend, Geometry, Invalid, Scene};
@@ -103,7 +113,7 @@ pub fn plan_lights(
     if scene.lights.is_empty() {
         return Err(no_such(scene, "light").into());
     }
-    let cameras = cameras(scene, options)?;
+    let cameras = options.cameras_of(scene)?;
     let geometry = Geometry::bake(scene)?;
     let mut lights = Vec::new();
     for (i, light) in scene.lights.iter().enumerate() {
@@ -113,7 +123,7 @@ pub fn plan_lights(
             Some(backend) => planner.timed(settings, &mut **backend)?,
             None => settings,
         };
-        let trials = &mut planner.search.trials;
+        let trials = &mut planner.trials;
         lights.push(LightPlan {
             number: i + 1,
             kind: light.kind().to_owned(),
@@ -274,12 +284,12 @@ impl Planner<'_> {
             max_ms: None,
             ..*limits
         };
-        let trials = &mut self.search.trials;
+        let trials = &mut self.trials;
         trials.prepare(&of_error(1.0))?;
         let none = TechniquePreset::from(Unshadowed::default());
         let mut out: Vec<Setting> = Vec::new();
         if let Some(none) = trials.try_out(&none)? {
-            out.push(trials.verify(&none, None, self.search.on_step)?);
+            out.push(trials.verify(&none, None, self.on_step)?);
         }
         let error_of_none = out.first().map_or(1.0, |none| none.estimate.high);
         for rung in RUNGS.map(|rung| (rung * error_of_none).min(1.0)) {

@@ -1,8 +1,8 @@
 //! What settings look like: truth and masks at an even grid of the image's pixels, for pictures beside a plan.
 
-use super::{PlanOptions, seen};
+use super::options::PlanOptions;
 use crate::{
-    MeasureError,
+    error::MeasureError,
     estimate::scene::{PlanScene, RendererData},
     progress::{OnStep, Step},
     truth::TruthOptions,
@@ -41,7 +41,8 @@ pub fn look(
     max_width: u32,
     on_step: &OnStep<'_>,
 ) -> Result<Look, MeasureError> {
-    let (cameras, light) = seen(scene, options)?;
+    let light = options.light_of(scene)?;
+    let cameras = options.cameras_of(scene)?;
     let geometry = Geometry::bake(scene)?;
     let mut seen = PlanScene::new(&cameras[0], light, &geometry, options.weighting)?;
     seen.make_recipes_from(renderer);

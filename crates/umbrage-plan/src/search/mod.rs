@@ -34,17 +34,16 @@ mod trials;
 pub use bias::BiasKind;
 pub use bounds::{Bounds, MAX_GRAIN};
 pub use hold::Hold;
-pub use left_out::{LeftOut, Omission};
 pub use lights::{LightPlan, LightsBudget, LightsPlan, plan_lights};
 pub use look::{Look, look};
 pub use options::PlanOptions;
-pub use outcome::{CurvePoint, Miss, Plan, Sampled};
+pub use outcome::{CurvePoint, LeftOut, Miss, Omission, Plan, Sampled};
 pub use planner::Planner;
 pub use regret::{ClockRegret, MAX_REGRET, MIN_KEPT, Regret, regret};
 pub use setting::{CameraFigures, Setting};
 
-use crate::{MeasureError, progress::OnStep};
-use umbrage_core::{Backend, Camera, Geometry, Invalid, Light, Scene};
+use crate::{error::MeasureError, progress::OnStep};
+use umbrage_core::{Backend, Geometry, Scene};
 
 /// The plan for one light of a scene, seen by the cameras of the options, or else by the scene's first.
 ///
@@ -57,10 +56,10 @@ pub fn plan(
     options: &PlanOptions,
     on_step: &OnStep<'_>,
 ) -> Result<Plan, MeasureError> {
-    planned(scene, bounds, options, None, on_step)
+    plan_by_clock(scene, bounds, options, None, on_step)
 }
 
-/// As [`plan`], but what counted costs can't tell apart is timed on a backend: [`Planner::plan_by_clock`].
+/// As [`plan`]; with a backend, what counted costs can't tell apart is timed on it: [`Planner::plan_by_clock`].
 ///
 /// # Errors
 /// As those of [`plan`], and if the backend fails.
@@ -68,27 +67,15 @@ pub fn plan_by_clock(
     scene: &Scene,
     bounds: &Bounds,
     options: &PlanOptions,
-    backend: &mut dyn Backend,
-    on_step: &OnStep<'_>,
-) -> Result<Plan, MeasureError> {
-    planned(scene, bounds, options, Some(backend), on_step)
-}
-
-fn planned(
-    scene: &Scene,
-    bounds: &Bounds,
-    options: &PlanOptions,
     clock: Option<&mut dyn Backend>,
     on_step: &OnStep<'_>,
 ) -> Result<Plan, MeasureError> {
     bounds.validate()?;
-    let (cameras, light) = seen(scene, options)?;
+    let light = options.light_of(scene)?;
+    let cameras = options.cameras_of(scene)?;
     let geometry = Geometry::bake(scene)?;
     let mut planner = Planner::of_cameras(&cameras, light, &geometry, options, on_step)?;
-    let plan = match clock {
-        Some(backend) => planner.plan_by_clock(bounds, backend)?,
-        None => planner.plan(bounds)?,
-    };
+    let plan = planner.plan_by_clock(bounds, clock)?;
     let left_out = left_out::find(scene, &cameras, &mut planner, &plan)?;
     Ok(Plan {
         scene: scene.name.clone(),
@@ -96,44 +83,6 @@ fn planned(
         left_out,
         ..plan
     })
-}
-
-/// The cameras and the light that options are about.
-pub(crate) fn seen<'a>(
-    scene: &'a Scene,
-    options: &PlanOptions,
-) -> Result<(Vec<Camera>, &'a Light), Invalid> {
-    let count = scene.lights.len();
-    let light = scene.lights.get(options.light).ok_or_else(|| match count {
-        0 => no_such(scene, "light"),
-        _ => Invalid::new(
-            format!("scene `{}`", scene.name),
-            format!("has no light {}", options.light + 1),
-            format!("ask for one from 1 to {count}"),
-        ),
-    })?;
-    Ok((cameras(scene, options)?, light))
-}
-
-/// The cameras that options are about: their own, or else the scene's first.
-pub(crate) fn cameras(scene: &Scene, options: &PlanOptions) -> Result<Vec<Camera>, Invalid> {
-    let own = match &options.cameras[..] {
-        [] => &scene.cameras[..scene.cameras.len().min(1)],
-        own => own,
-    };
-    if own.is_empty() {
-        return Err(no_such(scene, "camera"));
-    }
-    let resized = |camera: &Camera| options.size.map_or(*camera, |size| camera.resized(size));
-    Ok(own.iter().map(resized).collect())
-}
-
-fn no_such(scene: &Scene, what: &str) -> Invalid {
-    Invalid::new(
-        format!("scene `{}`", scene.name),
-        format!("has no {what}"),
-        "add one",
-    )
 }
 
 #[cfg(test)]

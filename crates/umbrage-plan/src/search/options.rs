@@ -1,12 +1,12 @@
 //! Options of the planner.
 
-use super::Hold;
+use super::hold::Hold;
 use crate::{
-    Cancel, catalogue::Catalogue, cost::CostModel, estimate::weighting::Weighting,
+    cancel::Cancel, catalogue::Catalogue, cost::CostModel, estimate::weighting::Weighting,
     motion::FrameMotion, truth::TruthOptions,
 };
 use glam::UVec2;
-use umbrage_core::Camera;
+use umbrage_core::{Camera, Invalid, Light, Scene};
 
 /// Options of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,4 +60,41 @@ impl Default for PlanOptions {
             cancel: Cancel::default(),
         }
     }
+}
+
+impl PlanOptions {
+    /// Returns the light that the options are about.
+    pub(crate) fn light_of<'a>(&self, scene: &'a Scene) -> Result<&'a Light, Invalid> {
+        let count = scene.lights.len();
+        scene.lights.get(self.light).ok_or_else(|| match count {
+            0 => no_such(scene, "light"),
+            _ => Invalid::new(
+                format!("scene `{}`", scene.name),
+                format!("has no light {}", self.light + 1),
+                format!("ask for one from 1 to {count}"),
+            ),
+        })
+    }
+
+    /// Returns the cameras that the options are about: their own, or else the scene's first.
+    pub(crate) fn cameras_of(&self, scene: &Scene) -> Result<Vec<Camera>, Invalid> {
+        let own = match &self.cameras[..] {
+            [] => &scene.cameras[..scene.cameras.len().min(1)],
+            own => own,
+        };
+        if own.is_empty() {
+            return Err(no_such(scene, "camera"));
+        }
+        let resized = |camera: &Camera| self.size.map_or(*camera, |size| camera.resized(size));
+        Ok(own.iter().map(resized).collect())
+    }
+}
+
+/// Returns the error of a scene without a light or a camera.
+pub(super) fn no_such(scene: &Scene, what: &str) -> Invalid {
+    Invalid::new(
+        format!("scene `{}`", scene.name),
+        format!("has no {what}"),
+        "add one",
+    )
 }

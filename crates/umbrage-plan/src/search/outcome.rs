@@ -1,12 +1,12 @@
 //! The result of a planner.
 
-use super::{BiasKind, Bounds, LeftOut, Setting};
+use super::{bias::BiasKind, bounds::Bounds, setting::Setting};
 use crate::{
     estimate::{error::Estimate, sampled_truth::Coverage},
     motion::FrameMotion,
 };
 use serde::{Deserialize, Serialize};
-use umbrage_techniques::{LightPreset, TechniquePreset};
+use umbrage_techniques::{FrameRules, LightPreset, TechniquePreset, Update};
 
 /// A plan: what to use, and why.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,6 +70,84 @@ impl Plan {
             technique: self.preset()?,
             frame: self.frame_rules(),
         })
+    }
+
+    /// Returns what of its light's work may be left out: the rules of its [`LightPreset`](umbrage_techniques::LightPreset).
+    pub fn frame_rules(&self) -> FrameRules {
+        let mut rules = FrameRules::default();
+        for left_out in self.left_out.iter().filter(|left_out| left_out.is_taken) {
+            match left_out.what {
+                Omission::Shadow => {}
+                Omission::SmallCasters { below_pixels, .. } => {
+                    rules.skip_casters_below_pixels = below_pixels;
+                }
+                Omission::Redrawing(update) => rules.update = update,
+            }
+        }
+        rules
+    }
+}
+
+/// Work that a renderer may leave out, and what that changes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// What is left out.
+    pub what: Omission,
+    /// What that saves a frame, milliseconds by the price list.
+    pub saved_ms: f64,
+    /// The error with all of it.
+    pub error_before: f64,
+    /// The error without.
+    pub estimate: Estimate,
+    /// Whether the plan's preset leaves it out: the error stays within the bounds.
+    pub is_taken: bool,
+}
+
+/// Something that may be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Omission {
+    /// The light's whole shadow, since nobody sees it. It saves what a default map would take.
+    Shadow,
+    /// Casters that are seen less than so many pixels wide.
+    SmallCasters {
+        /// The width, pixels.
+        below_pixels: f32,
+        /// How many instances that are.
+        instances: usize,
+        /// How many triangles they have.
+        triangles: usize,
+    },
+    /// Drawing again in frames in which nothing of it changes.
+    Redrawing(Update),
+}
+
+impl LeftOut {
+    /// Returns it in words, for people.
+    pub fn words(&self) -> String {
+        let saved_ms = self.saved_ms;
+        let errors = format!(
+            "error {:.4}, with it {:.4}",
+            self.estimate.error, self.error_before
+        );
+        let what = match self.what {
+            Omission::Shadow => "the shadow as a whole, which nobody sees".to_owned(),
+            Omission::SmallCasters {
+                below_pixels,
+                instances,
+                triangles,
+            } => format!(
+                "{instances} casters of {triangles} triangles that are seen less than {below_pixels} pixels wide"
+            ),
+            Omission::Redrawing(Update::Once) => "drawing again: nothing moves".to_owned(),
+            Omission::Redrawing(_) => "drawing again while the camera alone moves".to_owned(),
+        };
+        let verb = if self.is_taken {
+            "left out"
+        } else {
+            "could be left out, but is not"
+        };
+        format!("{verb}: {what}; saves {saved_ms:.3} ms a frame ({errors})")
     }
 }
 

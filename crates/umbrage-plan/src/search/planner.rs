@@ -1,29 +1,30 @@
 //! The planner, once it has sampled a scene: bounds can be asked about one after the other.
 
 use super::{
-    Bounds, CurvePoint, Plan, PlanOptions, Sampled, Setting,
     bias_search::{Biased, all_biases},
+    bounds::Bounds,
     by_preset::without_bias,
     clock,
-    families::{FamilyNeeds, families_for},
-    reasons::Facts,
-    strategy::{Found, Place, Search},
+    families::{Family, FamilyNeeds, families_for},
+    options::PlanOptions,
+    outcome::{CurvePoint, Miss, Plan, Sampled},
+    reasons::{Facts, by_the_clock},
+    setting::Setting,
+    strategy::{Found, Place},
     trials::{Counting, SampledView, Trials},
 };
 use crate::{
-    MeasureError,
-    catalogue::Catalogue,
+    cancel::Cancel,
     cost::CostModel,
+    error::MeasureError,
     estimate::{
         density::{Pilot, density},
         sampled_truth::{SampledTruth, Sampling},
         scene::PlanScene,
         verify::Verifier,
     },
-    motion::FrameMotion,
     pareto::front,
     progress::{OnStep, Step},
-    truth::TruthOptions,
 };
 use umbrage_core::{Backend, Camera, Geometry, Invalid, Light};
 use umbrage_techniques::TechniquePreset;
@@ -31,10 +32,13 @@ use web_time::Instant;
 
 /// Some cameras' views of a scene with their samples, and what was tried on them.
 pub struct Planner<'a> {
-    pub(super) search: Search<'a>,
-    pub(super) catalogue: Catalogue,
-    truth: TruthOptions,
-    pub(super) motion: FrameMotion,
+    pub(super) trials: Trials<'a>,
+    /// The candidates of the last search.
+    pub(super) families: Vec<Family>,
+    pub(super) on_step: &'a OnStep<'a>,
+    pub(super) cancel: Cancel,
+    /// Whether what is found will be timed.
+    pub(super) is_timed: bool,
     /// Seconds that receivers, sample and truth took.
     pub(super) sampling_seconds: f64,
 }
@@ -49,7 +53,7 @@ const RUNNERS_UP: usize = 8;
 impl std::fmt::Debug for Planner<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Planner")
-            .field("settings tried", &self.search.trials.count())
+            .field("settings tried", &self.trials.count())
             .finish_non_exhaustive()
     }
 }
@@ -111,16 +115,11 @@ impl<'a> Planner<'a> {
             truth: options.truth,
         };
         Ok(Self {
-            search: Search {
-                trials: Trials::new(views, counting),
-                families: Vec::new(),
-                on_step,
-                cancel: options.cancel.clone(),
-                is_timed: false,
-            },
-            catalogue: options.catalogue.clone(),
-            truth: options.truth,
-            motion: options.motion,
+            trials: Trials::new(views, counting),
+            families: Vec::new(),
+            on_step,
+            cancel: options.cancel.clone(),
+            is_timed: false,
             sampling_seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -131,10 +130,10 @@ impl<'a> Planner<'a> {
     /// # Errors
     /// Errors if bounds are missing or bad.
     pub fn plan(&mut self, bounds: &Bounds) -> Result<Plan, MeasureError> {
-        self.planned(bounds, None)
+        self.plan_by_clock(bounds, None)
     }
 
-    /// As [`Planner::plan`], but what counted costs can't tell apart is played on a backend and timed in turn, with the first camera,
+    /// As [`Planner::plan`]; with a backend, what counted costs can't tell apart is played on it and timed in turn, with the first camera,
     /// and the least by the clock is chosen. Without a bound of the error, the most accurate whose time by the clock is within the
     /// bounds.
     ///
@@ -143,19 +142,11 @@ impl<'a> Planner<'a> {
     pub fn plan_by_clock(
         &mut self,
         bounds: &Bounds,
-        backend: &mut dyn Backend,
-    ) -> Result<Plan, MeasureError> {
-        self.planned(bounds, Some(backend))
-    }
-
-    fn planned(
-        &mut self,
-        bounds: &Bounds,
         clock: Option<&mut dyn Backend>,
     ) -> Result<Plan, MeasureError> {
         bounds.validate()?;
         let start = Instant::now();
-        self.search.is_timed = clock.is_some();
+        self.is_timed = clock.is_some();
         let spread = clock.as_ref().map_or(1.0, |backend| {
             CostModel::factor_of_nine_in_ten(backend.kind())
         });
@@ -169,7 +160,7 @@ impl<'a> Planner<'a> {
             }
             (found, _) => found,
         };
-        (self.search.on_step)(Step::Explaining);
+        (self.on_step)(Step::Explaining);
         let (chosen, curve, miss) = match found {
             Found::Chosen(mut best) => {
                 let (place, setting) = best.swap_remove(0);
@@ -178,12 +169,17 @@ impl<'a> Planner<'a> {
             }
             Found::Missed(miss) => (None, Vec::new(), Some(*miss)),
         };
-        let none = self.search.trials.error_of_no_shadow()?;
-        let trials = &self.search.trials;
-        let facts = Facts::find(trials, &self.truth)?;
-        let mut reasons =
-            facts.reasons(trials, &self.catalogue, bounds, chosen.as_ref(), &curve)?;
-        reasons.extend(super::reasons::by_the_clock(chosen.as_ref(), &timed));
+        let none = self.trials.error_of_no_shadow()?;
+        let trials = &self.trials;
+        let facts = Facts::find(trials, &trials.counting.truth)?;
+        let mut reasons = facts.reasons(
+            trials,
+            &trials.counting.catalogue,
+            bounds,
+            chosen.as_ref(),
+            &curve,
+        )?;
+        reasons.extend(by_the_clock(chosen.as_ref(), &timed));
         let scene = &trials.views[0].scene;
         Ok(Plan {
             scene: String::new(),
@@ -191,7 +187,7 @@ impl<'a> Planner<'a> {
             light_number: 1,
             size: scene.camera.size.to_array(),
             cameras: trials.views.len(),
-            motion: self.motion,
+            motion: trials.counting.motion,
             bounds: *bounds,
             runners_up: self.runners_up(chosen.as_ref()),
             failing: self.failing(chosen.as_ref(), bounds, max_error),
@@ -218,29 +214,29 @@ impl<'a> Planner<'a> {
     }
 
     /// Searches for what is within the bounds. Returns with it the bound of the error of the strictest camera. `spread` as in
-    /// [`Search::cheapest`].
+    /// [`Planner::cheapest`].
     fn searched(
         &mut self,
         bounds: &Bounds,
         spread: f64,
     ) -> Result<(Option<f64>, Found), MeasureError> {
-        let search = &mut self.search;
-        let max_error = search.trials.prepare(bounds)?;
+        let max_error = self.trials.prepare(bounds)?;
         let needs = FamilyNeeds {
             small: bounds.max_bytes.is_some(),
             stable: bounds.max_shimmer.is_some(),
         };
-        search.families = families_for(&self.catalogue, &search.trials.views[0].scene, needs);
+        let catalogue = &self.trials.counting.catalogue;
+        self.families = families_for(catalogue, &self.trials.views[0].scene, needs);
         let found = match max_error {
-            Some(max_error) => search.cheapest(bounds, max_error, spread)?,
-            None => search.most_accurate(bounds)?,
+            Some(max_error) => self.cheapest(bounds, max_error, spread)?,
+            None => self.most_accurate(bounds)?,
         };
         Ok((max_error, found))
     }
 
     /// Searches for what is within the bounds by counted costs.
     pub(super) fn search_for(&mut self, bounds: &Bounds) -> Result<Found, MeasureError> {
-        self.search.is_timed = false;
+        self.is_timed = false;
         let (_, found) = self.searched(bounds, 1.0)?;
         Ok(found)
     }
@@ -251,13 +247,19 @@ impl<'a> Planner<'a> {
         settings: Vec<Setting>,
         backend: &mut dyn Backend,
     ) -> Result<Vec<Setting>, MeasureError> {
-        (self.search.on_step)(Step::Timing(settings.len()));
+        (self.on_step)(Step::Timing(settings.len()));
+        let motion = self.trials.counting.motion;
         let presets: Vec<(TechniquePreset, bool)> = settings
             .iter()
-            .map(|setting| (setting.preset.clone(), is_kept(self.motion, setting)))
+            .map(|setting| {
+                (
+                    setting.preset.clone(),
+                    motion.keeps(setting.kept_as_camera_moves),
+                )
+            })
             .collect();
-        let scene = &self.search.trials.views[0].scene;
-        let times = clock::times(backend, scene, self.motion, &presets, &[])?;
+        let scene = &self.trials.views[0].scene;
+        let times = clock::times(backend, scene, motion, &presets, &[])?;
         let mut timed = Vec::new();
         for (setting, ms) in settings.into_iter().zip(times) {
             if ms.is_some() {
@@ -311,7 +313,7 @@ impl<'a> Planner<'a> {
             }
         };
         let best = all.first().cloned();
-        Ok((Found::Missed(Box::new(super::Miss { reason, best })), all))
+        Ok((Found::Missed(Box::new(Miss { reason, best })), all))
     }
 
     /// Returns the two cheaper settings that come nearest to the bounds and break one, the better first; one of each technique. Where
@@ -326,7 +328,7 @@ impl<'a> Planner<'a> {
             return Vec::new();
         };
         let mut best: Vec<&Setting> = Vec::new();
-        let mut all = self.search.trials.all();
+        let mut all = self.trials.all();
         all.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
         for setting in all {
             let breaks_error = max_error.is_some_and(|max| !setting.estimate.is_surely_within(max));
@@ -351,12 +353,12 @@ impl<'a> Planner<'a> {
         bounds: &Bounds,
         max_error: Option<f64>,
     ) -> Result<(Setting, Vec<CurvePoint>), MeasureError> {
-        let Search {
+        let Self {
             trials,
             families,
             on_step,
             ..
-        } = &mut self.search;
+        } = self;
         let family = &families[place.family];
         let points = if family.preset().map().is_some() {
             all_biases(trials, family, place.candidate)?
@@ -402,7 +404,6 @@ impl<'a> Planner<'a> {
     fn runners_up(&self, chosen: Option<&Setting>) -> Vec<Setting> {
         let mut best: Vec<(TechniquePreset, &Setting)> = Vec::new();
         for setting in self
-            .search
             .trials
             .all()
             .into_iter()
@@ -428,15 +429,6 @@ impl<'a> Planner<'a> {
         front.truncate(RUNNERS_UP);
         front.sort_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
         front.into_iter().cloned().collect()
-    }
-}
-
-/// Whether what a setting draws is kept from frame to frame.
-pub(super) fn is_kept(motion: FrameMotion, setting: &Setting) -> bool {
-    match motion {
-        FrameMotion::Still => true,
-        FrameMotion::CameraMoves => setting.kept_as_camera_moves == Some(true),
-        FrameMotion::AllMoves => false,
     }
 }
 

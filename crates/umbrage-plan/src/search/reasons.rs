@@ -1,9 +1,11 @@
 //! Reasons in plain words, built from what was measured.
 
-use super::{Bounds, CurvePoint, Setting, families::SIZES, trials::Trials};
+use super::{
+    bounds::Bounds, families::SIZES, outcome::CurvePoint, setting::Setting, trials::Trials,
+};
 use crate::{
-    MeasureError,
     catalogue::Catalogue,
+    error::MeasureError,
     estimate::{
         penumbra::{self, Penumbra},
         sampled_truth::SampledTruth,

@@ -1,15 +1,16 @@
 //! Compares plans with an exhaustive sweep of the same candidates over the whole image, by counted costs and by the clock.
 
 use super::{
-    Bounds, PlanOptions, Planner, Setting,
     bias_search::best_bias,
+    bounds::Bounds,
     clock::{self, Race},
     families::{FamilyNeeds, families_for},
-    planner::is_kept,
-    seen,
+    options::PlanOptions,
+    planner::Planner,
+    setting::Setting,
 };
 use crate::{
-    MeasureError,
+    error::MeasureError,
     progress::{OnStep, Step},
     truth::{TruthOptions, drawn},
 };
@@ -119,7 +120,8 @@ pub fn regret(
     mut clock: Option<&mut dyn Backend>,
     on_step: &OnStep<'_>,
 ) -> Result<Vec<Regret>, MeasureError> {
-    let (cameras, light) = seen(scene, options)?;
+    let light = options.light_of(scene)?;
+    let cameras = options.cameras_of(scene)?;
     let camera = &cameras[0];
     let geometry = Geometry::bake(scene)?;
     let planner = Planner::new(camera, light, &geometry, options, on_step)?;
@@ -129,9 +131,9 @@ pub fn regret(
     for &bound in bounds {
         let planner = &mut sweep.planner;
         // Samples and their truth hang on no bound; what was tried for another one would help.
-        planner.search.trials.forget();
+        planner.trials.forget();
         let plan = match &mut clock {
-            Some(backend) => planner.plan_by_clock(&Bounds::error(bound), &mut **backend)?,
+            Some(backend) => planner.plan_by_clock(&Bounds::error(bound), Some(&mut **backend))?,
             None => planner.plan(&Bounds::error(bound))?,
         };
         let error = match &plan.chosen {
@@ -179,7 +181,7 @@ struct Sweep<'a> {
 
 impl<'a> Sweep<'a> {
     fn new(mut planner: Planner<'a>, options: &PlanOptions) -> Result<Self, MeasureError> {
-        let scene = &mut planner.search.trials.views[0].scene;
+        let scene = &mut planner.trials.views[0].scene;
         let is_thorough = options.truth.block_side <= 1;
         let block_side = if scene.light.is_ideal() {
             1
@@ -196,7 +198,7 @@ impl<'a> Sweep<'a> {
                 ..options.truth
             }
         };
-        let on_step = planner.search.on_step;
+        let on_step = planner.on_step;
         let truth = scene.trace_at(&judged, &truth, &|done, total| {
             on_step(Step::Truth(done, total))
         })?;
@@ -211,7 +213,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn error(&mut self, preset: &TechniquePreset) -> Result<f64, MeasureError> {
-        let scene = &mut self.planner.search.trials.views[0].scene;
+        let scene = &mut self.planner.trials.views[0].scene;
         let recipe = scene.recipe(preset)?;
         let mask = scene.mask_at(&recipe, &self.judged)?;
         // As one row: only neighbours' errors depend on the image's shape, and they are not asked.
@@ -229,11 +231,7 @@ impl<'a> Sweep<'a> {
             Err(e) => return Err(e),
         };
         let bounds = Bounds::error(1.0);
-        let endured = self
-            .planner
-            .search
-            .trials
-            .endured(setting.clone(), &bounds)?;
+        let endured = self.planner.trials.endured(setting.clone(), &bounds)?;
         let is_fine = bounds.endures(endured.grain, endured.shimmer);
         Ok(is_fine.then_some(error))
     }
@@ -245,15 +243,19 @@ impl<'a> Sweep<'a> {
         clock: Option<&mut dyn Backend>,
     ) -> Result<(), MeasureError> {
         let strictest = regrets.iter().map(|r| r.bound).fold(1.0, f64::min);
-        let scene = &self.planner.search.trials.views[0].scene;
-        let families = families_for(&self.planner.catalogue, scene, FamilyNeeds::default());
+        let scene = &self.planner.trials.views[0].scene;
+        let families = families_for(
+            &self.planner.trials.counting.catalogue,
+            scene,
+            FamilyNeeds::default(),
+        );
         // What keeps the loosest bound, with its error.
         let mut keeping: Vec<(Setting, f64)> = Vec::new();
         for family in &families {
             for candidate in 0..family.candidates.len() {
-                let trials = &mut self.planner.search.trials;
+                let trials = &mut self.planner.trials;
                 let name = family.preset().technique().name();
-                (self.planner.search.on_step)(Step::Trying(name, trials.count()));
+                (self.planner.on_step)(Step::Trying(name, trials.count()));
                 let Some(setting) = best_bias(trials, family, candidate, Some(strictest))? else {
                     continue;
                 };
@@ -328,13 +330,18 @@ impl<'a> Sweep<'a> {
         races: &[Race],
         backend: &mut dyn Backend,
     ) -> Result<Vec<Option<f64>>, MeasureError> {
-        (self.planner.search.on_step)(Step::Timing(settings.len()));
-        let motion = self.planner.motion;
+        (self.planner.on_step)(Step::Timing(settings.len()));
+        let motion = self.planner.trials.counting.motion;
         let presets: Vec<(TechniquePreset, bool)> = settings
             .iter()
-            .map(|(setting, _)| (setting.preset.clone(), is_kept(motion, setting)))
+            .map(|(setting, _)| {
+                (
+                    setting.preset.clone(),
+                    motion.keeps(setting.kept_as_camera_moves),
+                )
+            })
             .collect();
-        let scene = &self.planner.search.trials.views[0].scene;
+        let scene = &self.planner.trials.views[0].scene;
         clock::times(backend, scene, motion, &presets, races)
     }
 
@@ -342,8 +349,12 @@ impl<'a> Sweep<'a> {
     /// fit, so the first one is priced.
     fn candidates(&mut self) -> Result<Vec<TechniquePreset>, MeasureError> {
         let mut priced: Vec<(f64, Vec<TechniquePreset>)> = Vec::new();
-        let scene = &self.planner.search.trials.views[0].scene;
-        for family in families_for(&self.planner.catalogue, scene, FamilyNeeds::default()) {
+        let scene = &self.planner.trials.views[0].scene;
+        for family in families_for(
+            &self.planner.trials.counting.catalogue,
+            scene,
+            FamilyNeeds::default(),
+        ) {
             for size in 0..family.candidates.len() {
                 let mut presets: Vec<TechniquePreset> = Vec::new();
                 for biases in family.bias_amounts() {
@@ -351,7 +362,7 @@ impl<'a> Sweep<'a> {
                         presets.push(family.at(size, biases.kind, texels));
                     }
                 }
-                let Some(price) = self.planner.search.trials.price(&presets[0])? else {
+                let Some(price) = self.planner.trials.price(&presets[0])? else {
                     continue;
                 };
                 priced.push((price.milliseconds, presets));
@@ -370,15 +381,15 @@ impl<'a> Sweep<'a> {
             if regrets.iter().all(|r| r.cheapest.is_some()) {
                 break;
             }
-            let Some(setting) = self.planner.search.trials.try_out(&preset)? else {
+            let Some(setting) = self.planner.trials.try_out(&preset)? else {
                 continue;
             };
             if is_hopeless(&setting, regrets) {
                 continue;
             }
             let milliseconds = setting.milliseconds;
-            let tried = self.planner.search.trials.count();
-            (self.planner.search.on_step)(Step::Trying(preset.name(), tried));
+            let tried = self.planner.trials.count();
+            (self.planner.on_step)(Step::Trying(preset.name(), tried));
             let Some(error) = self.error_of_candidate(&setting)? else {
                 continue;
             };

@@ -1,21 +1,10 @@
 //! The order in which candidates are tried: from the cheapest up until one keeps the bound of the error, or the finest ones
 //! that can be afforded.
 
-use super::{Bounds, Miss, Setting, bias_search::best_bias, families::Family, trials::Trials};
-use crate::{
-    Cancel, MeasureError,
-    progress::{OnStep, Step},
+use super::{
+    bias_search::best_bias, bounds::Bounds, outcome::Miss, planner::Planner, setting::Setting,
 };
-
-/// Candidates, and what was tried of them.
-pub(super) struct Search<'a> {
-    pub(super) trials: Trials<'a>,
-    pub(super) families: Vec<Family>,
-    pub(super) on_step: &'a OnStep<'a>,
-    pub(super) cancel: Cancel,
-    /// Whether what is found will be timed.
-    pub(super) is_timed: bool,
-}
+use crate::{error::MeasureError, progress::Step};
 
 /// The place of a candidate in the list of families.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +42,7 @@ const SATURATED: f64 = 0.95;
 /// Of each family so many of its finest candidates are tried for accuracy.
 const FINEST: usize = 2;
 
-impl Search<'_> {
+impl Planner<'_> {
     /// Finds the cheapest candidate whose error is surely within its bound, and that is within the others. After it, those of other
     /// families that cost up to `spread` times as much: 1 or more, by how much prices may be wrong.
     pub(super) fn cheapest(

@@ -6,12 +6,12 @@ use super::{
     *,
 };
 use crate::{
-    Estimate, Step,
     catalogue::{self, Catalogue},
     cost::{CostModel, KIND_NAMES, KINDS},
+    estimate::error::Estimate,
     motion::FrameMotion,
-    truth,
-    truth::TruthOptions,
+    progress::Step,
+    truth::{self, TruthOptions},
 };
 use glam::UVec2;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -98,8 +98,8 @@ fn exact_techniques_are_told_apart_by_cost() {
 fn a_soft_lamp_needs_soft_shadows() {
     with_planner("rising-boxes", |mut planner| {
         let all = families(
-            &planner.catalogue,
-            planner.search.trials.views[0].scene.light,
+            &planner.trials.counting.catalogue,
+            planner.trials.views[0].scene.light,
             false,
         );
         let mut best = |name: &str| {
@@ -108,7 +108,7 @@ fn a_soft_lamp_needs_soft_shadows() {
                 .filter(|f| f.preset().technique().name() == name)
                 .collect();
             let best_of = |f: &&Family| {
-                best_bias(&mut planner.search.trials, f, 4, None)
+                best_bias(&mut planner.trials, f, 4, None)
                     .expect("plays")
                     .map(|s| s.estimate.error)
             };
@@ -126,7 +126,7 @@ fn a_soft_lamp_needs_soft_shadows() {
 fn samples_tell_of_whole_images() {
     for name in ["cubes", "c4-edge-square", "low-sun-5", "lamp-in-room"] {
         with_planner(name, |mut planner| {
-            let scene = &mut planner.search.trials.views[0].scene;
+            let scene = &mut planner.trials.views[0].scene;
             let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
             let truth = scene
                 .truth_at(&all, &small().truth, &|_, _| {})
@@ -134,10 +134,10 @@ fn samples_tell_of_whole_images() {
             let (visibility, pixels): (Vec<f32>, Vec<_>) =
                 truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
             for preset in [64, 512].into_iter().flat_map(sized) {
-                let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
+                let Some(setting) = planner.trials.try_out(&preset).expect("plays") else {
                     continue;
                 };
-                let mask = planner.search.trials.views[0]
+                let mask = planner.trials.views[0]
                     .scene
                     .preset_mask(&preset)
                     .expect("plays");
@@ -173,7 +173,7 @@ fn what_no_sample_shows_a_second_look_does() {
     for name in ["cubes", "rising-boxes"] {
         with_planner(name, |mut planner| {
             // A sample that has seen nothing but light.
-            let sampled = &mut planner.search.trials.views[0].sampled;
+            let sampled = &mut planner.trials.views[0].sampled;
             let lit: Vec<usize> = (0..sampled.truth.len())
                 .filter(|&k| sampled.truth[k].visibility == 1.0)
                 .collect();
@@ -182,14 +182,12 @@ fn what_no_sample_shows_a_second_look_does() {
             sampled.truth = lit.iter().map(|&k| sampled.truth[k]).collect();
             let none = TechniquePreset::from(umbrage_techniques::Unshadowed::default());
             let blind = planner
-                .search
                 .trials
                 .try_out(&none)
                 .expect("plays")
                 .expect("supported");
             assert_eq!(blind.estimate.high, 0.0, "{name}");
             let seen = planner
-                .search
                 .trials
                 .verify(&blind, None, &|_| {})
                 .expect("plays")
@@ -212,7 +210,7 @@ fn second_looks_tell_of_whole_images() {
         "canopy",
     ] {
         with_planner(name, |mut planner| {
-            let scene = &mut planner.search.trials.views[0].scene;
+            let scene = &mut planner.trials.views[0].scene;
             let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
             let truth = scene
                 .truth_at(&all, &small().truth, &|_, _| {})
@@ -220,10 +218,10 @@ fn second_looks_tell_of_whole_images() {
             let (visibility, pixels): (Vec<f32>, Vec<_>) =
                 truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
             for preset in sized(64) {
-                let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
+                let Some(setting) = planner.trials.try_out(&preset).expect("plays") else {
                     continue;
                 };
-                let mask = planner.search.trials.views[0]
+                let mask = planner.trials.views[0]
                     .scene
                     .preset_mask(&preset)
                     .expect("plays");
@@ -231,7 +229,6 @@ fn second_looks_tell_of_whole_images() {
                     .expect("fits")
                     .rmse;
                 let e = planner
-                    .search
                     .trials
                     .verify(&setting, None, &|_| {})
                     .expect("plays")
@@ -260,10 +257,9 @@ fn second_looks_tell_of_whole_images() {
 #[test]
 fn second_looks_can_be_repeated() {
     with_planner("rising-boxes", |mut planner| {
-        planner.search.trials.views[0].verifier.sampling.seed = u32::MAX;
+        planner.trials.views[0].verifier.sampling.seed = u32::MAX;
         // Spoilt to be without a fault, as rare faults are.
         let hard = planner
-            .search
             .trials
             .try_out(&TechniquePreset::defaults()[1])
             .expect("plays")
@@ -273,13 +269,11 @@ fn second_looks_can_be_repeated() {
             ..hard
         };
         let once = planner
-            .search
             .trials
             .verify(&blind, Some(1e-3), &|_| {})
             .expect("plays");
         assert!(once.estimate.error > 0.0);
         let twice = planner
-            .search
             .trials
             .verify(&once, Some(1e-3), &|_| {})
             .expect("plays");
@@ -292,16 +286,14 @@ fn second_looks_can_be_repeated() {
 fn without_a_pilot_the_first_sample_must_do() {
     with_planner("rising-boxes", |mut planner| {
         let [none, hard] = [0, 1].map(|i| TechniquePreset::defaults()[i].clone());
-        planner.search.trials.views[0].verifier.pilot = None;
+        planner.trials.views[0].verifier.pilot = None;
         for preset in [none.clone(), hard] {
             let first = planner
-                .search
                 .trials
                 .try_out(&preset)
                 .expect("plays")
                 .expect("supported");
             let again = planner
-                .search
                 .trials
                 .verify(&first, Some(0.1), &|_| {})
                 .expect("plays");
@@ -309,18 +301,16 @@ fn without_a_pilot_the_first_sample_must_do() {
             assert_eq!(again.estimate, first.estimate);
         }
         // What was verified remembers its first estimate.
-        planner.search.trials.forget();
+        planner.trials.forget();
         let blind = Setting {
             estimate: Estimate::default(),
             ..planner
-                .search
                 .trials
                 .try_out(&none)
                 .expect("plays")
                 .expect("supported")
         };
         let again = planner
-            .search
             .trials
             .verify(&blind, None, &|_| {})
             .expect("plays")
@@ -365,20 +355,19 @@ fn spoilt_truth_changes_the_choice() {
             .chosen
             .expect("possible");
         assert_ne!(right.technique, "none");
-        let all: Vec<u32> =
-            (0..planner.search.trials.views[0].scene.receivers.len() as u32).collect();
-        planner.search.trials.views[0]
+        let all: Vec<u32> = (0..planner.trials.views[0].scene.receivers.len() as u32).collect();
+        planner.trials.views[0]
             .scene
             .truth_at(&all, &small().truth, &|_, _| {})
             .expect("can be traced");
-        let view = &mut planner.search.trials.views[0];
+        let view = &mut planner.trials.views[0];
         let remembered = view.scene.truth.values_mut();
         view.sampled
             .truth
             .iter_mut()
             .chain(remembered)
             .for_each(|t| t.visibility = 0.999);
-        planner.search.trials.forget();
+        planner.trials.forget();
         let wrong = planner
             .plan(&bounds)
             .expect("can be planned")
@@ -567,7 +556,7 @@ fn second_looks_under_a_spot_see_what_it_lights() {
     };
     let mut planner = Planner::new(&camera, &scene.lights[1], &geometry, &options, &|_| {})
         .expect("can be planned");
-    let view = &mut planner.search.trials.views[0];
+    let view = &mut planner.trials.views[0];
     let all: Vec<u32> = (0..view.scene.receivers.len() as u32).collect();
     let truth = (view.scene)
         .trace_at(&all, &options.truth, &|_, _| {})
@@ -581,8 +570,8 @@ fn second_looks_under_a_spot_see_what_it_lights() {
     let map = hard.map().copied().expect("has a map");
     for size in [64, 128, 256] {
         let preset = hard.with_map(umbrage_techniques::ShadowMap { size, ..map });
-        let setting = planner.search.trials.try_out(&preset).expect("plays");
-        let mask = (planner.search.trials.views[0].scene)
+        let setting = planner.trials.try_out(&preset).expect("plays");
+        let mask = (planner.trials.views[0].scene)
             .preset_mask(&preset)
             .expect("plays");
         let whole = Errors::measure(camera.size, &mask, &visibility, &pixels)
@@ -590,7 +579,6 @@ fn second_looks_under_a_spot_see_what_it_lights() {
             .rmse;
         assert!(whole > 0.02, "{size}: {whole}");
         let e = planner
-            .search
             .trials
             .verify(&setting.expect("supported"), None, &|_| {})
             .expect("plays")

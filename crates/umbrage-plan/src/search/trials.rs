@@ -1,13 +1,15 @@
 //! Tries settings on the sample, each once.
 
 use super::{
-    Bounds, CameraFigures, Hold, Setting,
+    bounds::Bounds,
     by_preset::{ByPreset, without_bias},
+    hold::Hold,
+    setting::{CameraFigures, Setting},
 };
 use crate::{
-    MeasureError,
     catalogue::Catalogue,
     cost::CostModel,
+    error::MeasureError,
     estimate::{
         error::Estimate,
         grain::GrainProbe,
@@ -91,7 +93,7 @@ type DrawnPlace = (&'static str, Option<(Fit, Layout)>);
 pub(super) struct Trials<'a> {
     /// One a camera, at least one.
     pub(super) views: Vec<SampledView<'a>>,
-    counting: Counting,
+    pub(super) counting: Counting,
     /// `None` if it isn't supported.
     tried: ByPreset<Option<Setting>>,
     /// The first sample's estimates of settings that were verified since, one a camera.
@@ -266,7 +268,7 @@ impl<'a> Trials<'a> {
             .collect();
         let kept_as_camera_moves =
             (motion == FrameMotion::CameraMoves).then(|| self.is_kept(preset, &recipes[0]));
-        let is_kept = motion == FrameMotion::Still || kept_as_camera_moves == Some(true);
+        let is_kept = motion.keeps(kept_as_camera_moves);
         let frames: Vec<f64> = prices
             .iter()
             .map(|price| price.lookup_ms + if is_kept { 0.0 } else { price.draw_ms })

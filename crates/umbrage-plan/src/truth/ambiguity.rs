@@ -17,12 +17,12 @@
 //! are farther away than any rounding. Moved images show what happens where another surface is seen.
 
 use super::{
-    FindReceivers, PointTruth, TruthOptions,
-    points::{ReceiverPoint, TruthRequest},
+    options::{FindReceivers, TruthOptions},
+    points::{PointTruth, ReceiverPoint, TruthRequest},
     tracer::Tracer,
     vicinity::{Around, Vicinity},
 };
-use crate::MeasureError;
+use crate::error::MeasureError;
 use glam::Vec2;
 use rayon::prelude::*;
 use umbrage_core::Light;

@@ -1,6 +1,6 @@
 //! Distances of the blockers that cast shadows.
 
-use super::{PointTruth, tracer::FARTHEST};
+use super::{points::PointTruth, tracer::FARTHEST};
 use glam::Vec2;
 use rayon::prelude::*;
 use umbrage_core::{

@@ -7,6 +7,8 @@
 
 mod ambiguity;
 mod blockers;
+mod judged;
+mod options;
 #[cfg(test)]
 mod oracle;
 mod points;
@@ -16,50 +18,21 @@ mod tracer;
 mod vicinity;
 
 pub use ambiguity::PROBES;
+pub use options::{FindReceivers, Progress, TruthOptions};
 pub use points::{PointTruth, ReceiverPoint, TruthRequest, trace_points};
 pub use sampled::PREVIEW_SAMPLES;
 pub(crate) use sampled::drawn;
 
-use crate::MeasureError;
+use crate::error::MeasureError;
 use ambiguity::Nudge;
 use glam::UVec2;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use judged::{JudgedPoints, class, judge};
 use tracer::Tracer;
 use umbrage_core::{
-    BackendError, Camera, Geometry, Invalid, Light, Receivers,
+    Camera, Geometry, Invalid, Light, Receivers,
     metrics::{Pixel, TruthImage},
 };
 use web_time::{Duration, Instant};
-
-/// How carefully truth is traced.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct TruthOptions {
-    /// Rays a receiver for lights with an extent; powers of two are best. Ideal lights take one.
-    pub samples: u32,
-    /// Receivers in penumbra get this many times as many rays, 1 or more.
-    pub penumbra_factor: u32,
-    /// Rays a receiver for finding out whether its visibility is ambiguous.
-    pub probe_samples: u32,
-    /// Penumbra values that change by more than this under a nudge are ambiguous, 0..=1. Twice the noise of `probe_samples`
-    /// rays across one edge (each misplaced edge costs about one sample per row of the square they form), and well below
-    /// what a surface or shadow edge moved by .02 pixels changes.
-    pub ambiguous_change: f32,
-    /// Side of the square blocks of pixels of each of which one pixel is judged, drawn at random: 1 judges all pixels. The others get
-    /// a preview of a few rays, which tells where shadows' edges lie and counts in no error ([`Pixel::Unsampled`]).
-    pub block_side: u32,
-}
-
-impl Default for TruthOptions {
-    fn default() -> Self {
-        Self {
-            samples: 1024,
-            penumbra_factor: 4,
-            probe_samples: 64,
-            ambiguous_change: 0.125,
-            block_side: 1,
-        }
-    }
-}
 
 /// What every technique's mask is compared with.
 #[derive(Clone, Debug)]
@@ -123,12 +96,6 @@ impl Truth {
     }
 }
 
-/// Finds the receivers that a camera sees, such as `Cpu::receivers`.
-pub type FindReceivers<'a> = dyn FnMut(&Camera, &Geometry) -> Result<Receivers, BackendError> + 'a;
-
-/// Called with the work done and the work in all, in receivers, from any thread.
-pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
-
 /// Traces truth for what the camera sees.
 ///
 /// # Errors
@@ -189,7 +156,7 @@ pub fn trace_pixels(
     find: &mut FindReceivers<'_>,
     progress: &Progress<'_>,
 ) -> Result<Vec<PixelTruth>, MeasureError> {
-    let Traced { seen, ambiguous } = trace_asked(request, light, options, find, progress)?;
+    let JudgedPoints { seen, ambiguous } = judge(request, light, options, find, progress)?;
     let mut out = Vec::with_capacity(request.pixels.len());
     for (k, &i) in request.pixels.iter().enumerate() {
         let receives = request.receivers.receives[i as usize];
@@ -212,39 +179,6 @@ pub(crate) fn unlit(
     options: &TruthOptions,
 ) -> Result<Vec<bool>, Invalid> {
     Ok(request.unlit(&Tracer::new(request.geometry, light, options)?))
-}
-
-/// Truth at the pixels of a request, in their order.
-struct Traced {
-    seen: Vec<PointTruth>,
-    ambiguous: Vec<bool>,
-}
-
-fn trace_asked(
-    asked: &TruthRequest<'_>,
-    light: &Light,
-    options: &TruthOptions,
-    find: &mut FindReceivers<'_>,
-    progress: &Progress<'_>,
-) -> Result<Traced, MeasureError> {
-    let done = AtomicUsize::new(0);
-    let total = asked.pixels.len() * (1 + ambiguity::PROBES);
-    let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
-    let seen = asked.trace(&Tracer::new(asked.geometry, light, options)?, 1.0, &report);
-    let ambiguous = ambiguity::find(asked, light, options, Nudge::ROUNDING, find, &report)?;
-    Ok(Traced { seen, ambiguous })
-}
-
-fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
-    if !receives {
-        Pixel::Empty
-    } else if seen.unlit {
-        Pixel::Unlit
-    } else if ambiguous {
-        Pixel::Ambiguous
-    } else {
-        Pixel::Counted
-    }
 }
 
 /// Returns which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this step, pixels. None if the step is

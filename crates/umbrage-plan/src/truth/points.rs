@@ -1,7 +1,7 @@
 //! Traces truth at given points.
 
 use super::{
-    TruthOptions,
+    options::TruthOptions,
     tracer::{Memory, Tracer},
 };
 use glam::Vec3;

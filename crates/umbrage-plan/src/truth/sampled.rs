@@ -5,10 +5,12 @@
 //! cut, whose pixels have a greater one.
 
 use super::{
-    FindReceivers, PointTruth, Progress, Traced, TruthOptions, TruthRequest, class, trace_asked,
+    judged::{JudgedPoints, class, judge},
+    options::{FindReceivers, Progress, TruthOptions},
+    points::{PointTruth, TruthRequest},
     tracer::Tracer,
 };
-use crate::MeasureError;
+use crate::error::MeasureError;
 use glam::UVec2;
 use umbrage_core::{Camera, Geometry, Light, Receivers, light_sample, metrics::Pixel};
 
@@ -48,7 +50,7 @@ pub(super) fn trace(
         receivers,
         pixels: &drawn,
     };
-    let Traced { seen, ambiguous } = trace_asked(&request, image.light, options, find, progress)?;
+    let JudgedPoints { seen, ambiguous } = judge(&request, image.light, options, find, progress)?;
     let mut out = if drawn.len() == receivers.len() {
         TracedImage::nothing(receivers.len())
     } else {

@@ -1,6 +1,9 @@
 //! Traces the visibility of a light from one receiver at a time.
 
-use super::{PointTruth, ReceiverPoint, TruthOptions};
+use super::{
+    options::TruthOptions,
+    points::{PointTruth, ReceiverPoint},
+};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{

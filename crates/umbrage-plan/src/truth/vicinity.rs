@@ -6,7 +6,7 @@
 //! plane is a convex polygon; what all of them leave of the vicinity is light.
 
 use super::{
-    ReceiverPoint,
+    points::ReceiverPoint,
     polygon::{
         Polygon, area, common, contains, counter_clockwise, cut, hull, minkowski_sum, spread,
         without,

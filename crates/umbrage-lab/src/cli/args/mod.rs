@@ -1,25 +1,12 @@
 //! The command line.
 
-mod bench;
-mod bias;
-mod card;
-mod compare;
-mod merge;
-mod plan;
-mod stability;
-mod wgsl;
-mod which;
+pub(crate) mod shared;
 
-pub(crate) use bench::BenchArguments;
-pub(crate) use bias::BiasArguments;
-pub(crate) use card::{CardArguments, CardPart};
-pub(crate) use compare::CompareArguments;
-pub(crate) use merge::{MergeArguments, Shard};
-pub(crate) use plan::{PlanArguments, PlanBackend, PlanRenderer, PlanWeight};
-pub(crate) use stability::StabilityArguments;
-pub(crate) use wgsl::WgslArguments;
-pub(crate) use which::WhichArguments;
-
+use super::{
+    bench::BenchArguments, bias::BiasArguments, card::CardArguments, compare::CompareArguments,
+    merge::MergeArguments, plan::PlanArguments, stability::StabilityArguments, wgsl::WgslArguments,
+    which::WhichArguments,
+};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 /// How help spells the program's invocation. [`parse`] replaces it by the program's own.
@@ -59,18 +46,6 @@ pub(crate) enum Command {
     Wgsl(WgslArguments),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Backend {
-    /// The CPU, and wgpu if there is a graphics adapter
-    Available,
-    /// The CPU alone
-    Cpu,
-    /// wgpu alone; fails without a graphics adapter
-    Wgpu,
-    /// Both; fails without a graphics adapter
-    Both,
-}
-
 /// Returns what the command line asks for. Ends the process after `--help` (0) and wrong usage (2).
 pub(crate) fn parse(invocation: &'static str) -> Command {
     let matches = command(invocation).get_matches();
@@ -106,17 +81,6 @@ fn with_own_examples(command: clap::Command, invocation: &str) -> clap::Command 
         return command;
     };
     command.after_help(examples.replace(INVOCATION, invocation))
-}
-
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text
-        .split_once('x')
-        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    match sides {
-        Some(size) if size.iter().all(|s| (1..=16_384).contains(s)) => Ok(size),
-        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
-        None => Err("write width and height like 640x480".to_owned()),
-    }
 }
 
 #[cfg(test)]

@@ -1,16 +1,8 @@
 "use strict";
-const data = JSON.parse(document.getElementById("data").textContent);
 const dark = matchMedia("(prefers-color-scheme: dark)");
 // A smaller RMSE can't be seen: it is a fortieth of a step of an 8-bit image.
 const EXACT = 1e-4;
 
-function svgEl(tag, attributes, text) {
-  const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [key, value] of Object.entries(attributes)) if (value !== null && value !== undefined) node.setAttribute(key, value);
-  if (text !== undefined) node.textContent = text;
-  return node;
-}
-const plural = (n, word) => `${n.toLocaleString("en")} ${word}${n === 1 ? "" : "s"}`;
 const number = (v, digits) => (v === 0 ? "0" : Math.abs(v) < 10 ** -digits ? v.toExponential(1) : v.toFixed(digits));
 const percent = (v) => `${number(v, 2)} %`;
 const bytes = (v) => (v >= 1e6 ? `${(v / 1e6).toFixed(1)} MB` : `${(v / 1e3).toFixed(0)} kB`);
@@ -19,110 +11,77 @@ const short = (v) => (v === null ? "–" : v >= 100 ? v.toFixed(0) : v >= 10 ? v
 const ms = (v) => (v === null ? "–" : `${short(v)} ms`);
 const rmseWords = (v) => (v === null ? "–" : v < EXACT ? "exact" : number(v, 4));
 const named = (row) => (row.settings ? `${row.technique}, ${row.settings}` : row.technique);
-// Which of two clocks the page shows: measured time, or counted cost, which is all there is where nothing was timed.
+const firstSettings = (settings) => settings.split(", ").slice(0, 2).join(", ");
+const button = (attributes, ...children) => el("button", { type: "button", ...attributes }, ...children);
+// The two clocks that the page shows: measured time, or counted cost, which is all there is where nothing was timed.
 let clock = data.clock;
 const frameOf = (row) => (clock === "time" ? row.frame : row.frame_cost);
 const isOnFront = (row) => Boolean(clock === "time" ? row.front : row.front_cost);
 const clockListeners = [];
 
 // Rows come as arrays, with their texts as places in one list.
-function rowsOf(scene, index) {
-  const isText = data.columns.map((name) => data.text_columns.includes(name));
-  return data.rows[index].map((values, place) => {
-    const row = { scene, place };
-    data.columns.forEach((name, i) => { row[name] = isText[i] && values[i] !== null ? data.texts[values[i]] : values[i]; });
-    return row;
-  });
-}
 const scenes = data.scenes;
 scenes.forEach((scene, index) => {
-  scene.index = index;
-  scene.rows = rowsOf(scene, index);
+  const value = (name, v) => (v !== null && data.text_columns.includes(name) ? data.texts[v] : v);
+  const row = (values, place) => ({ scene, place, ...Object.fromEntries(data.columns.map((name, i) => [name, value(name, values[i])])) });
+  Object.assign(scene, { index, rows: data.rows[index].map(row) });
 });
 
 const addressOf = (scene, file) => `${encodeURIComponent(scene.folder)}/${encodeURIComponent(file)}`;
-const maskOf = (row) => (row.stem === null ? null : addressOf(row.scene, `${row.stem}.png`));
-const errorOf = (row) => (row.stem === null ? null : addressOf(row.scene, `${row.stem}.error.png`));
-const truthOf = (scene) => addressOf(scene, "truth.png");
+const pictureOf = (row, end) => addressOf(row.scene, `${row.stem}${end}.png`);
 
 // A picture from a file beside the page, with its size, so that nothing moves when it comes.
 function shot(scene, address, caption, title) {
   const [width, height] = scene.size;
-  const img = el("img", { class: "shot", src: address, alt: `${caption}: ${title}`, loading: "lazy", decoding: "async", width, height });
-  img.addEventListener("click", () => enlarge(img.src, `${caption} · ${title}`));
-  img.addEventListener("error", () => img.replaceWith(missing(scene, address)));
+  const text = `${decodeURIComponent(address)} is missing: keep the page in its folder`;
+  const missing = () => img.replaceWith(el("p", { class: "missing", style: `aspect-ratio: ${width} / ${height}` }, text));
+  const img = el("img", {
+    class: "shot", src: address, alt: `${caption}: ${title}`, loading: "lazy", decoding: "async", width, height,
+    onclick: () => enlarge(img.src, `${caption} · ${title}`), onerror: missing,
+  });
   return el("figure", {}, img, el("figcaption", {}, caption));
 }
-function missing(scene, address) {
-  const text = `${decodeURIComponent(address)} is missing: keep the page in its folder`;
-  return el("p", { class: "missing", style: `aspect-ratio: ${scene.size[0]} / ${scene.size[1]}` }, text);
-}
+const truthShot = (scene) => shot(scene, addressOf(scene, "truth.png"), "truth", scene.name);
+const rowShot = (row, end, caption, title) => shot(row.scene, pictureOf(row, end), caption, title);
 
 function enlarge(src, caption) {
   const box = byId("lightbox");
-  box.querySelector("img").src = src;
-  box.querySelector("img").alt = caption;
+  Object.assign(box.querySelector("img"), { src, alt: caption });
   box.querySelector("figcaption").textContent = caption;
   box.showModal();
 }
 byId("lightbox").addEventListener("click", () => byId("lightbox").close());
-
-// Lines of text beside the pointer.
-function tip(lines, event) {
-  const box = byId("tip");
-  box.hidden = !lines;
-  if (box.hidden) return;
-  box.replaceChildren(...lines.map((line, i) => el(i === 0 ? "b" : "span", {}, line)));
-  const gap = 14;
-  const { width, height } = box.getBoundingClientRect();
-  const right = event.clientX + gap + width < innerWidth;
-  const below = event.clientY + gap + height < innerHeight;
-  const left = right ? event.clientX + gap : Math.max(4, event.clientX - gap - width);
-  const top = below ? event.clientY + gap : Math.max(4, event.clientY - gap - height);
-  Object.assign(box.style, { left: `${left}px`, top: `${top}px` });
-}
 
 // A row's mask and error in the corner that is farther from the pointer.
 function peek(row, event) {
   const box = byId("peek");
   box.hidden = !row || row.stem === null;
   if (box.hidden) return;
-  const [mask, error] = box.querySelectorAll("img");
-  mask.src = maskOf(row);
-  error.src = errorOf(row);
+  box.querySelectorAll("img").forEach((img, i) => { img.src = pictureOf(row, ["", ".error"][i]); });
   box.querySelector("figcaption").textContent = `${row.scene.name}: mask and error`;
   const right = event.clientX < innerWidth / 2;
   Object.assign(box.style, { left: right ? "auto" : "1rem", right: right ? "1rem" : "auto" });
 }
 
-// What the pointer tells of a row.
-function rowLines(row) {
-  const lines = [`${row.technique} on ${row.backend}`, row.settings];
-  if (row.rmse !== null) {
-    lines.push(`RMSE ${rmseWords(row.rmse)}; false shadow ${percent(row.false_shadow)}, false light ${percent(row.false_light)}`);
-    lines.push(`error from: ${causesOf(row).map(([name, share]) => `${name} ${share.toFixed(0)} %`).join(", ") || "nothing"}`);
-  }
-  if (row.frame !== null) lines.push(`frame ${ms(row.frame)}: recipe ${ms(row.recipe)}, cast ${ms(row.cast)}, lookup ${ms(row.lookup)}`);
-  if (row.scene_once) lines.push(`once a scene ${ms(row.scene_once)}`);
-  if (row.is_kept) lines.push("what it draws is kept while the camera moves");
-  lines.push(`counted cost ${ms(row.frame_cost)}, ${bytes(row.bytes)}`);
-  return lines.filter(Boolean);
-}
-
 const CAUSES = ["acne", "gap", "leak", "edge", "penumbra"];
-// The causes of a row's error, each with its share of it, percent.
+// The causes of a row's error, each with its share of it in words.
 function causesOf(row) {
   const all = CAUSES.map((name) => [name, row[`cause_${name}`] || 0]);
   const sum = all.reduce((total, [, part]) => total + part, 0);
-  return sum < 1e-6 ? [] : all.map(([name, part]) => [name, (100 * part) / sum]).filter(([, share]) => share >= 0.5);
+  const shares = sum < 1e-6 ? [] : all.map(([name, part]) => ({ name, share: (100 * part) / sum }));
+  return shares.filter(({ share }) => share >= 0.5).map((cause) => ({ ...cause, words: `${cause.name} ${cause.share.toFixed(0)} %` }));
 }
-function causeBar(row) {
-  const parts = causesOf(row);
-  const bar = el("span", { class: "causes", title: parts.map(([name, share]) => `${name} ${share.toFixed(0)} %`).join(", ") });
-  for (const [name, share] of parts) bar.append(el("i", { class: name, style: `width: ${share}%` }));
-  return bar;
-}
+const causeWords = (row) => causesOf(row).map(({ words }) => words).join(", ");
 
-function select(label, options, onchange) {
-  return el("label", {}, `${label} `, el("select", { onchange: (e) => onchange(e.target.value) }, ...options.map((o) => el("option", {}, o))));
+// What the pointer tells of a row.
+function rowLines(row) {
+  const has = (v, ...lines) => (v ? lines : []);
+  return [
+    `${row.technique} on ${row.backend}`, row.settings,
+    ...has(row.rmse !== null, `RMSE ${rmseWords(row.rmse)}; false shadow ${percent(row.false_shadow)}, false light ${percent(row.false_light)}`,
+      `error from: ${causeWords(row) || "nothing"}`),
+    ...has(row.frame !== null, `frame ${ms(row.frame)}: recipe ${ms(row.recipe)}, cast ${ms(row.cast)}, lookup ${ms(row.lookup)}`),
+    ...has(row.scene_once, `once a scene ${ms(row.scene_once)}`), ...has(row.is_kept, "what it draws is kept while the camera moves"),
+    `counted cost ${ms(row.frame_cost)}, ${bytes(row.bytes)}`,
+  ].filter(Boolean);
 }

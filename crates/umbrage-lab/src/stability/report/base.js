@@ -1,10 +1,8 @@
 "use strict";
-const data = JSON.parse(document.getElementById("data").textContent);
 const { stability, pictures } = data;
 
 const number = (v) => (v === 0 ? "0" : Math.abs(v) < 1e-3 ? v.toExponential(1) : v.toPrecision(3));
 const withUnit = (v, unit) => `${number(v)}${unit ? ` ${unit}` : ""}`;
-const plural = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
 const signs = { pass: "✓", not_measured: "·", degraded: "~", fails: "✗", none: "–", fault: "!" };
 const key = (cell) => `${cell.technique} (${cell.settings})`;
 
@@ -14,8 +12,7 @@ for (const result of stability.cases) {
 }
 
 // Columns: every setting of any case, each once, techniques together; settings of single cases come last.
-const columns = [];
-for (const cell of stability.cases.flatMap((c) => c.cells)) if (!columns.some((c) => key(c) === key(cell))) columns.push(cell);
+const columns = [...new Map(stability.cases.flatMap((c) => c.cells).map((cell) => [key(cell), cell])).values()];
 const techniques = [...new Set(columns.map((c) => c.technique))];
 const isExtra = (column) => !data.verdicts.some((v) => key(v) === key(column));
 columns.sort((a, b) => isExtra(a) - isExtra(b) || techniques.indexOf(a.technique) - techniques.indexOf(b.technique));
@@ -34,20 +31,7 @@ function says(result, cell) {
   return o.measured.judgements.map((judgement, k) => judged(result.criteria[k], judgement)).join("; ");
 }
 
-function judged(criterion, judgement) {
-  if (judgement.figure === null) return `${criterion.measure}: not measured: ${judgement.reason}`;
-  const { pass, fails } = criterion.limits;
-  const unit = criterion.unit;
-  return `${criterion.measure}: ${withUnit(judgement.figure, unit)} ${signs[judgement.verdict]} (passes up to ${withUnit(pass, unit)}, fails above ${withUnit(fails, unit)})`;
-}
-
-function tip(event, text) {
-  const box = byId("tip");
-  box.textContent = text;
-  box.hidden = !text;
-  if (!text) return;
-  const { left, bottom, top } = event.target.getBoundingClientRect();
-  const below = bottom + 6 + box.offsetHeight < innerHeight;
-  box.style.left = `${Math.max(4, Math.min(left, innerWidth - box.offsetWidth - 12))}px`;
-  box.style.top = `${below ? bottom + 6 : Math.max(4, top - box.offsetHeight - 6)}px`;
+function judged({ measure, unit, limits }, { figure, verdict, reason }) {
+  if (figure === null) return `${measure}: not measured: ${reason}`;
+  return `${measure}: ${withUnit(figure, unit)} ${signs[verdict]} (passes up to ${withUnit(limits.pass, unit)}, fails above ${withUnit(limits.fails, unit)})`;
 }

@@ -8,12 +8,12 @@ const telling = [...stability.cases.entries()].filter(([, result]) => !result.is
 
 const isShownColumn = (column) => wanted.technique === "all" || column.technique === wanted.technique;
 const isWantedCell = (cell) => wanted.verdict === "all" || state(cell) === wanted.verdict;
-const wordsOf = (result) => [result.row, result.title, result.case, result.weakness, result.motion, ...result.criteria.map((c) => c.measure)].join(" ").toLowerCase();
+const wordsOf = (result) => [result.row, result.title, result.case, result.weakness, result.motion, ...result.criteria.map((c) => c.measure)].join(" ");
 
 function isShownCase(result) {
   return (wanted.row === "all" || String(result.row) === wanted.row)
     && (wanted.motion === "all" || MOTIONS[wanted.motion](result.motion))
-    && wanted.text.toLowerCase().split(/\s+/).every((word) => wordsOf(result).includes(word))
+    && hasWords(wordsOf(result), wanted.text)
     && result.cells.some((cell) => isShownColumn(cell) && isWantedCell(cell));
 }
 
@@ -25,15 +25,15 @@ function detail(result, cell, picture, button) {
     ? "The first frames' masks at points that stay, then where they change: orange."
     : "Truth, mask, error: blue is false shadow, orange is false light.";
   const agreement = cell.disagreeing === null ? null
-    : el("p", { class: "soft" }, cell.disagreeing ? `Backends differ on ${cell.disagreeing} decided pixels.` : "Backends agree.");
+    : paragraph("soft", cell.disagreeing ? `Backends differ on ${cell.disagreeing} decided pixels.` : "Backends agree.");
   const image = picture && el("a", { href: picture }, el("img", { src: picture, alt: `${result.case}: ${key(cell)}` }));
   const ideal = result.criteria.map((c) => `${c.measure} ${withUnit(c.ideal, c.unit)}`).join(", ");
   const parts = [
     el("h3", {}, `${result.row} ${result.title}: ${result.case}, ${cell.technique}`),
     el("p", {}, el("i", { class: `cell ${state(cell)}` }, signs[state(cell)]), ` ${says(result, cell)}`),
-    image, image ? el("p", { class: "soft" }, caption) : el("p", { class: "soft" }, "No picture: it passes, is not measured, or has none to show."),
-    el("p", { class: "soft" }, `Settings: ${cell.settings}${result.fit ? `, ${result.fit}` : ""}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${ideal}.`),
-    el("p", { class: "soft" }, `What fails: ${result.weakness}. Limits: ${result.criteria.map((c) => `${c.measure}: ${c.reason}`).join(". ")}.`),
+    image, image ? paragraph("soft", caption) : paragraph("soft", "No picture: it passes, is not measured, or has none to show."),
+    paragraph("soft", `Settings: ${cell.settings}${result.fit ? `, ${result.fit}` : ""}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${ideal}.`),
+    paragraph("soft", `What fails: ${result.weakness}. Limits: ${result.criteria.map((c) => `${c.measure}: ${c.reason}`).join(". ")}.`),
     agreement,
   ];
   const box = byId("detail");
@@ -48,7 +48,7 @@ function cellOf(result, k, column) {
   const text = `${key(cell)}. ${says(result, cell)}`;
   const button = el("button", {
     type: "button", class: `cell ${state(cell)}${isWantedCell(cell) ? "" : " faded"}`, "aria-label": text,
-    onmouseenter: (e) => tip(e, text), onmouseleave: (e) => tip(e, ""), onfocus: (e) => tip(e, text), onblur: (e) => tip(e, ""),
+    onmouseenter: (e) => tip([text], e), onmouseleave: (e) => tip(null, e), onfocus: (e) => tip([text], e), onblur: (e) => tip(null, e),
     onclick: () => { detail(result, cell, pictures[k][i], button); byId("detail").scrollIntoView({ behavior: "smooth", block: "nearest" }); },
   }, signs[state(cell)]);
   return el("td", {}, button);
@@ -76,22 +76,16 @@ function drawMatrix() {
   const lines = cases.map((entry, i) => lineOf(entry, i === 0 || cases[i - 1][1].row !== entry[1].row, shown));
   byId("matrix").replaceChildren(el("thead", {}, headOf(shown)), el("tbody", {}, lines));
   byId("told").textContent = `${cases.length} of ${plural(telling.length, "case")}`;
-  for (const control of document.querySelectorAll("[data-filter]")) control.value = wanted[control.dataset.filter];
-}
-
-function select(label, name, options) {
-  const items = options.map(([value, text]) => el("option", { value }, text));
-  return el("label", {}, `${label} `, el("select", { "data-filter": name, onchange: (e) => { wanted[name] = e.target.value; drawMatrix(); } }, items));
+  for (const control of document.querySelectorAll("#filter [name]")) control.value = wanted[control.name];
 }
 
 function filterBar() {
   const rows = new Map(telling.map(([, result]) => [String(result.row), `${result.row} ${result.title}`]));
   const verdicts = [["all", "any"], ["fails", "fails"], ["degraded", "degraded"], ["not_measured", "not measured"], ["pass", "passes"], ["none", "not made for it"]];
-  const find = el("input", { type: "search", "data-filter": "text", placeholder: "row, case, weakness, measure", size: 26, oninput: (e) => { wanted.text = e.target.value; drawMatrix(); } });
-  const reset = el("button", { type: "button", onclick: () => show({}) }, "all");
-  byId("filter").append(el("label", {}, "find ", find), select("technique", "technique", [["all", "all"], ...techniques.map((t) => [t, t])]),
-    select("row", "row", [["all", "all"], ...rows]), select("motion", "motion", [["all", "any"], ["still", "still"], ["moving", "moving"]]), select("verdict", "verdict", verdicts),
-    reset, el("span", { id: "told" }));
+  const filters = controls(wanted, drawMatrix, [
+    ["find", "text", { type: "search", placeholder: "row, case, weakness, measure", size: 26 }], ["technique", "technique", ["all", ...techniques]],
+    ["row", "row", ["all", ...rows]], ["motion", "motion", [["all", "any"], "still", "moving"]], ["verdict", "verdict", verdicts]]);
+  byId("filter").append(...filters, el("button", { type: "button", onclick: () => show({}) }, "all"), el("span", { id: "told" }));
 }
 
 // Shows these alone, and the matrix.

@@ -7,10 +7,13 @@ mod svg;
 
 pub use results::{STABILITY_SCHEMA, StabilityResults};
 
-use super::{Base, CellOutcome, Stability};
+use super::{
+    bias_window::Base,
+    cell::{CellOutcome, Stability},
+};
 use crate::{
-    LabError,
-    output::{Folder, csv},
+    error::LabError,
+    output::{csv, folder::Folder},
 };
 use std::path::{Path, PathBuf};
 

@@ -18,11 +18,9 @@ function tuning() {
   const names = [...new Set(all.map((w) => w.technique))];
   const of = (name, base) => all.find((w) => w.technique === name && w.base === base);
   const lines = names.map((name) => el("tr", {}, el("th", {}, name), cellsOf(of(name, "own")), cellsOf(of(name, "bare"))));
-  byId("tuning").append(el("h2", {}, "How much tuning each technique needs"), el("p", { class: "headline" }, `${data.headline[0].toUpperCase()}${data.headline.slice(1)}.`),
-    el("p", { class: "soft" }, "The normal offsets, added to a technique's bias, at which it passes both acne under a low sun and the gap at a thin plate. A window that starts at 0 needs no tuning; a wide one forgives a guess."),
-    el("div", { class: "scroll" }, el("table", { class: "plain" },
-      el("thead", {}, el("tr", {}, el("th", {}, "technique"), el("th", { colspan: 2 }, "added to its default bias"), el("th", { colspan: 2 }, "alone"))),
-      el("tbody", {}, lines))));
+  byId("tuning").append(el("h2", {}, "How much tuning each technique needs"), paragraph("headline", `${data.headline[0].toUpperCase()}${data.headline.slice(1)}.`),
+    paragraph("soft", "The normal offsets, added to a technique's bias, at which it passes both acne under a low sun and the gap at a thin plate. A window that starts at 0 needs no tuning; a wide one forgives a guess."),
+    table("plain", [el("th", {}, "technique"), el("th", { colspan: 2 }, "added to its default bias"), el("th", { colspan: 2 }, "alone")], lines));
 }
 
 // Shares of a setting's rows by verdict.
@@ -52,10 +50,8 @@ function verdicts() {
   const share = (v) => v.failed.length / Math.max(1, v.measured);
   const sorted = data.verdicts.filter((v) => v.technique !== "none").sort((a, b) => share(a) - share(b) || a.degraded.length - b.degraded.length);
   byId("verdicts").append(el("h2", {}, "What each setting fails"),
-    el("p", { class: "soft" }, "A row counts once, by the worst of its cases under the usual fit. The bar: passed, degraded, failed, not measured (hatched), not made for it (empty). A star: passed or merely degraded with the fit that moves by whole texels. Click on a row for its cells."),
-    el("div", { class: "scroll" }, el("table", { class: "plain" },
-      el("thead", {}, el("tr", {}, el("th", {}, "setting"), el("th", {}, "rows"), el("th", { class: "figure" }, "fails"), el("th", {}, "which"))),
-      el("tbody", {}, sorted.map(verdictLine)))));
+    paragraph("soft", "A row counts once, by the worst of its cases under the usual fit. The bar: passed, degraded, failed, not measured (hatched), not made for it (empty). A star: passed or merely degraded with the fit that moves by whole texels. Click on a row for its cells."),
+    table("plain", [el("th", {}, "setting"), el("th", {}, "rows"), el("th", { class: "figure" }, "fails"), el("th", {}, "which")], sorted.map(verdictLine)));
 }
 
 function lead() {
@@ -65,14 +61,14 @@ function lead() {
     + `pictures of ${stability.size.join(" x ")}, ${stability.frames} frames, on ${stability.backends.join(" and ")}: ${count("pass")} pass, ${count("degraded")} degraded, ${count("fails")} fail, ${count("not_measured")} not measured.`;
   const e = data.environment;
   byId("environment").textContent = [`umbrage ${e.version}`, e.commit && `commit ${e.commit}`, e.cpu, e.system, e.adapter && `adapter: ${e.adapter}`].filter(Boolean).join(" · ");
-  byId("faults").append(...stability.faults.map((f) => el("p", { class: "fault" }, f)));
+  byId("faults").append(...stability.faults.map((f) => paragraph("fault", f)));
   byId("sanity").textContent = data.sanity || "";
 }
 
 function sweeps() {
   if (!data.sweeps.length) return;
   byId("sweeps").append(el("h2", {}, "From too little to too much"),
-    el("p", { class: "soft" }, "Bias: acne falls and gaps grow, each in units of the limit that passes; best where the worse of the two is least. What is 0 is drawn at the bottom."),
+    paragraph("soft", "Bias: acne falls and gaps grow, each in units of the limit that passes; best where the worse of the two is least. What is 0 is drawn at the bottom."),
     el("div", { class: "charts" }, data.sweeps.map((s) => el("figure", {}, el("a", { href: s.file }, el("img", { src: s.file, alt: s.name, loading: "lazy" }))))));
 }
 

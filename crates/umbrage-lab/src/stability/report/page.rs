@@ -1,19 +1,18 @@
 //! The page: elements, a style sheet, scripts, and one block of data. Pictures and charts are files beside it.
 
-use super::{SWEEPS, StabilityResults};
+use super::{SWEEPS, results::StabilityResults};
 use crate::{
-    LabError,
     compare::Environment,
+    error::LabError,
     output::html::Page,
-    stability::{BiasWindow, SettingVerdicts, Stability},
+    stability::{bias_window::BiasWindow, cell::Stability, setting_verdicts::SettingVerdicts},
 };
 use serde::Serialize;
 
 const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
 /// In the order in which they run: later ones use what earlier ones declare.
-const SCRIPTS: [&str; 4] = [
-    include_str!("../../output/elements.js"),
+const SCRIPTS: [&str; 3] = [
     include_str!("base.js"),
     include_str!("matrix.js"),
     include_str!("page.js"),

@@ -1,9 +1,9 @@
 //! The cells' pictures as files beside the page.
 
 use crate::{
-    LabError,
-    output::{Folder, slug},
-    stability::Stability,
+    error::LabError,
+    output::{folder::Folder, slug},
+    stability::cell::Stability,
 };
 
 /// The folder of the pictures, beside the page.

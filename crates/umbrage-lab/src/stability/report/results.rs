@@ -4,7 +4,7 @@ use super::pictures::PictureNames;
 use crate::{
     compare::{Backends, CompareOptions, Environment},
     output::program_hash,
-    stability::{Stability, sweeps::Sweep},
+    stability::{cell::Stability, sweeps::curve::Sweep},
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -2,7 +2,10 @@
 
 use crate::{
     output::html::escape,
-    stability::{CaseResult, Cell, CriterionResult, Stability, Verdict},
+    stability::{
+        cell::{CaseResult, Cell, CriterionResult, Stability},
+        verdict::Verdict,
+    },
 };
 use std::fmt::Write as _;
 

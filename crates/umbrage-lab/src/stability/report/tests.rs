@@ -2,8 +2,10 @@ use super::*;
 use crate::{
     compare::Backends,
     stability::{
-        BiasWindow, CaseResult, Cell, CriterionResult, Judgement, Verdict, VerdictLimits,
-        sweeps::{Curve, Sweep},
+        bias_window::BiasWindow,
+        cell::{CaseResult, Cell, CriterionResult},
+        sweeps::curve::{Curve, Sweep},
+        verdict::{Judgement, Verdict, VerdictLimits},
     },
 };
 

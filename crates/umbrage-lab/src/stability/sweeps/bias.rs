@@ -3,14 +3,17 @@
 //! Both are drawn in units of their own limits, so that one chart holds them: up to 1 either passes. The best bias is the one
 //! at which the worse of the two is least.
 
-use super::{Curve, Sweep, not_played, play};
+use super::curve::{Curve, Sweep, not_played, play};
 use crate::{
-    LabError,
+    error::LabError,
     stability::{
-        CaseTruth, Measure, PLATE, StabilityCase, StabilityOptions,
         all_backends::{self, RenderedOnAll},
-        case_truth,
+        case_truth::CaseTruth,
         guard::NoMask,
+        measure::Measure,
+        row::StabilityCase,
+        rows::PLATE,
+        run::{StabilityOptions, case_truth},
         threads::{self, SharedBackends},
     },
 };

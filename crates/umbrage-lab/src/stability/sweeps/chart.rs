@@ -1,6 +1,6 @@
 //! Draws a sweep as a chart.
 
-use super::Sweep;
+use super::curve::Sweep;
 use crate::output::figure::{COLORS, Figure, Point, Reference, Series, Style};
 
 /// Returns the least y that is drawn: a hundredth of the limit, or a thousandth without one. Smaller values are drawn there,
@@ -9,7 +9,14 @@ fn floor(sweep: &Sweep) -> f64 {
     sweep.limit.map_or(1e-3, |limit| 0.01 * limit)
 }
 
-pub(super) fn figure(sweep: &Sweep) -> Figure {
+impl Sweep {
+    /// Returns the chart as an SVG that needs no other file.
+    pub fn svg(&self) -> String {
+        figure(self).svg()
+    }
+}
+
+fn figure(sweep: &Sweep) -> Figure {
     let floor = floor(sweep);
     let mut figure = Figure::new(&sweep.title, &sweep.x, &sweep.y).log(true, true);
     figure.size = [900.0, 420.0];
@@ -49,7 +56,7 @@ fn two_digits(v: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stability::sweeps::Curve;
+    use crate::stability::sweeps::curve::Curve;
     use std::collections::HashSet;
 
     #[test]

@@ -1,12 +1,15 @@
 //! The RMSE of techniques as the light sinks, the scene grows or moves away, or the map shrinks, beside that of a perfect map
 //! of the same size.
 
-use super::{Curve, Sweep, moved, not_played, play, scaled, under_sun};
+use super::{
+    curve::{Curve, Sweep, not_played, play},
+    variants::{moved, scaled, under_sun},
+};
 use crate::{
-    LabError,
+    error::LabError,
     stability::{
-        CaseTruth, Measure, StabilityOptions, all_backends, guard::NoMask, settings,
-        threads::SharedBackends,
+        all_backends, case_truth::CaseTruth, guard::NoMask, measure::Measure,
+        run::StabilityOptions, settings, threads::SharedBackends,
     },
 };
 use glam::Vec3;

@@ -1,22 +1,27 @@
-//! `merge`, and the shards that it joins.
+//! Arguments that several commands have.
 
-use clap::Args;
-use std::path::PathBuf;
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum BackendName {
+    /// The CPU, and wgpu if there is a graphics adapter
+    Available,
+    /// The CPU alone
+    Cpu,
+    /// wgpu alone; fails without a graphics adapter
+    Wgpu,
+    /// Both; fails without a graphics adapter
+    Both,
+}
 
-#[derive(Args, Clone, Debug, PartialEq)]
-#[command(after_help = "Examples:
-  cargo xtask merge s1 s2 s3 --out report    one report of three shards of `cargo xtask compare --shard`
-  cargo xtask merge shards/* --out report    the same, whatever their number")]
-pub(crate) struct MergeArguments {
-    /// Folders that `cargo xtask compare --shard` wrote
-    #[arg(value_name = "FOLDER", required = true)]
-    pub(crate) folders: Vec<PathBuf>,
-    /// Folder for the whole report
-    #[arg(long, value_name = "FOLDER")]
-    pub(crate) out: PathBuf,
-    /// Folder of a `stability` run, or its results.json: the report says beside each setting which rows it fails
-    #[arg(long, value_name = "FOLDER")]
-    pub(crate) stability: Option<PathBuf>,
+/// Parses an image size such as `640x480`.
+pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text
+        .split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    match sides {
+        Some(size) if size.iter().all(|s| (1..=16_384).contains(s)) => Ok(size),
+        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
+        None => Err("write width and height like 640x480".to_owned()),
+    }
 }
 
 /// The `k`-th of `n` parts, from 1.
@@ -34,7 +39,8 @@ impl Shard {
     }
 }
 
-pub(super) fn parse_shard(text: &str) -> Result<Shard, String> {
+/// Parses a shard such as `2/8`.
+pub(crate) fn parse_shard(text: &str) -> Result<Shard, String> {
     let parts = text.split_once('/').and_then(|(k, n)| {
         Some(Shard {
             k: k.parse().ok()?,

@@ -1,8 +1,8 @@
-//! Names of settings, for people and for files.
+//! The settings that are compared on a scene, with names for people and for files.
 
-use super::NamedPreset;
-use crate::output::slug;
-use umbrage_core::ShadowTechnique as _;
+use super::options::{CompareOptions, NamedPreset, SceneInput};
+use crate::{error::LabError, output::slug};
+use umbrage_core::{Fit, Invalid, ShadowTechnique as _};
 use umbrage_techniques::TechniquePreset;
 
 /// A technique setting with a file name's stem of its own.
@@ -16,12 +16,71 @@ pub(super) struct NamedSetting {
     pub(super) slug: String,
 }
 
+/// Returns all settings that are compared on a scene.
+pub(super) fn settings_of(
+    input: &SceneInput,
+    options: &CompareOptions,
+) -> Result<Vec<NamedSetting>, LabError> {
+    let options = input.options_or(options);
+    let tight = options.settings(Fit::Tight)?;
+    let all = with_fit(&tight, input.fit, options)?;
+    Ok(with_slugs(&options.presets, &all))
+}
+
+/// Returns the settings, then those under the scene's own fit. Settings without a map are the same under both and stay single.
+pub(super) fn with_fit(
+    tight: &[TechniquePreset],
+    fit: Option<Fit>,
+    options: &CompareOptions,
+) -> Result<Vec<TechniquePreset>, LabError> {
+    let mut out = tight.to_vec();
+    let Some(fit) = fit else {
+        return Ok(out);
+    };
+    for setting in options.settings(fit)? {
+        if !tight.contains(&setting) {
+            out.push(setting);
+        }
+    }
+    Ok(out)
+}
+
+impl CompareOptions {
+    /// Returns the technique settings to be compared, their maps under this fit.
+    ///
+    /// # Errors
+    /// Errors if a name is unknown or a map size is missing.
+    pub(super) fn settings(&self, fit: Fit) -> Result<Vec<TechniquePreset>, LabError> {
+        let mut chosen = self.catalogue.select(&self.techniques)?;
+        if self.is_preview && self.techniques.is_empty() {
+            chosen.retain(|entry| entry.is_previewed);
+        }
+        if self.map_sizes.is_empty() {
+            return Err(Invalid::new(
+                "map sizes",
+                "are missing",
+                "give at least one, such as 1024",
+            )
+            .into());
+        }
+        let max = self.max_settings.unwrap_or(usize::MAX);
+        let mut out = Vec::new();
+        for entry in chosen {
+            let listed = if self.headline {
+                entry.headline
+            } else {
+                entry.settings
+            };
+            let of_entry = listed(&self.map_sizes, fit);
+            out.extend(of_entry.into_iter().take(max));
+        }
+        Ok(out)
+    }
+}
+
 /// Gives every setting a stem: the technique's name, with the settings where the technique has several; presets, which come first,
 /// their own names. Where two stems are the same, later ones get a number.
-pub(super) fn with_slugs(
-    presets: &[NamedPreset],
-    settings: &[TechniquePreset],
-) -> Vec<NamedSetting> {
+fn with_slugs(presets: &[NamedPreset], settings: &[TechniquePreset]) -> Vec<NamedSetting> {
     let mut out: Vec<NamedSetting> = Vec::new();
     for preset in presets {
         let technique = preset.preset.clone();

@@ -1,0 +1,46 @@
+//! Truth at the pixels of a request, with the ambiguous ones marked.
+
+use super::{
+    ambiguity::{self, Nudge},
+    options::{FindReceivers, Progress, TruthOptions},
+    points::{PointTruth, TruthRequest},
+    tracer::Tracer,
+};
+use crate::error::MeasureError;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use umbrage_core::{Light, metrics::Pixel};
+
+/// Truth at the pixels of a request, in their order.
+pub(super) struct JudgedPoints {
+    pub(super) seen: Vec<PointTruth>,
+    pub(super) ambiguous: Vec<bool>,
+}
+
+/// Traces truth at the pixels of a request, and finds the ambiguous ones.
+pub(super) fn judge(
+    asked: &TruthRequest<'_>,
+    light: &Light,
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+    progress: &Progress<'_>,
+) -> Result<JudgedPoints, MeasureError> {
+    let done = AtomicUsize::new(0);
+    let total = asked.pixels.len() * (1 + ambiguity::PROBES);
+    let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
+    let seen = asked.trace(&Tracer::new(asked.geometry, light, options)?, 1.0, &report);
+    let ambiguous = ambiguity::find(asked, light, options, Nudge::ROUNDING, find, &report)?;
+    Ok(JudgedPoints { seen, ambiguous })
+}
+
+/// Returns what a pixel counts as.
+pub(super) fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
+    if !receives {
+        Pixel::Empty
+    } else if seen.unlit {
+        Pixel::Unlit
+    } else if ambiguous {
+        Pixel::Ambiguous
+    } else {
+        Pixel::Counted
+    }
+}
