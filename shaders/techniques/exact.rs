@@ -11,6 +11,11 @@
 //! true hit out (`exact/light_frame.rs` says how they make sure). A caster with holes covers no cell, and a hit in a hole is none.
 //!
 //! Lights with an extent are taken for their middle.
+//!
+//! In `exact/`: `light_frame.rs` (where a point lies on the light's grid, and the margins that make lists complete), `touches.rs` (which tiles a
+//! triangle touches), `outline.rs` (edges and plane of triangles larger than a cell), `tile.rs` (a tile's cells and their lists), `lists.rs` (all of
+//! it as tables, made when they are first read), `lookup.rs` (the CPU half), `at_once.rs` (the CPU's way while there are no lists), `on_device.rs`
+//! (lists that a device makes of vertices that only it holds).
 
 mod at_once;
 mod holes;

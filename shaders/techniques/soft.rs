@@ -19,6 +19,10 @@
 //!
 //! Known failures: suns more than [`MAX_SUN_DEGREES`] wide are refused. Their points are spread evenly over a plane instead of over
 //! the sky, at the rim by up to a tenth more thinly.
+//!
+//! In `soft/`: `lattice.rs` (the points, in rows), `light_plane.rs` (the light as a receiver sees it), `hidden.rs` (which points a triangle
+//! hides), `footprint.rs` (which rows a box or a triangle can touch), `holes.rs` (points that pass through holes), `search.rs` (the CPU half: eight
+//! neighbours walk through the hierarchy together).
 
 mod footprint;
 mod hidden;

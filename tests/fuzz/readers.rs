@@ -1,5 +1,9 @@
 //! What is done with each kind of file that a fuzzer makes: it is read, and what was read is used. An error is an answer; a panic, a
 //! hang or a wrong number is a fault. The tests play the kept corpus with the same functions (`tests/suite/fuzz_corpus.rs`).
+//!
+//! Scene files, models, pictures, presets and results come from anywhere. `tests/fuzz` is a workspace of its own with a libFuzzer target for each
+//! kind of file; `tests/fuzz/run.sh` continues from the kept corpus. Of glTF no file is kept: `umbrage-scenes`' `gltf/tests/model.rs` makes the
+//! first inputs. Sanitizers of memory are off, since the workspace forbids unsafe code.
 
 #[path = "../../crates/umbrage-scenes/src/gltf/tests/model.rs"]
 #[expect(dead_code, reason = "the reader's own tests use more of it")]

@@ -21,6 +21,13 @@
 //! assert_eq!(plan.preset()?.technique().name(), "none");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! * **Costs are counted** (triangles, covered texels, taps, samples, rays) and priced; prices are fitted to times by `cargo xtask bench --costs`.
+//! * **Single receivers are asked at their own place in the image**, so answers are the whole mask's bits. Estimates are unbiased. Receivers that
+//!   face away from the light are in no sample, and count in no error.
+//! * **Plans are made for the program that uses them** ([`RendererData`]): recipes are made from what it has, and what it can't execute is no candidate.
+//! * **Several cameras are one trial**: a setting's figure is that of the worst camera. **All lights under one budget** are a knapsack over
+//!   their fronts, solved exactly.
 
 mod cancel;
 pub mod catalogue;

@@ -14,6 +14,11 @@
 //! * Two rows a cut-out triangle, in the order of ids: uvs of its corners as x, y, x, y and x, y; width and height of its texture
 //!   (the lower and the upper 16 bits of a word); the row at which the texture begins.
 //! * Textures: one bit a texel, in rows from the top, lowest bits first; 1 where the surface is. Each begins with a row of the table.
+//!
+//! `Geometry::bake` puts triangles with holes beside each other. A geometry without holes has none of this: its casts, rays and shaders are
+//! those of opaque casters. `umbrage-cpu`'s `raster/holes.rs` is a test beside `NoHoles`, `umbrage-wgpu` has pipelines of its own for the two
+//! runs, and `traced`, `exact` and `soft` have other tests of a caster. Techniques that take casters for whole refuse holes (`check_no_holes`). What
+//! images may use instead, where their pixels are larger than texels, is `hashed_alpha.rs`; rays and truth don't.
 
 use crate::{
     gbuffer::resolve::at_pixel,

@@ -1,4 +1,11 @@
 //! Recipes: a shadow algorithm as plain data, which any backend can run.
+//!
+//! | stage | what it says |
+//! |---|---|
+//! | cast | a *source* (casters, everything, or faces that the technique made, homogeneous so that they may reach infinity), drawn from a light space; what *stays*: the nearest depth, the nearest behind another image (peeling), or a count of faces behind what is seen (stencil) |
+//! | filter | a kernel makes an image from images: moments, midpoints, packed depth |
+//! | receive | a kernel answers for each receiver: visibility 0 to 1. It may use comparison samplers |
+//! | shade | for pictures alone: a kernel colours each pixel, given the visibility. Linear; `picture.rs` encodes sRGB, once |
 
 pub(crate) mod device_lists;
 pub(crate) mod image;

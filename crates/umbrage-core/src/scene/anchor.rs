@@ -1,4 +1,7 @@
 //! Worlds larger than 32-bit numbers can describe: positions relative to a point near the eye.
+//!
+//! All else in the library is 32-bit. Scene files (their key `anchor`) and `LightSet::rebase_caster` are the only users of anchors: after a hop
+//! all layers are drawn again. Stable fits count their texels from the anchor, so a hop moves them by part of a texel.
 
 use crate::invalid::Invalid;
 use glam::{Affine3A, DAffine3, DVec3, Vec3};

@@ -1,4 +1,9 @@
 //! What rounding may come to: a recipe as the CPU renders it after something moved by so much.
+//!
+//! A pixel is *decided* if the CPU's answer changes by less than a quarter of the difference (not at all, where images are filtered) under each
+//! move, and under some together: maps by half a step of the grid sideways, vertices by other orders of their sums, each triangle's depth by
+//! the bound of its plane's error, units of polygon offset halved or doubled, receivers by 2^-21 of their coordinates, normals and what filters
+//! make by some units in the last place. Where masks agree nothing is moved.
 
 use crate::error::LabError;
 use glam::{Vec2, Vec3, Vec4};

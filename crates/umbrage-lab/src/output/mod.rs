@@ -10,6 +10,6 @@ pub mod png;
 mod slug;
 
 pub(crate) use checksum::{checksum, hash, program_hash};
-pub(crate) use folder::Folder;
+pub(crate) use ;
 pub use heat::heat_map;
 pub(crate) use slug::slug;

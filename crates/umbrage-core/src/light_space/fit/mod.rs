@@ -1,4 +1,14 @@
 //! Fitting light spaces: where a shadow map's texels go.
+//!
+//! [`Fit::Tight`] goes around the casters that can shadow seen receivers (`cull.rs`: a grid of 64 x 64 over the map), [`Fit::Stable`] around a
+//! sphere in steps of whole texels, [`Fit::AroundCamera`] likewise around the camera, [`Fit::Whole`] around everything, and [`Fit::Manual`] where
+//! the caller says. Clip depth is linear in what `map_space.rs` calls a point's rank: its depth for parallel light, minus one over that for
+//! lamps. So both kinds share the code.
+//!
+//! Fits are searches for extremes, and go by boxes. `BoxTree` has one around every 64 triangles, around every 8 boxes, and so on, once a
+//! geometry; `SeenPoints` is the same over tiles of 8 x 8 seen points, once a view. `BoxTree::least` opens boxes in the order of their bounds
+//! until no other can hold less. Bounds have room for what arithmetic rounds (`ViewBox::padded`), so results have the bits of a search
+//! through all points. Whoever tries many settings on one view gives it a [`FitMemory`].
 
 mod cascades;
 mod cull;
