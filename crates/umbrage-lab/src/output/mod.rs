@@ -10,6 +10,5 @@ pub mod png;
 mod slug;
 
 pub(crate) use checksum::{checksum, hash, program_hash};
-pub(crate) use ;
 pub use heat::heat_map;
 pub(crate) use slug::slug;
