@@ -20,8 +20,11 @@ class Handler(SimpleHTTPRequestHandler):
         super().end_headers()
     def log_message(self, *_):
         pass
+class Server(ThreadingHTTPServer):
+    def handle_error(self, *_):
+        pass  # Browsers close connections when they like to.
 try:
-    ThreadingHTTPServer(('127.0.0.1', int(sys.argv[1])), Handler).serve_forever()
+    Server(('127.0.0.1', int(sys.argv[1])), Handler).serve_forever()
 except KeyboardInterrupt:
     pass
 ";

@@ -73,6 +73,7 @@ pub(crate) fn site(options: &SiteOptions) -> Result<()> {
         web::build_page(&target, &out.join(stage::VIEWER))?;
     }
     let server = Server::start(port, &out)?;
+    println!("checking all links of the built pages: about a minute");
     let rules = target.join("linkcheckerrc");
     fs::write(&rules, LINK_RULES)?;
     let mut check = Command::new(link_checker);

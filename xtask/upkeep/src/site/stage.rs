@@ -137,6 +137,8 @@ fn frame(query: &str) -> String {
 fn place_of_file(path: &str) -> String {
     match path.rsplit_once('.') {
         Some((_, "png" | "svg")) => place_of(path).to_owned(),
+        // mdBook would take `.md.html` for a page of its own.
+        Some((stem, "md")) => format!("source/{stem}.html"),
         _ => format!("source/{path}.html"),
     }
 }
@@ -180,13 +182,13 @@ mod tests {
         let (text, files) = text_of(
             true,
             "notes/README.md",
-            "[a](../docs/a.md#x) ![p](../docs/p.png) [s](../src/lib.rs) [e](https://x.org) [n](#n)",
+            "[a](../docs/a.md#x) ![p](../docs/p.png) [s](../src/lib.rs) [o](../o.md) [e](https://x.org) [n](#n)",
         );
         assert_eq!(
             text,
-            "[a](../a.md#x) ![p](../p.png) [s](../source/src/lib.rs.html) [e](https://x.org) [n](../notes/README.md#n)"
+            "[a](../a.md#x) ![p](../p.png) [s](../source/src/lib.rs.html) [o](../source/o.html) [e](https://x.org) [n](../notes/README.md#n)"
         );
-        assert_eq!(files, ["docs/p.png", "src/lib.rs"]);
+        assert_eq!(files, ["docs/p.png", "o.md", "src/lib.rs"]);
     }
 
     #[test]
