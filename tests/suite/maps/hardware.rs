@@ -172,21 +172,15 @@ fn maps_that_hold_no_depth_are_not_supported() {
         assert!(matches!(why, Err(RecipeError::Unsupported(_))), "{why:?}");
     }
     for samples in [0, 5] {
-        let why = PcfHardware {
-            samples,
-            ..PcfHardware::default()
-        }
-        .on(ShadowMap::default())
-        .recipe(&case.view());
+        let why = PcfHardware { samples }
+            .on(ShadowMap::default())
+            .recipe(&case.view());
         assert!(matches!(why, Err(RecipeError::Invalid(_))), "{why:?}");
     }
     for radius in [0, 4, u32::MAX] {
-        let why = PcfMerged {
-            radius,
-            ..PcfMerged::default()
-        }
-        .on(ShadowMap::default())
-        .recipe(&case.view());
+        let why = PcfMerged { radius }
+            .on(ShadowMap::default())
+            .recipe(&case.view());
         assert!(matches!(why, Err(RecipeError::Invalid(_))), "{why:?}");
     }
 }

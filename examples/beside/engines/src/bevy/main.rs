@@ -10,7 +10,7 @@ use bevy::light::ShadowFilteringMethod as Filter;
 use std::sync::Arc;
 use umbrage::{
     Cascades, Fit, Layout, ShadowTechnique,
-    techniques::{MapFilter as _, Exact, Pcf, Pcss, ShadowMap},
+    techniques::{Exact, MapFilter as _, Pcf, Pcss, ShadowMap},
 };
 
 fn main() -> Result<()> {
@@ -136,9 +136,7 @@ fn umbrage_settings(farthest: f32, is_soft: bool) -> Vec<(&'static str, Arc<dyn 
         ..tight
     };
     if is_soft {
-        let pcss = |map| -> Arc<dyn ShadowTechnique> {
-            Arc::new(Pcss::default().on(map))
-        };
+        let pcss = |map| -> Arc<dyn ShadowTechnique> { Arc::new(Pcss::default().on(map)) };
         return vec![
             ("pcss, 4 stable cascades of 2048", pcss(stable)),
             ("pcss, 4 cascades of 2048", pcss(tight)),

@@ -12,7 +12,7 @@ use sun::UmbrageSun;
 use three_d::{DirectionalLight, Light, vec3};
 use umbrage::{
     Cascades, Geometry, Layout, ShadowTechnique, View,
-    techniques::{MapFilter as _, Exact, Pcf, ShadowMap},
+    techniques::{Exact, MapFilter as _, Pcf, ShadowMap},
 };
 
 /// How much of what is seen has to be seen alike. The rest are edges, which two rasterisers place differently.
@@ -21,7 +21,7 @@ const SEEN_ALIKE: f64 = 0.99;
 const SIZES: [u32; 3] = [1024, 2048, 4096];
 
 /// Where the sun's shadows come from.
-pub enum ShadowSource {
+pub enum ShadowSetting {
     /// three-d's own map, this many texels on each side.
     ThreeD(u32),
     /// This library's technique.
@@ -46,7 +46,7 @@ fn main() -> Result<()> {
 }
 
 impl Rival for ThreeDProgram {
-    type Setting = ShadowSource;
+    type Setting = ShadowSetting;
 
     const NAME: &'static str = "three_d";
     const COLUMNS: &'static [&'static str] =
@@ -77,14 +77,14 @@ impl Rival for ThreeDProgram {
         self.picture(&self.sun())
     }
 
-    fn settings(_: &JudgedScene) -> Vec<(String, ShadowSource)> {
+    fn settings(_: &JudgedScene) -> Vec<(String, ShadowSetting)> {
         settings()
     }
 
     fn measure(
         &mut self,
         judged: &JudgedScene,
-        source: ShadowSource,
+        source: ShadowSetting,
         frames: usize,
     ) -> Result<(Vec<f32>, Vec<f64>)> {
         let without = self.sun();
@@ -119,14 +119,14 @@ impl Rival for ThreeDProgram {
 
 impl Sun {
     fn new(
-        source: ShadowSource,
+        source: ShadowSetting,
         program: &ThreeDProgram,
         geometry: &Geometry,
         judged: &JudgedScene,
     ) -> Result<Self> {
         let mut sun = match source {
-            ShadowSource::ThreeD(size) => Self::ThreeD(program.sun(), size),
-            ShadowSource::Umbrage(technique) => {
+            ShadowSetting::ThreeD(size) => Self::ThreeD(program.sun(), size),
+            ShadowSetting::Umbrage(technique) => {
                 let color = vec3(INTENSITY, INTENSITY, INTENSITY);
                 let size = judged.truth.size.to_array();
                 Self::Umbrage(UmbrageSun::new(
@@ -181,10 +181,10 @@ impl Sun {
 }
 
 /// Returns the settings that are played, with their names in the table.
-fn settings() -> Vec<(String, ShadowSource)> {
+fn settings() -> Vec<(String, ShadowSetting)> {
     let mut all = Vec::new();
     for size in SIZES {
-        all.push((format!("three-d, {size}"), ShadowSource::ThreeD(size)));
+        all.push((format!("three-d, {size}"), ShadowSetting::ThreeD(size)));
     }
     let one = |size| ShadowMap {
         size,
@@ -195,10 +195,7 @@ fn settings() -> Vec<(String, ShadowSource)> {
         ..one(2048)
     };
     let umbrage: [(&str, Arc<dyn ShadowTechnique>); 3] = [
-        (
-            "pcf 3x3, 2048",
-            Arc::new(Pcf { radius: 1 }.on(one(2048))),
-        ),
+        ("pcf 3x3, 2048", Arc::new(Pcf { radius: 1 }.on(one(2048)))),
         (
             "pcf 3x3, 4 cascades of 2048",
             Arc::new(Pcf { radius: 1 }.on(cascades)),
@@ -208,7 +205,7 @@ fn settings() -> Vec<(String, ShadowSource)> {
     for (label, technique) in umbrage {
         all.push((
             format!("umbrage, {label}"),
-            ShadowSource::Umbrage(technique),
+            ShadowSetting::Umbrage(technique),
         ));
     }
     all
