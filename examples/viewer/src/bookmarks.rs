@@ -1,9 +1,9 @@
-//! Places where shadow methods fail: the scenes of the catalogue of failures, still or in motion, each with a setting that shows the
-//! fault and one that cures it.
+//! Failures of shadow methods: the scenes of the catalogue of failures, still or in motion, each with a setting that shows the
+//! fault and one that fixes it.
 //!
-//! Rows whose fault no setting of a side has are left out: [`of_still`] tells which, and why.
+//! Rows whose fault no setting of a side has are left out: [`of_still`] lists them with the reasons.
 
-use crate::settings::{FitKind, SideSettings, entry};
+use crate::side::{FitKind, SideSettings, entry};
 use umbrage::{
     Light,
     scenes::{
@@ -33,10 +33,10 @@ const TOO_LITTLE: Bias = Bias {
 };
 /// Texels to each side of a filter of 7x7.
 const WIDE: u32 = 3;
-/// How far the map of `tower-out-of-view` reaches, metres: a part of the tower's shadow lies beside it.
+/// Range of the map of `tower-out-of-view`, metres: a part of the tower's shadow is outside of it.
 const TOO_NEAR: f32 = 6.0;
 
-/// What is wrong, in the words that people have for it. Lists are in this order.
+/// Kinds of faults, in the order of lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum FaultKind {
     /// Surfaces shadow themselves.
@@ -60,7 +60,7 @@ pub(crate) enum FaultKind {
 }
 
 impl FaultKind {
-    /// Returns its usual name.
+    /// Returns the usual name.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Acne => "shadow acne",
@@ -75,7 +75,7 @@ impl FaultKind {
         }
     }
 
-    /// Returns what else people call it.
+    /// Returns other names.
     pub(crate) const fn other_names(self) -> &'static str {
         match self {
             Self::Acne => "surface acne, self-shadowing, stripes, moire",
@@ -91,7 +91,7 @@ impl FaultKind {
     }
 }
 
-/// A place where shadow methods fail.
+/// A failure of shadow methods.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bookmark {
     /// Row of the catalogue of failures.
@@ -100,19 +100,19 @@ pub(crate) struct Bookmark {
     pub summary: &'static str,
     /// The built-in scene.
     pub scene: &'static str,
-    /// What is wrong on the left.
+    /// The fault on the left.
     pub kind: FaultKind,
     fails: Fails,
 }
 
-/// When it fails.
+/// Whether it fails at rest or in motion.
 #[derive(Clone, Copy, Debug)]
 enum Fails {
     Still(Failure),
     InMotion(MovingScene),
 }
 
-/// What shows the fault of a still scene.
+/// A setting that shows the fault of a still scene.
 struct StillFault {
     kind: FaultKind,
     preset: TechniquePreset,
@@ -120,7 +120,7 @@ struct StillFault {
     reach: Option<f32>,
 }
 
-/// Returns all places, by what is wrong, then by rows.
+/// Returns all failures, by the kind of fault, then by row.
 pub(crate) fn all() -> Vec<Bookmark> {
     let still = scenes::all().iter().filter_map(of_entry);
     // The renderer's casters stay where they are.
@@ -132,7 +132,7 @@ pub(crate) fn all() -> Vec<Bookmark> {
     out
 }
 
-/// Returns the place of this name; none if there is none.
+/// Returns the failure of this name, if there is one.
 pub(crate) fn find(name: &str) -> Option<Bookmark> {
     all().into_iter().find(|bookmark| bookmark.name == name)
 }
@@ -164,18 +164,18 @@ fn of_moving(moving: MovingScene) -> Bookmark {
 }
 
 impl Bookmark {
-    /// Returns what lists show: what is wrong, and where.
+    /// Returns the label in lists: the fault and the name.
     pub(crate) fn label(&self) -> String {
         format!("{}: {}", self.kind.name(), self.name)
     }
 
-    /// Returns a line or two for who looks closer.
+    /// Returns a longer description.
     pub(crate) fn description(&self) -> String {
         let others = self.kind.other_names();
         format!("{}; row {}. Also called: {others}", self.summary, self.row)
     }
 
-    /// Returns what moves; none if nothing does.
+    /// Returns the motion, if there is one.
     pub(crate) const fn moving(&self) -> Option<MovingScene> {
         match self.fails {
             Fails::Still(_) => None,
@@ -196,9 +196,9 @@ impl Bookmark {
     }
 
     /// Returns a setting that has no fault for a light. `range` is how far a camera sees, metres.
-    pub(crate) fn cure(&self, light: Option<&Light>, range: f32) -> SideSettings {
+    pub(crate) fn fix(&self, light: Option<&Light>, range: f32) -> SideSettings {
         match self.fails {
-            // Maps of a sun that turns change, however they lie.
+            // Maps of a sun that turns change, whatever their fit.
             Fails::InMotion(moving) if !moving.motion.moves_shadows() => {
                 moving_map(FitKind::Stable, &moving)
             }
@@ -236,8 +236,7 @@ impl StillFault {
     }
 }
 
-/// Returns what shows the fault that a scene is there for; none if no setting of a side has that fault, since a place without its fault
-/// on the left would mislead.
+/// Returns the setting that shows the fault of a scene; `None` if no setting of a side has that fault.
 fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
     let map = |bias| ShadowMap {
         size: COARSE,
@@ -332,16 +331,16 @@ mod tests {
         plan::truth::{Truth, TruthOptions, trace},
     };
 
-    /// Size of the pictures that are played, pixels.
+    /// Size of the pictures, pixels.
     const SIZE: UVec2 = UVec2::new(320, 180);
     /// Least share of wrong pixels that a fault has, percent. In a window of 1280x720 that is 4,600 pixels: as many as a patch of 68x68,
     /// or a line 4 pixels wide across the whole picture.
     const LEAST_WRONG: f64 = 0.5;
     /// In its own way a fault has more than this many times the wrong pixels that the map's coarse texels make by themselves.
     const BEYOND_TEXELS: f64 = 2.0;
-    /// The same of moments beside a filter as wide: what the filter blurs, both have.
+    /// Factor for moments, against a filter of the same width, which blurs as much.
     const BEYOND_BLUR: f64 = 1.0;
-    /// A cure has at most this share of the fault's error: lights with an extent leave it some noise.
+    /// A fix has at most this share of the fault's error: lights with an extent leave it some noise.
     const MOST_LEFT: f64 = 0.5;
     /// Rays for each pixel: their noise is far below any fault.
     const TRUTH: TruthOptions = TruthOptions {
@@ -360,7 +359,7 @@ mod tests {
             let scene = (entry.build)();
             let geometry = Geometry::bake(&scene).expect("built in");
             if geometry.has_cut_out_casters() {
-                let cure = bookmark.cure(scene.lights.first(), 1.0);
+                let cure = bookmark.fix(scene.lights.first(), 1.0);
                 let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
                 let recipe = cure.technique(&scene.lights[0]).recipe(&view);
                 assert!(recipe.is_ok(), "{}: {recipe:?}", bookmark.name);
@@ -386,8 +385,8 @@ mod tests {
         assert!(find("eye-in-umbra").is_none(), "light sets refuse volumes");
     }
 
-    /// A still place as the viewer shows it, with truth.
-    struct Played {
+    /// A still failure as the viewer shows it, with truth.
+    struct Rendered {
         camera: Camera,
         light: Light,
         geometry: Geometry,
@@ -395,7 +394,7 @@ mod tests {
         range: f32,
     }
 
-    impl Played {
+    impl Rendered {
         fn new(scene: &str) -> Self {
             let entry = scenes::find(scene).expect(scene);
             let scene = (entry.build)();
@@ -414,7 +413,7 @@ mod tests {
             }
         }
 
-        /// Plays a side. Fits don't know what is seen, as in the window.
+        /// Returns the errors of a side. Fits have no receivers, as in the window.
         fn errors(&self, side: &SideSettings) -> Errors {
             let view = View::new(&self.camera, &self.light, &self.geometry);
             let technique = side.technique(&self.light);
@@ -429,7 +428,7 @@ mod tests {
                 );
             }
             let seen = view.with_receivers(&self.truth.receivers);
-            let mask = Cpu::new().render(&seen, &recipe).expect("played").mask;
+            let mask = Cpu::new().render(&seen, &recipe).expect("rendered").mask;
             let Truth {
                 visibility, pixels, ..
             } = &self.truth;
@@ -437,7 +436,7 @@ mod tests {
         }
     }
 
-    /// Returns the share of pixels that are wrong in the fault's way, percent; none if there is no such way.
+    /// Returns the share of pixels that are wrong as the kind of fault implies, percent, if it implies a direction.
     const fn in_its_way(kind: FaultKind, errors: &Errors) -> Option<f64> {
         match kind {
             FaultKind::Acne => Some(errors.false_shadow),
@@ -453,7 +452,7 @@ mod tests {
     }
 
     /// Each still place shows its fault: many pixels are wrong, in the fault's way and not by the map's coarse texels or a filter's blur
-    /// alone, and the cure has far less of it. Faults in motion are played by `path`.
+    /// alone, and the fix has far less of it. The module `path` tests faults in motion.
     #[test]
     fn cures_are_right_where_faults_are_wrong() {
         let mut failed = Vec::new();
@@ -461,10 +460,10 @@ mod tests {
             if bookmark.moving().is_some() {
                 continue;
             }
-            let played = Played::new(bookmark.scene);
-            let fault_side = bookmark.fault(played.range);
-            let fault = played.errors(&fault_side);
-            let cure = played.errors(&bookmark.cure(Some(&played.light), played.range));
+            let rendered = Rendered::new(bookmark.scene);
+            let fault_side = bookmark.fault(rendered.range);
+            let fault = rendered.errors(&fault_side);
+            let cure = rendered.errors(&bookmark.fix(Some(&rendered.light), rendered.range));
             let size = fault_side.preset.map().map_or(COARSE, |map| map.size);
             let map = ShadowMap {
                 size,
@@ -474,9 +473,9 @@ mod tests {
                 FaultKind::LightBleeding => (Pcf { radius: WIDE }.on(map).into(), BEYOND_BLUR),
                 _ => (TechniquePreset::from(Hard {}.on(map)), BEYOND_TEXELS),
             };
-            let mut usual_side = SideSettings::new(entry("hard"), played.range);
+            let mut usual_side = SideSettings::new(entry("hard"), rendered.range);
             usual_side.preset = usual;
-            let usual = played.errors(&usual_side);
+            let usual = rendered.errors(&usual_side);
             let wrong = fault.false_shadow + fault.false_light;
             let ways = [&fault, &usual].map(|errors| in_its_way(bookmark.kind, errors));
             println!(

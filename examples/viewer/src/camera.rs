@@ -9,21 +9,21 @@ use umbrage::{
 
 /// Radians for each point that the mouse moves.
 const TURN: f32 = 0.0035;
-/// How far up and down the camera looks at most, radians.
+/// Greatest pitch, radians.
 const STEEPEST: f32 = 1.55;
 /// The near plane, as a share of the scene's diagonal.
 const NEAR: f32 = 2e-4;
 
-/// What the mouse turns.
+/// Meaning of rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Mode {
-    /// The camera stands, and looks around.
+    /// The camera stays, and looks around.
     Fly,
     /// The camera goes around a point.
     Orbit,
 }
 
-/// Where the camera is, and how it moves.
+/// Pose and motion of the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ViewCamera {
     pub mode: Mode,
@@ -60,13 +60,9 @@ impl ViewCamera {
         } else {
             0.8
         };
-        let (center, diagonal) = if bounds.is_empty() {
-            (Vec3::ZERO, 1.0)
-        } else {
-            (bounds.center(), bounds.diagonal().max(1e-3))
-        };
-        // What is ahead, about as far away as the scene's middle.
-        let distance = (center - eye).dot(ahead).max(0.05 * diagonal);
+        let diagonal = bounds.diagonal().max(1e-3);
+        // About as far as the centre of the scene.
+        let distance = (bounds.center() - eye).dot(ahead).max(0.05 * diagonal);
         Self {
             mode: Mode::Fly,
             speed: 0.08 * diagonal.min(200.0),
@@ -80,7 +76,7 @@ impl ViewCamera {
         }
     }
 
-    /// Returns the view as another camera has it: its place, direction and angle.
+    /// Returns the view with the pose and angle of another camera.
     pub(crate) fn seen_as(&self, camera: &Camera, bounds: &Aabb) -> Self {
         let seen = Self::new(camera, bounds);
         Self {
@@ -97,10 +93,18 @@ impl ViewCamera {
         }
     }
 
-    /// Whether the camera stands and looks as another one does, however either is moved.
-    pub(crate) fn stands_as(&self, other: &Self) -> bool {
+    /// Returns whether position and direction are those of another camera, however either is moved.
+    pub(crate) fn has_pose_of(&self, other: &Self) -> bool {
         let place = |view: &Self| (view.eye, view.yaw, view.pitch, view.distance);
         place(self) == place(other)
+    }
+
+    /// Switches between flying and orbiting.
+    pub(crate) fn switch_mode(&mut self) {
+        self.mode = match self.mode {
+            Mode::Fly => Mode::Orbit,
+            Mode::Orbit => Mode::Fly,
+        };
     }
 
     /// Turns as the mouse moves, points.
@@ -113,13 +117,13 @@ impl ViewCamera {
         }
     }
 
-    /// Moves sideways and up, as if the mouse held what is at the pivot: `moved` in points, of an image so many points high.
+    /// Moves sideways and up, so that the pivot follows the mouse: `moved` and the image's height in points.
     pub(crate) fn pan(&mut self, moved: Vec2, height: f32) {
         let metres = 2.0 * self.distance * (0.5 * self.fov_y).tan() / height.max(1.0);
         self.eye += self.rotation() * Vec3::new(-moved.x * metres, moved.y * metres, 0.0);
     }
 
-    /// Goes ahead by some steps of the wheel.
+    /// Goes ahead by steps of the wheel.
     pub(crate) fn step(&mut self, steps: f32) {
         match self.mode {
             Mode::Fly => self.eye += self.ahead() * (0.5 * self.speed * steps),
@@ -157,12 +161,12 @@ impl ViewCamera {
         }
     }
 
-    /// The way the camera looks.
+    /// Returns the direction of view.
     pub(crate) fn ahead(&self) -> Vec3 {
         self.rotation() * Vec3::NEG_Z
     }
 
-    /// Returns the point that the camera goes around, and how large what is around it looks.
+    /// Returns the point that the camera goes around, and the visible extent there.
     pub(crate) fn looked_at(&self) -> LookedAt {
         LookedAt {
             point: self.pivot(),

@@ -1,32 +1,37 @@
-//! What the program asks of the device, and what the device reports behind its back.
+//! Requirements of the device, and values from its callbacks.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A place for what the device reports behind the program's back.
-pub(crate) type Message = Arc<Mutex<Option<String>>>;
+/// A value that a callback leaves for the program.
+#[derive(Clone)]
+pub(crate) struct Slot<T>(Arc<Mutex<Option<T>>>);
 
-/// Whether a message was left.
-pub(crate) fn is_left(place: &Message) -> bool {
-    place
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .is_some()
+impl<T> Default for Slot<T> {
+    fn default() -> Self {
+        Self(Arc::default())
+    }
 }
 
-/// Takes a message, if there is one.
-pub(crate) fn taken(place: &Message) -> Option<String> {
-    place.lock().unwrap_or_else(PoisonError::into_inner).take()
+impl<T> Slot<T> {
+    /// Returns whether there is a value.
+    pub(crate) fn is_full(&self) -> bool {
+        let slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        slot.is_some()
+    }
+
+    /// Takes the value, if there is one.
+    pub(crate) fn take(&self) -> Option<T> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Puts a value, unless there is one already.
+    pub(crate) fn put(&self, value: T) {
+        let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        slot.get_or_insert(value);
+    }
 }
 
-/// Leaves a message, unless an earlier one is still there.
-pub(crate) fn put(place: &Message, message: String) {
-    place
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .get_or_insert(message);
-}
-
-/// What the program asks of an adapter: all that it has in sizes, so that large scenes and windows have room.
+/// Returns what the program requires of an adapter: its greatest sizes, for large scenes and windows, and timestamps where there are some.
 pub(crate) fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     let has = adapter.limits();
     let timed = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;

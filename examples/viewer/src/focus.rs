@@ -1,4 +1,4 @@
-//! Which part of the panel the keyboard is at: it is scrolled into view, and a frame is drawn around it.
+//! Focus of the keyboard: the panel's part is scrolled into view, and a frame is drawn around it.
 
 use egui::{Color32, Id, LayerId, Order, Rect, Stroke};
 
@@ -6,7 +6,7 @@ use egui::{Color32, Id, LayerId, Order, Rect, Stroke};
 #[derive(Default)]
 pub(crate) struct Focus {
     last: Option<Id>,
-    /// Where it is in the window, points.
+    /// Its rectangle in the window, points.
     pub at: Option<Rect>,
 }
 
@@ -16,7 +16,7 @@ fn focused(ctx: &egui::Context) -> Option<egui::Response> {
 }
 
 impl Focus {
-    /// Scrolls the panel to a part that the keyboard has come to. To be called in the panel's scroll area.
+    /// Scrolls the panel to a part that has received the focus. Must be called in the panel's scroll area.
     pub(crate) fn scroll(&mut self, ui: &egui::Ui) {
         let response = focused(ui.ctx());
         let id = response.as_ref().map(|response| response.id);
@@ -31,7 +31,7 @@ impl Focus {
         }
     }
 
-    /// Draws the frame, within `area` where the part lies in the panel.
+    /// Draws the frame, within `area` if the part is in the panel.
     pub(crate) fn draw(ctx: &egui::Context, panel: LayerId, area: Rect) {
         let Some(response) = focused(ctx) else {
             return;

@@ -19,14 +19,13 @@ pub(crate) struct LightHandles {
     gizmo: Gizmo,
     /// Whether they turn the light instead of moving it.
     pub turns: bool,
-    /// Whether the mouse holds one.
+    /// Whether the mouse holds a handle.
     pub is_held: bool,
 }
 
-/// Returns where a point of the world is in the picture, points; none behind the camera.
-pub(crate) fn place_in(rect: egui::Rect, camera: &Camera, point: Vec3) -> Option<egui::Pos2> {
-    let view_from_world = Mat4::from(camera.world_from_view.inverse());
-    let clip = camera.clip_from_view * view_from_world * point.extend(1.0);
+/// Returns the position of a point of the world in the picture, points; `None` behind the camera.
+pub(crate) fn position_in(rect: egui::Rect, camera: &Camera, point: Vec3) -> Option<egui::Pos2> {
+    let clip = camera.space().clip_from_world() * point.extend(1.0);
     if clip.w <= 0.0 {
         return None;
     }
@@ -45,7 +44,7 @@ pub(crate) fn markers(
 ) {
     let painter = ui.painter_at(rect);
     for (i, light) in lights.iter().enumerate() {
-        let Some(at) = place_in(rect, camera, light.marker(looked_at)) else {
+        let Some(at) = position_in(rect, camera, light.marker(looked_at)) else {
             continue;
         };
         if !rect.contains(at) {
@@ -76,7 +75,7 @@ fn draw_marker(
     fill: egui::Color32,
     ring: egui::Stroke,
 ) {
-    // A sun has rays, areas are squares, and lamps are round.
+    // A sun has rays, rectangles are squares, and other lights are round.
     match light {
         Light::Rect { .. } => {
             let square = egui::Rect::from_center_size(at, egui::Vec2::splat(1.8 * MARKER));
@@ -132,7 +131,7 @@ impl LightHandles {
         };
         let pointer = ui.input(|input| input.pointer.clone());
         let cursor = pointer.hover_pos().unwrap_or_default();
-        // Not where a window lies over the picture.
+        // Windows over the picture take the pointer.
         let is_on_top = ui.ctx().layer_id_at(cursor) == Some(ui.layer_id());
         let is_over_picture = rect.contains(cursor) && is_on_top;
         let interaction = GizmoInteraction {

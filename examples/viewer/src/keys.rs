@@ -1,66 +1,20 @@
-//! The keys: one list of what they do, which is also what F1 shows.
+//! The keys: one table of what they do, which is also the help of F1.
 
 use crate::{
-    app::App,
     bookmarks,
-    camera::{Mode, ViewCamera},
-    lights::{EditLight, MAX_LIGHTS},
+    camera::ViewCamera,
     loading::Then,
-    measure::figures::Picture,
-    panel::{
-        self,
-        picker::{self, Choice, Outcome, Picker},
-    },
+    measure::pictures::Picture,
+    picker::{Choice, Chosen, Outcome, Picker},
+    side::entry,
+    viewer::Viewer,
 };
 use egui::{Key, Modifiers};
-use umbrage::glam::{Quat, Vec2, Vec3};
-use web_time::Duration;
+use umbrage::glam::{Quat, Vec3};
 
-/// What a key does.
+/// Modifiers that are held with a key.
 #[derive(Clone, Copy)]
-enum Action {
-    Help,
-    Choose(Choice),
-    /// The next place of failure, or the one before.
-    Failure(isize),
-    Play,
-    Split,
-    Flip,
-    /// Moves the divider by steps.
-    Divide(f32),
-    Error,
-    /// The next picture over the scene, or the one before.
-    Picture(isize),
-    /// The next light, or the one before.
-    Light(isize),
-    AddLight,
-    RemoveLight,
-    LightOn,
-    /// Moves or turns the chosen light by steps: to the right, up, and away from the eye.
-    MoveLight(Vec3),
-    Turns,
-    Plan,
-    ShowPlan,
-    /// Copies a side's preset: the shown one's or the left's, or the other one's.
-    Copy(usize),
-    Maps,
-    /// Folds the panel, or unfolds it.
-    Fold,
-    Home,
-    Orbit,
-    /// Goes ahead by steps of the wheel, or nearer in orbit mode.
-    Near(f32),
-    Screenshot,
-    /// Makes text larger or smaller.
-    Zoom(f32),
-    AutomaticZoom,
-    Quit,
-    Leave,
-}
-
-/// What is held beside the key.
-#[derive(Clone, Copy)]
-enum With {
+pub(crate) enum With {
     Nothing,
     Shift,
     /// Shift or not.
@@ -69,33 +23,23 @@ enum With {
     Command,
 }
 
-type Bound = (With, Key, Action);
-
-/// A line of the help: keys, what they do, and how that is done. What is not done here (the mouse, keys that are held) has no actions.
-pub(crate) struct Keys {
-    pub keys: &'static str,
-    pub what: &'static str,
-    actions: &'static [Bound],
+/// A key that was pressed.
+pub(crate) struct Press<'a> {
+    ctx: &'a egui::Context,
+    has_shift: bool,
 }
 
-const fn line(keys: &'static str, what: &'static str, actions: &'static [Bound]) -> Keys {
-    Keys {
-        keys,
-        what,
-        actions,
-    }
-}
+/// A key and what it does.
+type Bound = (With, Key, fn(&mut Viewer, &Press<'_>));
 
 /// A step of the divider, as a share of the width.
 const DIVIDER_STEP: f32 = 0.02;
-/// A step of a light that is moved, as a share of what is seen across.
+/// A step of a light that is moved, as a share of the visible width.
 const LIGHT_STEP: f32 = 0.04;
 /// A step of a light that is turned, radians: two degrees.
 const LIGHT_TURN: f32 = 0.035;
-/// Shift makes lights' steps so much finer.
+/// Factor of lights' steps with shift.
 const FINE: f32 = 0.1;
-/// What keys turn the view by in a second, in points of the mouse.
-const LOOK: f32 = 350.0;
 
 #[cfg(not(target_arch = "wasm32"))]
 const SCREENSHOT: &str = "saves a screenshot";
@@ -103,188 +47,240 @@ const SCREENSHOT: &str = "saves a screenshot";
 #[cfg(target_arch = "wasm32")]
 const SCREENSHOT: &str = "screenshots are the browser's own";
 
-pub(crate) const KEYS: [Keys; 36] = {
+/// Keys that the panel has for itself while one of its parts has the keyboard: arrows go to the next part, and space presses.
+const KEYS_OF_PANEL: [Key; 7] = [
+    Key::ArrowLeft,
+    Key::ArrowRight,
+    Key::ArrowDown,
+    Key::ArrowUp,
+    Key::PageDown,
+    Key::PageUp,
+    Key::Space,
+];
+
+/// Lines of the help: keys, what they do, and how that is done. The mouse, keys that are held, and the panel's own keys are handled elsewhere.
+pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
     use With::{Any, Command, Nothing, Shift};
     [
-        line("W A S D, E Q", "fly; with shift faster", &[]),
-        line("J L, I K", "look around, or go around", &[]),
-        line("right mouse button", "looks around, or goes around", &[]),
-        line("middle button, wheel", "sideways; ahead and back", &[]),
-        line("O", "fly or orbit", &[(Nothing, Key::O, Action::Orbit)]),
-        line(
+        ("W A S D, E Q", "fly; with shift faster", &[]),
+        ("J L, I K", "look around, or go around", &[]),
+        ("right mouse button", "looks around, or goes around", &[]),
+        ("middle button, wheel", "sideways; ahead and back", &[]),
+        (
+            "O",
+            "fly or orbit",
+            &[(Nothing, Key::O, |v, _| v.settings.view.switch_mode())],
+        ),
+        (
             "plus, minus",
             "ahead and back; nearer and farther in orbit",
             &[
-                (Any, Key::Plus, Action::Near(1.0)),
-                (Any, Key::Equals, Action::Near(1.0)),
-                (Any, Key::Minus, Action::Near(-1.0)),
+                (Any, Key::Plus, |v, _| v.steps_nearer += 1.0),
+                (Any, Key::Equals, |v, _| v.steps_nearer += 1.0),
+                (Any, Key::Minus, |v, _| v.steps_nearer -= 1.0),
             ],
         ),
-        line(
+        (
             "Home",
             "back to the scene's own view",
-            &[(Nothing, Key::Home, Action::Home)],
+            &[(Nothing, Key::Home, |v, _| v.go_home())],
         ),
-        line(
+        (
             "F2",
             "chooses a scene or a file",
-            &[(Nothing, Key::F2, Action::Choose(Choice::Scene))],
+            &[(Nothing, Key::F2, |v, press| v.pick(press, Choice::Scene))],
         ),
-        line(
+        (
             "F3",
             "chooses a place of failure",
-            &[(Nothing, Key::F3, Action::Choose(Choice::Failure))],
+            &[(Nothing, Key::F3, |v, press| v.pick(press, Choice::Failure))],
         ),
-        line(
+        (
             "B, Shift B",
             "next place of failure, or the one before",
             &[
-                (Nothing, Key::B, Action::Failure(1)),
-                (Shift, Key::B, Action::Failure(-1)),
+                (Nothing, Key::B, |v, press| v.open_next_failure(press, 1)),
+                (Shift, Key::B, |v, press| v.open_next_failure(press, -1)),
             ],
         ),
-        line(
+        (
             "Space",
             "plays what moves there, or pauses",
-            &[(Nothing, Key::Space, Action::Play)],
+            &[(Nothing, Key::Space, |v, _| v.play_or_pause())],
         ),
-        line(
+        (
             "1, 2",
             "choose the technique of the left, of the right",
             &[
-                (Nothing, Key::Num1, Action::Choose(Choice::Technique(0))),
-                (Nothing, Key::Num2, Action::Choose(Choice::Technique(1))),
+                (Nothing, Key::Num1, |v, press| {
+                    v.pick(press, Choice::Technique(0))
+                }),
+                (Nothing, Key::Num2, |v, press| {
+                    v.pick(press, Choice::Technique(1))
+                }),
             ],
         ),
-        line(
+        (
             "X",
             "both sides, or one",
-            &[(Nothing, Key::X, Action::Split)],
+            &[(Nothing, Key::X, |v, _| {
+                v.settings.split = v.settings.split.is_none().then_some(0.5)
+            })],
         ),
-        line(
+        (
             "F",
             "flips between the sides",
-            &[(Nothing, Key::F, Action::Flip)],
+            &[(Nothing, Key::F, |v, _| v.flip())],
         ),
-        line(
+        (
             "comma, period",
             "move the divider",
             &[
-                (Nothing, Key::Comma, Action::Divide(-1.0)),
-                (Nothing, Key::Period, Action::Divide(1.0)),
+                (Nothing, Key::Comma, |v, _| v.move_divider(-DIVIDER_STEP)),
+                (Nothing, Key::Period, |v, _| v.move_divider(DIVIDER_STEP)),
             ],
         ),
-        line(
+        (
             "H",
             "errors as a picture",
-            &[(Nothing, Key::H, Action::Error)],
+            &[(Nothing, Key::H, |v, press| v.switch_errors(press))],
         ),
-        line(
+        (
             "V, Shift V",
             "next picture over the scene, or the one before",
             &[
-                (Nothing, Key::V, Action::Picture(1)),
-                (Shift, Key::V, Action::Picture(-1)),
+                (Nothing, Key::V, |v, press| v.show_next_picture(press, 1)),
+                (Shift, Key::V, |v, press| v.show_next_picture(press, -1)),
             ],
         ),
-        line("click on a light", "chooses it; its handles move it", &[]),
-        line(
+        ("click on a light", "chooses it; its handles move it", &[]),
+        (
             "N, Shift N",
             "next light, or the one before",
             &[
-                (Nothing, Key::N, Action::Light(1)),
-                (Shift, Key::N, Action::Light(-1)),
+                (Nothing, Key::N, |v, _| v.choose_next_light(1)),
+                (Shift, Key::N, |v, _| v.choose_next_light(-1)),
             ],
         ),
-        line(
+        (
             "arrows, Page Up, Down",
             "move or turn the light; with shift finely",
             &[
-                (Any, Key::ArrowLeft, Action::MoveLight(Vec3::NEG_X)),
-                (Any, Key::ArrowRight, Action::MoveLight(Vec3::X)),
-                (Any, Key::ArrowDown, Action::MoveLight(Vec3::NEG_Z)),
-                (Any, Key::ArrowUp, Action::MoveLight(Vec3::Z)),
-                (Any, Key::PageDown, Action::MoveLight(Vec3::NEG_Y)),
-                (Any, Key::PageUp, Action::MoveLight(Vec3::Y)),
+                (Any, Key::ArrowLeft, |v, press| {
+                    v.move_light(press, Vec3::NEG_X)
+                }),
+                (Any, Key::ArrowRight, |v, press| {
+                    v.move_light(press, Vec3::X)
+                }),
+                (Any, Key::ArrowDown, |v, press| {
+                    v.move_light(press, Vec3::NEG_Z)
+                }),
+                (Any, Key::ArrowUp, |v, press| v.move_light(press, Vec3::Z)),
+                (Any, Key::PageDown, |v, press| {
+                    v.move_light(press, Vec3::NEG_Y)
+                }),
+                (Any, Key::PageUp, |v, press| v.move_light(press, Vec3::Y)),
             ],
         ),
-        line(
+        (
             "R",
             "handles and arrows turn the light, or move it",
-            &[(Nothing, Key::R, Action::Turns)],
+            &[(Nothing, Key::R, |v, _| v.handles.turns = !v.handles.turns)],
         ),
-        line(
+        (
             "G",
             "the light on or off",
-            &[(Nothing, Key::G, Action::LightOn)],
+            &[(Nothing, Key::G, |v, _| v.switch_light())],
         ),
-        line(
+        (
             "Insert, Delete",
             "add a light, remove the chosen one",
             &[
-                (Nothing, Key::Insert, Action::AddLight),
-                (Nothing, Key::Delete, Action::RemoveLight),
+                (Nothing, Key::Insert, |v, _| {
+                    v.settings.add_light(&v.stage.bounds)
+                }),
+                (Nothing, Key::Delete, |v, _| v.settings.remove_light()),
             ],
         ),
-        line(
+        (
             "P",
             "finds the least for this view, or cancels that",
-            &[(Nothing, Key::P, Action::Plan)],
+            &[(Nothing, Key::P, |v, press| v.start_or_cancel_plan(press))],
         ),
-        line(
+        (
             "Shift P",
             "shows what was found on the left",
-            &[(Shift, Key::P, Action::ShowPlan)],
+            &[(Shift, Key::P, |v, _| v.show_plan())],
         ),
-        line(
+        (
             "C, Shift C",
             "copies the shown (or left) preset, the other",
             &[
-                (Nothing, Key::C, Action::Copy(0)),
-                (Shift, Key::C, Action::Copy(1)),
+                (Nothing, Key::C, |v, press| {
+                    v.copy_preset(press.ctx, v.first_side())
+                }),
+                (Shift, Key::C, |v, press| {
+                    v.copy_preset(press.ctx, 1 - v.first_side())
+                }),
             ],
         ),
-        line(
+        (
             "F4",
             "folds the panel, or unfolds it",
-            &[(Nothing, Key::F4, Action::Fold)],
+            &[(Nothing, Key::F4, |v, press| v.fold(press.ctx))],
         ),
-        line("M", "the maps", &[(Nothing, Key::M, Action::Maps)]),
-        line("Tab, Shift Tab", "through the panel; Enter presses", &[]),
-        line(
+        (
+            "M",
+            "the maps",
+            &[(Nothing, Key::M, |v, _| {
+                v.settings.shows_maps = !v.settings.shows_maps
+            })],
+        ),
+        ("Tab, Shift Tab", "through the panel; Enter presses", &[]),
+        (
             "arrows in the panel",
             "to the neighbours; sliders change",
             &[],
         ),
-        line(
+        (
             "Esc",
             "leaves the panel, closes, cancels loading",
-            &[(Any, Key::Escape, Action::Leave)],
+            &[(Any, Key::Escape, |v, _| v.leave())],
         ),
-        line(
+        (
             "Ctrl plus, minus",
             "larger and smaller text",
             &[
-                (Command, Key::Plus, Action::Zoom(0.1)),
-                (Command, Key::Equals, Action::Zoom(0.1)),
-                (Command, Key::Minus, Action::Zoom(-0.1)),
+                (Command, Key::Plus, |v, press| v.zoom_by(press, 0.1)),
+                (Command, Key::Equals, |v, press| v.zoom_by(press, 0.1)),
+                (Command, Key::Minus, |v, press| v.zoom_by(press, -0.1)),
             ],
         ),
-        line(
+        (
             "Ctrl 0",
             "text as large as goes with the window",
-            &[(Command, Key::Num0, Action::AutomaticZoom)],
+            &[(Command, Key::Num0, |v, _| v.settings.zoom = None)],
         ),
-        line(
+        (
             "F12",
             SCREENSHOT,
-            &[(Nothing, Key::F12, Action::Screenshot)],
+            &[(Nothing, Key::F12, |v, press| {
+                v.request_screenshot(press.ctx)
+            })],
         ),
-        line("F1", "these keys", &[(Nothing, Key::F1, Action::Help)]),
-        line(
+        (
+            "F1",
+            "these keys",
+            &[(Nothing, Key::F1, |v, _| {
+                v.settings.shows_help = !v.settings.shows_help
+            })],
+        ),
+        (
             "Ctrl Q",
             "ends the program",
-            &[(Command, Key::Q, Action::Quit)],
+            &[(Command, Key::Q, |_, press| {
+                press.ctx.send_viewport_cmd(egui::ViewportCommand::Close)
+            })],
         ),
     ]
 };
@@ -302,181 +298,150 @@ impl With {
     }
 }
 
-/// Returns what a key that was pressed does, and whether shift was held.
-fn action_of(ctx: &egui::Context, event: &egui::Event) -> Option<(Action, bool)> {
-    let egui::Event::Key {
-        key,
-        pressed: true,
-        modifiers,
-        ..
-    } = event
-    else {
-        return None;
-    };
-    let mut bound = KEYS.iter().flat_map(|keys| keys.actions);
-    let (with, _, action) = bound.find(|(with, of, _)| of == key && with.is_held(*modifiers))?;
-    // The panel's own arrows go from one part to the next, and its space presses.
-    let is_in_panel = ctx.memory(|memory| memory.focused().is_some());
-    let is_left_to_panel = match with {
-        With::Command => false,
-        _ => {
-            let is_of_panel = matches!(action, Action::MoveLight(_) | Action::Play);
-            ctx.text_edit_focused() || (is_in_panel && is_of_panel)
-        }
-    };
-    (!is_left_to_panel).then_some((*action, modifiers.shift))
-}
-
-/// Returns the next of `count`, or the one before, round and round.
+/// Returns the next of `count` indices, or the previous one, cyclically.
 fn stepped(at: usize, by: isize, count: usize) -> usize {
     (at as isize + by).rem_euclid(count.max(1) as isize) as usize
 }
 
-impl App {
-    /// Does what keys that were pressed since the last frame say.
+impl Viewer {
+    /// Handles keys that were pressed since the last frame.
     pub(crate) fn keys(&mut self, ctx: &egui::Context) {
         let events = ctx.input(|input| input.events.clone());
         for event in &events {
             let Some(picker) = &mut self.picker else {
-                if let Some((action, is_fine)) = action_of(ctx, event) {
-                    self.act(ctx, action, is_fine);
-                }
+                self.press(ctx, event);
                 continue;
             };
             match picker.take_event(event) {
                 Outcome::Open => {}
                 Outcome::Closed => self.picker = None,
-                Outcome::Chosen(taken) => {
+                Outcome::Chosen(chosen) => {
                     self.picker = None;
-                    picker::take(self, ctx, taken);
+                    self.show_chosen(ctx, chosen);
                 }
             }
         }
     }
 
-    /// Whether keys that are down move the view.
-    pub(crate) fn is_steered(&self, ctx: &egui::Context) -> bool {
-        self.hears_keys(ctx) && flight(ctx) != (Vec3::ZERO, Vec2::ZERO)
-    }
-
-    /// Whether nothing is being typed.
-    fn hears_keys(&self, ctx: &egui::Context) -> bool {
-        self.picker.is_none() && !ctx.text_edit_focused()
-    }
-
-    fn act(&mut self, ctx: &egui::Context, action: Action, is_fine: bool) {
-        let settings = &mut self.settings;
-        match action {
-            Action::Help => settings.shows_help = !settings.shows_help,
-            Action::Choose(choice) => {
-                // Enter is the list's now, not the panel's.
-                if let Some(id) = ctx.memory(|memory| memory.focused()) {
-                    ctx.memory_mut(|memory| memory.surrender_focus(id));
-                }
-                self.picker = Some(Picker::new(choice));
-            }
-            Action::Failure(by) => self.next_failure(ctx, by),
-            Action::Play => self.play_or_pause(),
-            Action::Split => settings.split = settings.split.is_none().then_some(0.5),
-            Action::Flip => {
-                settings.split = None;
-                settings.shown_side = 1 - settings.shown_side;
-            }
-            Action::Divide(steps) => {
-                let at = settings.split.unwrap_or(0.5) + steps * DIVIDER_STEP;
-                settings.split = Some(at.clamp(0.0, 1.0));
-            }
-            Action::Error => {
-                settings.picture = match settings.picture {
-                    Picture::Error => Picture::Nothing,
-                    _ => Picture::Error,
-                };
-                self.compare();
-            }
-            Action::Picture(by) => {
-                let is_it = |(picture, _): &(Picture, &str)| *picture == settings.picture;
-                let at = Picture::ALL.iter().position(is_it).unwrap_or(0);
-                settings.picture = Picture::ALL[stepped(at, by, Picture::ALL.len())].0;
-                self.compare();
-            }
-            Action::Plan if self.plan_job.at().is_some() => self.plan_job.cancel(),
-            Action::Plan => self.start_plan(ctx),
-            Action::ShowPlan => self.show_plan(),
-            Action::Copy(nth) => {
-                let first = match settings.split {
-                    Some(_) => 0,
-                    None => settings.shown_side,
-                };
-                self.copy_preset(ctx, if nth == 0 { first } else { 1 - first });
-            }
-            Action::Maps => settings.shows_maps = !settings.shows_maps,
-            Action::Fold => panel::fold(self, ctx),
-            Action::Home => {
-                settings.view = ViewCamera::new(&self.stage.camera, &self.stage.bounds);
-                self.touch();
-            }
-            Action::Orbit => {
-                settings.view.mode = match settings.view.mode {
-                    Mode::Fly => Mode::Orbit,
-                    Mode::Orbit => Mode::Fly,
-                };
-            }
-            Action::Near(steps) => {
-                // With the rest that moves the view: it may be under way along a path.
-                self.steps_nearer += steps;
-            }
-            Action::Screenshot => self.ask_for_screenshot(ctx),
-            Action::Zoom(by) => {
-                // The window's own follows with the next frame, and a key may be pressed twice before.
-                let before = settings.zoom.unwrap_or_else(|| ctx.zoom_factor());
-                // Whole tenths, whatever the automatic zoom was.
-                let zoom = (10.0 * (before + by)).round() / 10.0;
-                settings.zoom = Some(zoom.clamp(0.5, 5.0));
-            }
-            Action::AutomaticZoom => settings.zoom = None,
-            Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            Action::Leave => self.leave(),
-            of_lights => self.act_on_lights(of_lights, is_fine),
+    fn press(&mut self, ctx: &egui::Context, event: &egui::Event) {
+        let egui::Event::Key {
+            key,
+            pressed: true,
+            modifiers,
+            ..
+        } = event
+        else {
+            return;
+        };
+        let mut bound = KEYS.iter().flat_map(|(_, _, bound)| *bound);
+        let pressed = bound.find(|(with, of, _)| of == key && with.is_held(*modifiers));
+        let Some((with, _, act)) = pressed else {
+            return;
+        };
+        let is_in_panel = ctx.memory(|memory| memory.focused().is_some());
+        let is_of_panel = ctx.text_edit_focused() || is_in_panel && KEYS_OF_PANEL.contains(key);
+        if matches!(with, With::Command) || !is_of_panel {
+            let has_shift = modifiers.shift;
+            act(self, &Press { ctx, has_shift });
         }
     }
 
-    fn act_on_lights(&mut self, action: Action, is_fine: bool) {
-        let bounds = self.stage.bounds;
-        let settings = &mut self.settings;
-        let count = settings.lights.len();
-        match action {
-            Action::Light(by) => settings.chosen = stepped(settings.chosen, by, count),
-            Action::AddLight if count < MAX_LIGHTS => {
-                settings.lights.push(EditLight::above(&bounds));
-                settings.chosen = count;
+    /// Shows what was chosen from a list.
+    pub(crate) fn show_chosen(&mut self, ctx: &egui::Context, chosen: Chosen) {
+        match chosen {
+            Chosen::Scene(name) => self.open(ctx, &name, Then::Show),
+            Chosen::Failure(bookmark) => self.open(ctx, bookmark.scene, Then::Compare(bookmark)),
+            Chosen::Technique(side, name) => {
+                self.settings.sides[side].choose(entry(name));
+                self.forget_side(side);
             }
-            Action::RemoveLight if settings.chosen < count => {
-                settings.lights.remove(settings.chosen);
-                settings.chosen = settings.chosen.saturating_sub(1);
-            }
-            Action::LightOn => {
-                if let Some(light) = settings.lights.get_mut(settings.chosen) {
-                    light.is_on = !light.is_on;
-                }
-            }
-            Action::Turns => self.handles.turns = !self.handles.turns,
-            Action::MoveLight(way) => {
-                let factor = if is_fine { FINE } else { 1.0 };
-                self.move_light(way * factor);
-            }
-            _ => return,
         }
-        self.touch();
     }
 
-    /// Moves the chosen light by steps as they look from the camera, or turns it.
-    fn move_light(&mut self, steps: Vec3) {
+    fn pick(&mut self, press: &Press<'_>, choice: Choice) {
+        // Enter is the list's now, not the panel's.
+        press.ctx.memory_mut(|memory| {
+            if let Some(id) = memory.focused() {
+                memory.surrender_focus(id);
+            }
+        });
+        self.picker = Some(Picker::new(choice));
+    }
+
+    fn go_home(&mut self) {
+        self.settings.view = ViewCamera::new(&self.stage.camera, &self.stage.bounds);
+        self.pace.touch();
+    }
+
+    fn flip(&mut self) {
+        self.settings.split = None;
+        self.settings.shown_side = 1 - self.settings.shown_side;
+    }
+
+    fn move_divider(&mut self, by: f32) {
+        let at = self.settings.split.unwrap_or(0.5) + by;
+        self.settings.split = Some(at.clamp(0.0, 1.0));
+    }
+
+    fn switch_errors(&mut self, press: &Press<'_>) {
+        self.settings.picture = match self.settings.picture {
+            Picture::Error => Picture::Nothing,
+            _ => Picture::Error,
+        };
+        self.compare(press.ctx);
+    }
+
+    fn show_next_picture(&mut self, press: &Press<'_>, by: isize) {
+        let is_shown = |(picture, _): &(Picture, &str)| *picture == self.settings.picture;
+        let at = Picture::ALL.iter().position(is_shown).unwrap_or(0);
+        self.settings.picture = Picture::ALL[stepped(at, by, Picture::ALL.len())].0;
+        self.compare(press.ctx);
+    }
+
+    fn start_or_cancel_plan(&mut self, press: &Press<'_>) {
+        if self.planning.take().is_none() {
+            self.start_plan(press.ctx);
+        }
+    }
+
+    /// Returns the side that is shown, or the left one.
+    fn first_side(&self) -> usize {
+        match self.settings.split {
+            Some(_) => 0,
+            None => self.settings.shown_side,
+        }
+    }
+
+    fn zoom_by(&mut self, press: &Press<'_>, by: f32) {
+        // The window's own zoom follows with the next frame, and a key may be pressed twice before.
+        let chosen = self.settings.zoom;
+        let before = chosen.unwrap_or_else(|| press.ctx.zoom_factor());
+        // Whole tenths, whatever the automatic zoom was.
+        let zoom = (10.0 * (before + by)).round() / 10.0;
+        self.settings.zoom = Some(zoom.clamp(0.5, 5.0));
+    }
+
+    fn choose_next_light(&mut self, by: isize) {
+        let count = self.settings.lights.len();
+        self.settings.chosen = stepped(self.settings.chosen, by, count);
+        self.pace.touch();
+    }
+
+    fn switch_light(&mut self) {
+        if let Some(light) = self.settings.lights.get_mut(self.settings.chosen) {
+            light.is_on = !light.is_on;
+        }
+    }
+
+    /// Moves the chosen light by steps to the right, up, and away from the eye, or turns it.
+    fn move_light(&mut self, press: &Press<'_>, direction: Vec3) {
+        let steps = direction * if press.has_shift { FINE } else { 1.0 };
         let settings = &mut self.settings;
         let looked_at = settings.view.looked_at();
         let Some(light) = settings.lights.get_mut(settings.chosen) else {
             return;
         };
-        // Level, so that the light keeps its height unless that is asked for.
+        // Level, so that the light keeps its height.
         let ahead = (settings.view.ahead() * Vec3::new(1.0, 0.0, 1.0)).normalize_or(Vec3::NEG_Z);
         let right = ahead.cross(Vec3::Y);
         if self.handles.turns && light.can_turn() {
@@ -489,97 +454,31 @@ impl App {
         light.move_marker(light.marker(&looked_at) + by, &looked_at);
     }
 
-    /// Opens the next place of failure, or the one before.
-    fn next_failure(&mut self, ctx: &egui::Context, by: isize) {
+    /// Opens the next failure, or the previous one.
+    fn open_next_failure(&mut self, press: &Press<'_>, by: isize) {
         let all = bookmarks::all();
-        // While one is on its way, the next is the one after that.
-        let name = match (self.loader.then(), &self.path) {
+        // While one is being loaded, the next is the one after that.
+        let loading = self.loading.as_ref().map(|loading| &loading.request.then);
+        let name = match (loading, &self.path) {
             (Some(Then::Compare(coming)), _) => coming.name,
             (_, Some(path)) => path.moving.name,
             _ => self.stage.argument.as_str(),
         };
         let present = all.iter().position(|bookmark| bookmark.name == name);
-        let next = match present {
-            Some(at) => stepped(at, by, all.len()),
-            None => 0,
-        };
+        let next = present.map_or(0, |at| stepped(at, by, all.len()));
         if let Some(bookmark) = all.get(next) {
-            self.open(ctx, bookmark.scene, Then::Compare(*bookmark));
+            self.open(press.ctx, bookmark.scene, Then::Compare(*bookmark));
         }
     }
 
-    /// Closes what lies over the picture; if nothing does, gives up what is being read.
+    /// Closes the help or the message; if there are none, cancels loading.
     fn leave(&mut self) {
         if self.settings.shows_help {
             self.settings.shows_help = false;
-        } else if self.message.is_some() {
-            self.message = None;
-        } else {
-            self.give_up_loading();
+        } else if self.message.take().is_none() {
+            self.cancel_loading();
         }
     }
-
-    /// Reads keys that are held and the mouse over the picture. Returns whether the view moved.
-    pub(crate) fn steer(
-        &mut self,
-        ui: &egui::Ui,
-        response: &egui::Response,
-        passed: Duration,
-    ) -> bool {
-        let before = self.settings.view;
-        let ctx = ui.ctx();
-        let hears_keys = self.hears_keys(ctx);
-        let view = &mut self.settings.view;
-        if response.dragged_by(egui::PointerButton::Secondary) {
-            let moved = response.drag_motion();
-            view.turn(Vec2::new(moved.x, moved.y));
-        }
-        if response.dragged_by(egui::PointerButton::Middle) {
-            let moved = response.drag_delta();
-            view.pan(Vec2::new(moved.x, moved.y), response.rect.height());
-        }
-        let steps = std::mem::take(&mut self.steps_nearer);
-        if steps != 0.0 {
-            view.step(steps);
-        }
-        if response.hovered() {
-            let lines = ctx.input(|input| input.smooth_scroll_delta().y) / 40.0;
-            if lines != 0.0 {
-                view.step(lines);
-            }
-        }
-        if hears_keys {
-            let (way, turn) = flight(ctx);
-            let is_fast = ctx.input(|input| input.modifiers.shift);
-            // A long frame is no long flight.
-            let seconds = passed.as_secs_f32().min(0.2);
-            let factor = if is_fast { 4.0 } else { 1.0 };
-            if way != Vec3::ZERO {
-                view.fly(way, factor * seconds);
-            }
-            if turn != Vec2::ZERO {
-                view.turn(turn * (LOOK * seconds));
-            }
-        }
-        *view != before
-    }
-}
-
-/// Returns where the keys that are down fly (to the right, up and forward), and how they turn (to the right and down).
-fn flight(ctx: &egui::Context) -> (Vec3, Vec2) {
-    ctx.input(|input| {
-        if input.modifiers.command {
-            return (Vec3::ZERO, Vec2::ZERO);
-        }
-        let down = |key| f32::from(u8::from(input.key_down(key)));
-        let along = |less, more| down(more) - down(less);
-        let way = Vec3::new(
-            along(Key::A, Key::D),
-            along(Key::Q, Key::E),
-            along(Key::S, Key::W),
-        );
-        (way, Vec2::new(along(Key::J, Key::L), along(Key::I, Key::K)))
-    })
 }
 
 #[cfg(test)]
@@ -588,7 +487,7 @@ mod tests {
 
     #[test]
     fn no_key_does_two_things() {
-        let bound: Vec<_> = KEYS.iter().flat_map(|keys| keys.actions).collect();
+        let bound: Vec<_> = KEYS.iter().flat_map(|(_, _, bound)| *bound).collect();
         let held = [
             Modifiers::NONE,
             Modifiers::SHIFT,

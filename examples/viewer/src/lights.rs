@@ -20,12 +20,12 @@ pub(crate) struct EditLight {
     pub is_on: bool,
 }
 
-/// What the camera looks at.
+/// The point that the camera looks at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LookedAt {
     /// World space, metres.
     pub point: Vec3,
-    /// How far from it directional lights are marked, metres.
+    /// Distance of directional lights' markers from it, metres.
     pub reach: f32,
 }
 
@@ -80,10 +80,10 @@ impl EditLight {
         }
     }
 
-    /// Returns a new light above the middle of a scene.
+    /// Returns a new light above the centre of a scene.
     pub(crate) fn above(bounds: &Aabb) -> Self {
         let reach = reach_of(bounds);
-        let position = middle_of(bounds) + Vec3::new(0.15, 0.45, 0.2) * reach;
+        let position = bounds.center() + Vec3::new(0.15, 0.45, 0.2) * reach;
         let light = Light::Point {
             position,
             radius: 0.0,
@@ -94,24 +94,21 @@ impl EditLight {
         }
     }
 
-    /// Where the light is drawn and dragged: its middle. Directional ones, which have no place, are marked beside what the camera looks
-    /// at, on the side from which they shine.
+    /// Returns the position at which the light is drawn and dragged: its centre. Directional lights, which have no position, are marked next to
+    /// the point that the camera looks at, on the side from which they shine.
     pub(crate) fn marker(&self, looked_at: &LookedAt) -> Vec3 {
         let away = direction_of(&self.light) * looked_at.reach;
         self.light.position().unwrap_or(looked_at.point - away)
     }
 
-    /// Puts the marker elsewhere. A directional light shines from there to what the camera looks at.
+    /// Moves the marker. A directional light shines from there to the point that the camera looks at.
     pub(crate) fn move_marker(&mut self, to: Vec3, looked_at: &LookedAt) {
-        match &mut self.light {
-            Light::Directional { direction, .. } => {
-                let along = looked_at.point - to;
-                if along.length() > 1e-3 * looked_at.reach {
-                    *direction = along.normalize();
-                }
+        self.light = self.light.moved_to(to);
+        if let Light::Directional { direction, .. } = &mut self.light {
+            let along = looked_at.point - to;
+            if along.length() > 1e-3 * looked_at.reach {
+                *direction = along.normalize();
             }
-            Light::Spot { position, .. } | Light::Point { position, .. } => *position = to,
-            Light::Rect { center, .. } | Light::Disc { center, .. } => *center = to,
         }
     }
 
@@ -130,31 +127,31 @@ impl EditLight {
         }
     }
 
-    /// Whether turning changes anything.
+    /// Returns whether turning changes anything.
     pub(crate) const fn can_turn(&self) -> bool {
         !matches!(self.light, Light::Point { .. })
     }
 
-    /// Makes it another kind that stands, points and spreads as this one does, as far as the kinds have that in common.
+    /// Makes it another kind with the same position, direction and extent, as far as the kinds have them.
     pub(crate) fn retype(&mut self, kind: Kind, bounds: &Aabb) {
         if Kind::of(&self.light) == kind {
             return;
         }
         let position = self.marker(&LookedAt {
-            point: middle_of(bounds),
+            point: bounds.center(),
             reach: 0.4 * reach_of(bounds),
         });
-        let to_middle = (middle_of(bounds) - position).normalize_or(Vec3::NEG_Y);
+        let to_center = (bounds.center() - position).normalize_or(Vec3::NEG_Y);
         let direction = match self.light {
             Light::Directional { .. } | Light::Spot { .. } => direction_of(&self.light),
             Light::Rect { half_u, half_v, .. } => {
-                let normal = half_u.cross(half_v).normalize_or(to_middle);
-                normal * normal.dot(to_middle).signum()
+                let normal = half_u.cross(half_v).normalize_or(to_center);
+                normal * normal.dot(to_center).signum()
             }
-            Light::Disc { normal, .. } => normal.normalize() * normal.dot(to_middle).signum(),
-            Light::Point { .. } => to_middle,
+            Light::Disc { normal, .. } => normal.normalize() * normal.dot(to_center).signum(),
+            Light::Point { .. } => to_center,
         };
-        // The extent, metres at the light's place.
+        // The extent, metres at the light's position.
         let away = 0.4 * reach_of(bounds);
         let radius = match self.light {
             Light::Directional {
@@ -213,14 +210,14 @@ impl EditLight {
         } = &mut self.light
         {
             let away = 1.2 * reach;
-            *position = middle_of(bounds) - *direction * away;
-            // All of the scene's ball lies in the cone.
+            *position = bounds.center() - *direction * away;
+            // The cone contains a ball around the scene.
             *outer = (0.5 * reach / away).asin() + 0.02;
             *inner = *outer;
         }
     }
 
-    /// Linear colour, brightness included.
+    /// Returns the linear colour, brightness included.
     pub(crate) fn linear_color(&self) -> Vec3 {
         let decode = |c: f32| umbrage::picture::decode((255.0 * c.clamp(0.0, 1.0)).round() as u8);
         Vec3::from(self.color.map(decode)) * self.brightness
@@ -236,21 +233,9 @@ fn direction_of(light: &Light) -> Vec3 {
     }
 }
 
-fn middle_of(bounds: &Aabb) -> Vec3 {
-    if bounds.is_empty() {
-        Vec3::ZERO
-    } else {
-        bounds.center()
-    }
-}
-
-/// Metres across the scene.
+/// Returns the diagonal of the scene, metres.
 fn reach_of(bounds: &Aabb) -> f32 {
-    if bounds.is_empty() {
-        1.0
-    } else {
-        bounds.diagonal().max(1e-3)
-    }
+    bounds.diagonal().max(1e-3)
 }
 
 #[cfg(test)]

@@ -1,27 +1,33 @@
 //! A window to see shadows in: drag the lights, compare techniques side by side, measure them against rays.
 
 mod app;
-mod beside;
 mod bookmarks;
 mod camera;
 mod device;
 mod drops;
 mod focus;
 mod gizmo;
+mod job;
 mod keys;
 mod lights;
 mod loading;
 mod measure;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
+mod opening;
+mod pace;
 mod panel;
 mod path;
-mod plan_job;
+mod picker;
+mod plan;
 mod render;
+mod report;
 mod settings;
+mod side;
 mod stage;
-mod state;
-mod told;
+mod steering;
+mod view;
+mod viewer;
 #[cfg(target_arch = "wasm32")]
 mod web;
 mod zoom;

@@ -1,10 +1,10 @@
 //! The program on the desktop: its command line, and the window.
 
 use crate::{
-    app::App,
+    app::{App, Reports},
     bookmarks,
-    device::{Message, device_descriptor, taken},
-    state::Start,
+    device::device_descriptor,
+    settings::Start,
 };
 use anyhow::{Context as _, Result};
 use clap::Parser;
@@ -103,7 +103,7 @@ pub(crate) fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<()> {
     if let Some(scene) = options.scene.as_ref().filter(|_| !options.failure) {
-        // A scene that isn't there is told before there is a window. One that is may take long, and is read behind it.
+        // A missing scene is reported before the window opens. An existing one may take long, and is read in the background.
         let is_there = scenes::file_of(scene).is_some_and(|file| file.is_file());
         if scenes::find(scene).is_none() && !is_there {
             scenes::by_argument(scene)?;
@@ -131,7 +131,7 @@ fn run(options: &Options) -> Result<()> {
         ..Start::default()
     };
     loop {
-        start.told = options.report.clone();
+        start.report = options.report.clone();
         let Some(Loss { why, unfinished }) = open(options, start)? else {
             return Ok(());
         };
@@ -146,7 +146,7 @@ fn run(options: &Options) -> Result<()> {
 
 /// Why a window has to be opened again.
 struct Loss {
-    /// How the graphics device was lost.
+    /// Reason of the loss.
     why: String,
     /// The scene that was being loaded.
     unfinished: Option<String>,
@@ -164,8 +164,8 @@ fn open(options: &Options, start: Start) -> Result<Option<Loss>> {
     setup.instance_descriptor.backends =
         wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
     setup.device_descriptor = Arc::new(device_descriptor);
-    let (lost, unfinished) = (Message::default(), Message::default());
-    let of_app = (lost.clone(), unfinished.clone());
+    let reports = Reports::default();
+    let reports_of_app = reports.clone();
     let native = eframe::NativeOptions {
         viewport,
         run_and_return: true,
@@ -178,11 +178,11 @@ fn open(options: &Options, start: Start) -> Result<Option<Loss>> {
         ..eframe::NativeOptions::default()
     };
     let creator: eframe::AppCreator<'_> =
-        Box::new(move |context| Ok(Box::new(App::new(context, start, of_app.0, of_app.1)?)));
+        Box::new(move |context| Ok(Box::new(App::new(context, start, reports_of_app)?)));
     // The panel's painter panics if the device is lost while it paints, and leaves an event loop that can't be used again.
     let run = AssertUnwindSafe(|| eframe::run_native("umbrage-viewer", native, creator));
     let outcome = panic::catch_unwind(run);
-    let loss = taken(&lost);
+    let loss = reports.lost.take();
     match outcome {
         Ok(outcome) => outcome
             .map_err(|error| anyhow::anyhow!("{error}"))
@@ -194,6 +194,6 @@ fn open(options: &Options, start: Start) -> Result<Option<Loss>> {
     }
     Ok(loss.map(|why| Loss {
         why,
-        unfinished: taken(&unfinished),
+        unfinished: reports.unfinished.take(),
     }))
 }

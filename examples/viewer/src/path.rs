@@ -1,39 +1,37 @@
-//! The motion of a place of failure: the camera, its projection or the light goes along a path, there and back, until the user moves
-//! either.
+//! The motion of a failure: the camera, its projection or the light goes along a path, there and back.
 
-use crate::{app::App, camera::ViewCamera, stage::Stage};
+use crate::{camera::ViewCamera, stage::Stage};
 use umbrage::{
     Camera, Light, View,
     cpu::Cpu,
     glam::{Mat4, UVec2, Vec3},
     scenes::motion::{Motion, MotionStep, MovingScene, jitter, texel_width},
 };
-use web_time::Duration;
 
-/// Steps of the motion, one way: more than the matrix of failures plays, so that there is something to watch.
+/// Steps of the motion, one way: more than in the stability matrix, so that there is something to watch.
 const STEPS: u32 = 60;
 const STEPS_A_SECOND: f32 = 20.0;
-/// Size of the picture by whose receivers the first map is fitted, pixels.
-const FITTED: UVec2 = UVec2::new(320, 180);
+/// Size of the picture to whose receivers the first map is fitted, pixels.
+pub(crate) const FITTED: UVec2 = UVec2::new(320, 180);
 
-/// A motion that can be played.
+/// A motion that runs while it is playing.
 pub(crate) struct MotionPath {
     pub moving: MovingScene,
     /// The width of a texel of the first map, metres.
     texel: f64,
     pub is_playing: bool,
-    /// Where it is; none before it begins, and after the user moved the camera or the light.
-    under_way: Option<UnderWay>,
+    /// Its position; `None` before it begins, and after the user moved the camera or the light.
+    pub under_way: Option<UnderWay>,
 }
 
 /// A motion that has begun.
 #[derive(Clone, Copy)]
-struct UnderWay {
-    /// The view that it began from.
-    view: ViewCamera,
-    /// The light that it began from.
-    light: Option<Light>,
-    seconds: f32,
+pub(crate) struct UnderWay {
+    /// The view at the begin.
+    pub view: ViewCamera,
+    /// The light at the begin.
+    pub light: Option<Light>,
+    pub seconds: f32,
 }
 
 impl UnderWay {
@@ -45,7 +43,7 @@ impl UnderWay {
 }
 
 impl MotionPath {
-    /// Returns the motion of a stage seen through a camera, with maps of `map_size` texels a side. It plays at once.
+    /// Returns the motion of a stage seen through a camera, with maps of `map_size` texels a side. It is playing.
     ///
     /// # Errors
     /// Errors if no map can be fitted to what is seen.
@@ -80,12 +78,12 @@ impl MotionPath {
         }
     }
 
-    /// Returns the present step; none while it is not under way.
+    /// Returns the current step; `None` while it is not under way.
     pub(crate) fn index(&self) -> Option<u32> {
         self.under_way.as_ref().map(UnderWay::index)
     }
 
-    /// Returns the present camera; `first` is that of the view that the motion began from.
+    /// Returns the current camera; `first` is that of the view at the begin.
     pub(crate) fn camera(&self, first: &Camera) -> Camera {
         let Some(under_way) = &self.under_way else {
             return *first;
@@ -97,8 +95,8 @@ impl MotionPath {
         self.moving.motion.camera(first, &step)
     }
 
-    /// Returns the present light; none if it has none of its own.
-    fn light(&self) -> Option<Light> {
+    /// Returns the current light, if it is under way and has one.
+    pub(crate) fn light(&self) -> Option<Light> {
         let under_way = self.under_way.as_ref()?;
         let step = self.step(under_way);
         Some(self.moving.motion.light(&under_way.light?, &step))
@@ -114,71 +112,6 @@ fn jittered(camera: &Camera, index: u32) -> Camera {
     Camera {
         clip_from_view: shift * camera.clip_from_view,
         ..*camera
-    }
-}
-
-impl App {
-    /// Goes on along the path. What the user moved meanwhile, the camera or the light, ends it.
-    pub(crate) fn follow_path(&mut self, passed: Duration) {
-        let Some(path) = &mut self.path else {
-            return;
-        };
-        let view = self.settings.view;
-        let light = self.settings.lights.first_mut();
-        let present = light.as_ref().map(|light| light.light);
-        let is_as_left = match &path.under_way {
-            Some(under_way) => under_way.view.stands_as(&view) && path.light() == present,
-            None => true,
-        };
-        if !is_as_left {
-            path.is_playing = false;
-            path.under_way = None;
-        }
-        if !path.is_playing {
-            return;
-        }
-        let under_way = path.under_way.get_or_insert(UnderWay {
-            view,
-            light: present,
-            seconds: 0.0,
-        });
-        // How the camera is moved may have changed meanwhile: orbit, speed, parallel lines.
-        under_way.view = view;
-        // A long frame is no long way.
-        under_way.seconds += passed.as_secs_f32().min(0.2);
-        if let (Some(light), Some(to)) = (light, path.light()) {
-            light.light = to;
-        }
-        self.touch();
-    }
-
-    /// Brings the view to where the path is, so that the user goes on from there; a step back if the user doesn't.
-    pub(crate) fn leave_path(&mut self, steered: impl FnOnce(&mut Self) -> bool) {
-        let begun = self.settings.view;
-        let path = self.path.as_ref().filter(|path| path.under_way.is_some());
-        if let Some(path) = path {
-            let camera = path.camera(&begun.camera(FITTED));
-            self.settings.view = begun.seen_as(&camera, &self.stage.bounds);
-        }
-        if steered(self) {
-            self.touch();
-            if let Some(path) = &mut self.path {
-                path.is_playing = false;
-                path.under_way = None;
-            }
-        } else {
-            self.settings.view = begun;
-        }
-    }
-
-    /// Plays the path, or pauses it.
-    pub(crate) fn play_or_pause(&mut self) {
-        match &mut self.path {
-            Some(path) => path.is_playing = !path.is_playing,
-            None => {
-                self.message = Some("Nothing here moves by itself: F3 chooses a place of failure whose name says so, such as hills-pan.".to_owned());
-            }
-        }
     }
 }
 
@@ -208,7 +141,7 @@ mod tests {
         );
     }
 
-    /// Of each moving place, the fault changes at points that stay, and the cure changes less.
+    /// For each moving failure, the fault changes at points that stay, and the fix changes less.
     #[test]
     fn cures_change_less_than_faults() {
         for bookmark in bookmarks::all() {
@@ -225,7 +158,7 @@ mod tests {
             let mut cpu = Cpu::new();
             let receivers = cpu.receivers(&first, &stage.geometry).expect("seen");
             let range = 0.5 * stage.bounds.diagonal();
-            let mut change = |side: &crate::settings::SideSettings| {
+            let mut change = |side: &crate::side::SideSettings| {
                 let mut masks: Vec<Vec<f32>> = Vec::new();
                 for index in 0..6_u8 {
                     path.under_way = Some(UnderWay {
@@ -247,7 +180,7 @@ mod tests {
                 masks.windows(2).map(change).sum::<f64>()
             };
             let fault = change(&bookmark.fault(range));
-            let cure = change(&bookmark.cure(Some(&light), range));
+            let cure = change(&bookmark.fix(Some(&light), range));
             println!("{}: fault {fault:.1}, cure {cure:.1}", bookmark.name);
             assert!(path_moves(&path, &first), "{}", bookmark.name);
             assert!(

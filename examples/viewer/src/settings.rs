@@ -1,226 +1,299 @@
-//! What the user sets for each of the two sides.
+//! Settings of the user, most of which are saved.
 
-use serde::{Deserialize, Serialize};
-use std::sync::Arc;
-use umbrage::{
-    Cascades, Fit, Layout, Light, ShadowTechnique,
-    techniques::{self, FrameRules, LightPreset, ShadowMap, TechniqueEntry, TechniquePreset},
+use crate::{
+    camera::ViewCamera,
+    lights::{EditLight, MAX_LIGHTS},
+    measure::pictures::Picture,
+    side::{SideSettings, entry},
+    stage::Stage,
 };
+use serde::{Deserialize, Serialize};
+use umbrage::{Aabb, plan::motion::FrameMotion};
 
-/// How maps are laid around what is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum FitKind {
-    /// Around all that casts.
-    Tight,
-    /// Around all there is, casters or not.
-    Whole,
-    /// Around what the camera sees, in steps of whole texels.
-    Stable,
-    /// Around the camera, in steps of whole texels.
-    AroundCamera,
+/// Options of the program's start.
+#[derive(Default)]
+pub(crate) struct Start {
+    pub scene: Option<String>,
+    pub techniques: [Option<String>; 2],
+    /// Whether the scene's fault is shown on the left, and its fix on the right.
+    pub shows_failure: bool,
+    /// Whether saved settings are ignored.
+    pub is_fresh: bool,
+    /// First message.
+    pub message: Option<String>,
+    /// Seconds until the device is destroyed: for tests.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub loses_device_after: Option<f32>,
+    /// File for reports: for tests.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub report: Option<std::path::PathBuf>,
 }
 
-impl FitKind {
-    pub(crate) const ALL: [Self; 4] = [Self::Tight, Self::Whole, Self::Stable, Self::AroundCamera];
+/// Changes to the settings of the first scene.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct FirstShown {
+    /// [`Settings::split`] and [`Settings::shown_side`].
+    pub sides: Option<(Option<f32>, usize)>,
+    pub picture: Option<Picture>,
+}
 
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Tight => "tight",
-            Self::Whole => "whole scene",
-            Self::Stable => "stable",
-            Self::AroundCamera => "around the camera",
+impl FirstShown {
+    pub(crate) fn apply(self, settings: &mut Settings) {
+        if let Some(sides) = self.sides {
+            (settings.split, settings.shown_side) = sides;
+        }
+        if let Some(picture) = self.picture {
+            settings.picture = picture;
         }
     }
 }
 
-impl SavedSide {
-    /// Metres around the camera, for fits that ask for it.
-    pub(crate) const fn range(&self) -> f32 {
-        self.range
+/// Settings of the user. Files of older programs have fewer of them.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Settings {
+    /// Argument of the scene, when they are saved.
+    scene: String,
+    #[serde(with = "list_of_two")]
+    pub sides: [SideSettings; 2],
+    /// Whether `lights` are those of the scene, though there may be none.
+    has_lights: bool,
+    pub lights: Vec<EditLight>,
+    /// Index of the light that is measured and has handles.
+    pub chosen: usize,
+    /// Position of the divider, as a share of the width; `None` if one side is shown.
+    pub split: Option<f32>,
+    /// The side that is shown alone.
+    pub shown_side: usize,
+    pub picture: Picture,
+    /// Opacity of pictures; `None` until the user chooses it.
+    pub opacity: Option<f32>,
+    pub view: ViewCamera,
+    #[serde(skip)]
+    pub shows_help: bool,
+    pub shows_maps: bool,
+    /// Greatest error of a plan, as a share of the error without shadows; `None` until the user chooses it.
+    pub plan_error: Option<f32>,
+    /// Motion from frame to frame, for costs.
+    pub motion: FrameMotion,
+    /// Size of text, where 1 is usual; `None` until the user chooses it.
+    pub zoom: Option<f32>,
+    /// Whether the panel is folded; `None` until the user chooses it.
+    pub panel_is_folded: Option<bool>,
+}
+
+/// Sides are saved as a list.
+mod list_of_two {
+    use crate::side::SideSettings;
+    use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer, de::Error as _};
+
+    pub(super) fn serialize<S: Serializer>(
+        sides: &[SideSettings; 2],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        sides.as_slice().serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<[SideSettings; 2], D::Error> {
+        let sides = Vec::<SideSettings>::deserialize(deserializer)?;
+        <[SideSettings; 2]>::try_from(sides)
+            .map_err(|_| D::Error::custom("settings have two sides"))
     }
 }
 
-/// A technique with all its settings, for all lights.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SideSettings {
-    /// The technique, with its map if it has one.
-    pub preset: TechniquePreset,
-    pub fit: FitKind,
-    /// Metres around the camera, for fits that ask for it.
-    pub range: f32,
-    /// Maps of a directional light; 1 for a single one.
-    pub cascades: u32,
-}
-
-/// The same as a file holds it.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct SavedSide {
-    preset: String,
-    fit: FitKind,
-    range: f32,
-    cascades: u32,
-}
-
-impl SideSettings {
-    /// Returns a technique's default settings. `range` is how far a camera sees, metres.
-    pub(crate) fn new(entry: &TechniqueEntry, range: f32) -> Self {
+impl Default for Settings {
+    fn default() -> Self {
+        let stage = Stage::nothing();
         Self {
-            preset: (entry.preset)(),
-            fit: FitKind::Tight,
-            range,
-            cascades: 1,
+            scene: String::new(),
+            sides: ["pcf", "exact"].map(|name| SideSettings::new(entry(name), 1.0)),
+            has_lights: false,
+            lights: Vec::new(),
+            chosen: 0,
+            split: Some(0.5),
+            shown_side: 0,
+            picture: Picture::Nothing,
+            opacity: None,
+            view: ViewCamera::new(&stage.camera, &stage.bounds),
+            shows_help: false,
+            shows_maps: false,
+            plan_error: None,
+            motion: FrameMotion::default(),
+            zoom: None,
+            panel_is_folded: None,
         }
-    }
-
-    /// Takes another technique, with its own default settings on maps of the same kind and size.
-    pub(crate) fn choose(&mut self, entry: &TechniqueEntry) {
-        let side = self.preset.map().map(|map| map.size);
-        self.preset = (entry.preset)();
-        if let (Some(side), Some(own)) = (side, self.preset.map().copied()) {
-            self.preset = self.preset.with_map(ShadowMap { size: side, ..own });
-        }
-    }
-
-    /// Returns the technique for a light: cascades are for directional ones.
-    pub(crate) fn technique(&self, light: &Light) -> Arc<dyn ShadowTechnique> {
-        self.preset_for(light).technique()
-    }
-
-    /// Returns the settings for a light as a program would load them.
-    pub(crate) fn preset_for(&self, light: &Light) -> TechniquePreset {
-        let Some(own) = self.preset.map() else {
-            return self.preset.clone();
-        };
-        // Cascades are for directional lights; those of a plan or a file keep their other settings.
-        let cascades = match own.layout {
-            Layout::Cascades(cascades) => cascades,
-            _ => Cascades::default(),
-        };
-        let is_directional = light.position().is_none();
-        let layout = match own.layout {
-            _ if is_directional && self.cascades > 1 => Layout::Cascades(Cascades {
-                count: self.cascades,
-                ..cascades
-            }),
-            Layout::Cascades(_) => Layout::Auto,
-            other => other,
-        };
-        let fit = match self.fit {
-            FitKind::Tight => Fit::Tight,
-            FitKind::Whole => Fit::Whole,
-            FitKind::Stable => Fit::Stable { range: self.range },
-            FitKind::AroundCamera => Fit::AroundCamera { range: self.range },
-        };
-        self.preset.with_map(ShadowMap {
-            fit,
-            layout,
-            ..*own
-        })
-    }
-
-    /// Takes a preset: of a file, or of a plan.
-    pub(crate) fn take(&mut self, preset: &TechniquePreset) {
-        self.preset = preset.clone();
-        let Some(map) = preset.map() else {
-            return;
-        };
-        self.cascades = 1;
-        if let Layout::Cascades(cascades) = map.layout {
-            self.cascades = cascades.count;
-        }
-        self.fit = FitKind::Tight;
-        match map.fit {
-            Fit::Whole => self.fit = FitKind::Whole,
-            Fit::Stable { range } => {
-                self.fit = FitKind::Stable;
-                self.range = range;
-            }
-            Fit::AroundCamera { range } => {
-                self.fit = FitKind::AroundCamera;
-                self.range = range;
-            }
-            Fit::Tight | Fit::Manual { .. } => {}
-        }
-    }
-
-    /// Returns the text of a preset file for a light.
-    pub(crate) fn preset_text(&self, light: &Light) -> anyhow::Result<String> {
-        let preset = LightPreset {
-            technique: self.preset_for(light),
-            frame: FrameRules::default(),
-        };
-        Ok(preset.to_toml()?)
-    }
-
-    pub(crate) fn saved(&self) -> anyhow::Result<SavedSide> {
-        Ok(SavedSide {
-            preset: self.preset.to_toml()?,
-            fit: self.fit,
-            range: self.range,
-            cascades: self.cascades,
-        })
-    }
-
-    pub(crate) fn of_saved(saved: &SavedSide) -> anyhow::Result<Self> {
-        Ok(Self {
-            preset: TechniquePreset::from_toml(&saved.preset)?,
-            fit: saved.fit,
-            range: saved.range,
-            cascades: saved.cascades.clamp(1, 8),
-        })
-    }
-
-    /// A few words for labels.
-    pub(crate) fn label(&self) -> String {
-        let name = self.preset.name();
-        let settings = self.preset.settings();
-        if settings.is_empty() {
-            return name.to_owned();
-        }
-        format!("{name} ({settings})")
     }
 }
 
-/// Returns a technique of the list.
-///
-/// # Panics
-/// Panics if there is none of that name.
-pub(crate) fn entry(name: &str) -> &'static TechniqueEntry {
-    techniques::find(name).unwrap_or_else(|| panic!("`{name}` is in no list of techniques"))
+impl Settings {
+    /// Returns the settings of a new window without a scene.
+    pub(crate) fn new(saved: Option<&Self>, techniques: &[Option<String>; 2]) -> Self {
+        let mut out = saved.cloned().unwrap_or_default();
+        for (side, name) in out.sides.iter_mut().zip(techniques) {
+            if let Some(name) = name {
+                *side = SideSettings::new(entry(name), side.range);
+            }
+            side.cascades = side.cascades.clamp(1, 8);
+        }
+        out.shown_side = out.shown_side.min(1);
+        out.show(&Stage::nothing());
+        out
+    }
+
+    /// Takes a scene's lights and camera.
+    pub(crate) fn show(&mut self, stage: &Stage) {
+        let count = stage.lights.len();
+        let lights = stage.lights.iter().take(MAX_LIGHTS);
+        self.lights = lights
+            .map(|light| EditLight::of_scene(*light, count))
+            .collect();
+        self.chosen = 0;
+        self.view = ViewCamera::new(&stage.camera, &stage.bounds);
+        for side in &mut self.sides {
+            side.range = 0.5 * stage.bounds.diagonal();
+        }
+    }
+
+    /// Takes view and lights from saved settings of the same scene.
+    pub(crate) fn show_as_left(&mut self, saved: &Self) {
+        self.view = saved.view;
+        let is_valid = |light: &&EditLight| light.light.validate().is_ok();
+        let valid = saved.lights.iter().filter(is_valid);
+        let valid: Vec<_> = valid.take(MAX_LIGHTS).copied().collect();
+        // A scene that was left in the dark stays dark; one whose lights are all broken, or were not saved, has its own.
+        if saved.has_lights && (!valid.is_empty() || saved.lights.is_empty()) {
+            self.lights = valid;
+            self.chosen = saved.chosen.min(self.lights.len().saturating_sub(1));
+        }
+        for (side, saved) in self.sides.iter_mut().zip(&saved.sides) {
+            side.range = saved.range;
+        }
+    }
+
+    /// Returns the settings to save.
+    pub(crate) fn to_save(&self, stage: &Stage) -> Self {
+        Self {
+            scene: stage.argument.clone(),
+            has_lights: true,
+            ..self.clone()
+        }
+    }
+
+    /// Returns the argument of the scene that the settings were saved with.
+    pub(crate) fn saved_scene(&self) -> &str {
+        &self.scene
+    }
+
+    /// Adds a light above the scene, unless there are too many, and chooses it.
+    pub(crate) fn add_light(&mut self, bounds: &Aabb) {
+        if self.lights.len() < MAX_LIGHTS {
+            self.chosen = self.lights.len();
+            self.lights.push(EditLight::above(bounds));
+        }
+    }
+
+    /// Removes the chosen light.
+    pub(crate) fn remove_light(&mut self) {
+        if self.chosen < self.lights.len() {
+            self.lights.remove(self.chosen);
+            self.chosen = self.chosen.saturating_sub(1);
+        }
+    }
+
+    pub(crate) fn opacity(&self) -> f32 {
+        self.opacity.unwrap_or(1.0)
+    }
+
+    pub(crate) fn plan_error(&self) -> f32 {
+        self.plan_error.unwrap_or(0.25)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage::glam::Vec3;
+    use umbrage::{Light, glam::Vec3};
+
+    /// Returns a built-in scene, and settings that show it.
+    fn shown() -> (Stage, Settings) {
+        let scene = umbrage::scenes::by_argument("cubes").expect("built in");
+        let stage = Stage::of_scene("cubes", "cubes", scene).expect("it can be seen");
+        let mut settings = Settings::new(None, &[None, None]);
+        settings.show(&stage);
+        (stage, settings)
+    }
 
     #[test]
-    fn what_is_taken_is_what_is_shown() {
-        let cascades = Cascades {
-            count: 3,
-            nearest: 7.0,
-            blend: 4.0,
-            ..Cascades::default()
+    fn what_is_kept_comes_back() {
+        let (stage, mut left) = shown();
+        left.sides[0].range = 7.5;
+        left.shown_side = 1;
+        left.opacity = Some(0.5);
+        left.plan_error = Some(0.125);
+        left.motion = FrameMotion::AllMoves;
+        left.shows_maps = true;
+        left.panel_is_folded = Some(true);
+        left.lights[0].light = Light::Point {
+            position: Vec3::new(1.0, 2.0, 3.0),
+            radius: 0.25,
         };
-        let own = (entry("pcf").preset)();
-        let preset = own.with_map(ShadowMap {
-            layout: Layout::Cascades(cascades),
-            fit: Fit::Stable { range: 30.0 },
-            ..*own.map().expect("a map")
-        });
-        let mut side = SideSettings::new(entry("hard"), 1.0);
-        side.take(&preset);
-        let sun = Light::Directional {
-            direction: Vec3::NEG_Y,
-            angular_diameter: 0.0,
+        left.lights.push(EditLight::above(&stage.bounds));
+        left.lights[1].is_on = false;
+        left.chosen = 1;
+        let text = serde_json::to_string(&left.to_save(&stage)).expect("written");
+        let saved: Settings = serde_json::from_str(&text).expect("read");
+        assert_eq!(saved.saved_scene(), "cubes");
+        let mut again = Settings::new(Some(&saved), &[None, None]);
+        again.show(&stage);
+        again.show_as_left(&saved);
+        assert_eq!(again.sides, left.sides);
+        assert_eq!(again.lights, left.lights);
+        assert_eq!((again.chosen, again.shown_side), (1, 1));
+        assert_eq!((again.opacity(), again.plan_error()), (0.5, 0.125));
+        assert_eq!(again.motion, left.motion);
+        assert!(again.shows_maps);
+        assert_eq!(again.panel_is_folded, Some(true));
+    }
+
+    #[test]
+    fn files_of_older_programs_are_read() {
+        let (stage, settings) = shown();
+        let saved = settings.to_save(&stage);
+        let mut old = serde_json::to_value(&saved).expect("written");
+        let of_old = ["scene", "sides", "view", "split", "picture"];
+        let object = old.as_object_mut().expect("an object");
+        object.retain(|name, _| of_old.contains(&name.as_str()));
+        let read: Settings = serde_json::from_value(old).expect("read");
+        let mut again = settings.clone();
+        again.show_as_left(&read);
+        assert_eq!(again.lights, settings.lights, "the scene's own");
+    }
+
+    #[test]
+    fn broken_lights_are_left_out() {
+        let (stage, mut settings) = shown();
+        let mut again = settings.clone();
+        settings.lights[0].light = Light::Point {
+            position: Vec3::ZERO,
+            radius: -1.0,
         };
-        assert_eq!(side.preset_for(&sun), preset);
-        // Lamps have no cascades.
-        let lamp = Light::Point {
-            position: Vec3::Y,
-            radius: 0.0,
-        };
-        let of_lamp = side.preset_for(&lamp);
-        assert_eq!(of_lamp.map().expect("a map").layout, Layout::Auto);
+        let own = again.lights.clone();
+        settings.lights.truncate(1);
+        again.show_as_left(&settings.to_save(&stage));
+        assert_eq!(again.lights, own, "the scene's own are better than none");
+        settings.lights.push(EditLight::above(&stage.bounds));
+        again.show_as_left(&settings.to_save(&stage));
+        assert_eq!(again.lights, settings.lights[1..]);
+    }
+
+    #[test]
+    fn a_scene_without_lights_stays_dark() {
+        let (stage, mut settings) = shown();
+        let mut again = settings.clone();
+        settings.lights.clear();
+        again.show_as_left(&settings.to_save(&stage));
+        assert!(again.lights.is_empty() && again.chosen == 0);
     }
 }

@@ -1,18 +1,20 @@
 //! The scene that is shown.
 
-use crate::loading::GoesOn;
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 use umbrage::{
     Aabb, Camera, Geometry, Light, Material, Scene, Texture,
-    glam::{Affine3A, UVec2, camera::rh::proj::directx},
+    glam::{Affine3A, UVec2, Vec3, camera::rh::proj::directx},
     scenes,
 };
+
+/// Reports the next step of loading. Returns false once the scene is no longer wanted.
+pub(crate) type OnStep<'a> = &'a dyn Fn(String) -> bool;
 
 /// A scene with its triangles placed. Workers of a web page hand it over as bytes.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Stage {
-    /// How it was asked for: a built-in scene's name, or a file. Empty for what was read from memory, which can't be asked for again.
+    /// Name of a built-in scene, or path of a file. Empty for what was read from memory, which can't be read again.
     pub argument: String,
     pub name: String,
     pub geometry: Geometry,
@@ -20,19 +22,21 @@ pub(crate) struct Stage {
     pub textures: Vec<Texture>,
     pub lights: Vec<Light>,
     pub camera: Camera,
-    /// Around all triangles.
+    /// Box around all triangles; never empty.
     pub bounds: Aabb,
 }
 
 impl Stage {
-    /// Returns a stage without anything on it: what is shown until the first scene has been read.
+    /// Returns the empty stage that is shown until the first scene has been read.
     pub(crate) fn nothing() -> Self {
-        let geometry = Geometry::default();
         Self {
             argument: String::new(),
             name: String::new(),
-            bounds: geometry.bounds(),
-            geometry,
+            bounds: Aabb {
+                min: Vec3::ZERO,
+                max: Vec3::ONE,
+            },
+            geometry: Geometry::default(),
             materials: Vec::new(),
             textures: Vec::new(),
             lights: Vec::new(),
@@ -44,20 +48,20 @@ impl Stage {
         }
     }
 
-    /// Whether no scene has been read yet.
+    /// Returns whether no scene has been read yet.
     pub(crate) fn is_nothing(&self) -> bool {
         self.geometry.triangles().is_empty()
     }
 
-    /// Makes a built-in scene, or reads a file; none if it was given up.
+    /// Makes a built-in scene, or reads a file. Returns `None` if it was cancelled.
     ///
     /// # Errors
     /// Errors if it can't be read.
-    pub(crate) fn of_argument(argument: &str, goes_on: GoesOn<'_>) -> Result<Option<Self>> {
-        goes_on("is read".to_owned());
-        // Errors of scenes hold what they come from in their own words: `anyhow` is given the words alone, else it would repeat it.
+    pub(crate) fn of_argument(argument: &str, on_step: OnStep<'_>) -> Result<Option<Self>> {
+        on_step("is read".to_owned());
+        // Errors of scenes print their causes themselves: `anyhow` gets the text alone, else it would repeat them.
         let scene = scenes::by_argument(argument).map_err(anyhow::Error::msg)?;
-        if !goes_on("its triangles are placed".to_owned()) {
+        if !on_step("its triangles are placed".to_owned()) {
             return Ok(None);
         }
         Self::of_scene(argument, argument, scene).map(Some)
@@ -80,7 +84,6 @@ impl Stage {
     pub(crate) fn of_scene(argument: &str, name: &str, scene: Scene) -> Result<Self> {
         let geometry = Geometry::bake(&scene)?;
         let bounds = geometry.bounds();
-        let camera = scene.cameras.first().copied();
         anyhow::ensure!(
             !geometry.triangles().is_empty(),
             "`{name}` has no triangles; there is nothing to see"
@@ -89,10 +92,10 @@ impl Stage {
             argument: argument.to_owned(),
             name: scene.name,
             geometry,
-            camera: match camera {
-                Some(camera) => camera,
-                None => anyhow::bail!("`{name}` has no camera"),
-            },
+            camera: *scene
+                .cameras
+                .first()
+                .with_context(|| format!("`{name}` has no camera"))?,
             materials: scene.materials,
             textures: scene.textures,
             lights: scene.lights,

@@ -1,18 +1,14 @@
-//! The program in a browser: its canvas, and what the page says while it starts or when it ends.
+//! The program in a browser: its canvas, the page's status line while it starts or when it ends, and functions for the console.
 
+mod console;
 mod in_worker;
-mod loader;
-mod making;
 mod query;
-mod report;
+pub(crate) mod scenes;
 pub(crate) mod worker;
 
-pub(crate) use loader::Loader;
-pub(crate) use report::note_frame;
-
 use crate::{
-    app::App,
-    device::{Message, device_descriptor, taken},
+    app::{App, Reports},
+    device::{Slot, device_descriptor},
 };
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use query::Query;
@@ -22,7 +18,7 @@ use web_sys::{Document, HtmlCanvasElement};
 
 /// Id of the page's canvas.
 const CANVAS: &str = "umbrage";
-/// Id of the element that says what goes on until the first picture, and what ended the program.
+/// Id of the status line.
 const STATUS: &str = "status";
 
 fn document() -> Option<Document> {
@@ -33,7 +29,7 @@ fn status() -> Option<web_sys::Element> {
     document()?.get_element_by_id(STATUS)
 }
 
-/// Shows a line on the page; nothing takes the line away.
+/// Shows a text in the status line.
 fn say(text: &str) {
     if let Some(status) = status() {
         status.set_text_content(Some(text));
@@ -47,7 +43,7 @@ fn say_nothing() {
     }
 }
 
-/// Starts the program in the page's canvas; in a worker, which has no window, it only offers to play jobs.
+/// Starts the program in the page's canvas. In a worker, which has no window, it only offers to do tasks.
 pub(crate) fn main() {
     if web_sys::window().is_none() {
         in_worker::offer();
@@ -82,13 +78,14 @@ async fn run() -> Result<(), String> {
     let of_app = runner.clone();
     let creator: eframe::AppCreator<'static> = Box::new(move |context| {
         let mut query = Query::of_page();
-        let (lost, unfinished) = (Message::default(), Message::default());
+        let reports = Reports::default();
+        let lost = reports.lost.clone();
         let start = std::mem::take(&mut query.start);
-        let mut app = App::new(context, start, lost.clone(), unfinished)?;
-        query.first_shown.apply(&mut app.settings);
-        app.first_shown = Some(query.first_shown);
+        let mut app = App::new(context, start, reports)?;
+        query.first_shown.apply(&mut app.viewer.settings);
+        app.viewer.first_shown = Some(query.first_shown);
         watch(&context.egui_ctx, lost);
-        report::offer(&of_app, &context.egui_ctx);
+        console::offer(&of_app, &context.egui_ctx);
         Ok(Box::new(app))
     });
     runner
@@ -97,12 +94,12 @@ async fn run() -> Result<(), String> {
         .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))
 }
 
-/// Takes the page's line away with the first frame, and says so if the device is lost: there is no window to be opened again.
-fn watch(ctx: &egui::Context, lost: Message) {
+/// Hides the status line with the first frame, and reports there that the device is lost: no window can be opened again.
+fn watch(ctx: &egui::Context, lost: Slot<String>) {
     let first = Once::new();
     let at_end = move |_: &mut egui::Ui| {
         first.call_once(say_nothing);
-        if let Some(loss) = taken(&lost) {
+        if let Some(loss) = lost.take() {
             say(&format!("{loss} Load the page again."));
         }
     };

@@ -1,4 +1,4 @@
-//! How large text and buttons are, beyond what the display's own scale factor asks for.
+//! Size of text and buttons, on top of the display's scale factor.
 
 use egui::Vec2;
 

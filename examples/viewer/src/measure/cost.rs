@@ -1,9 +1,9 @@
-//! What a setting costs by counts and prices: the same numbers that plans go by.
+//! Cost of a setting by counts and prices, as in plans.
 
-use super::places::SeenFrom;
+use super::subject::Subject;
 use anyhow::Result;
 use umbrage::{
-    ShadowTechnique as _,
+    Receivers, ShadowTechnique as _,
     plan::{
         catalogue::Catalogue,
         cost::{CostModel, Work},
@@ -12,7 +12,7 @@ use umbrage::{
     techniques::TechniquePreset,
 };
 
-/// The prices: those of a device that draws.
+/// Returns the prices of a device that draws.
 pub(crate) fn prices() -> CostModel {
     CostModel::of("wgpu")
 }
@@ -20,11 +20,11 @@ pub(crate) fn prices() -> CostModel {
 /// A setting's cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Cost {
-    /// Of maps and lists, milliseconds.
+    /// Cost of maps and lists, milliseconds.
     pub draw_ms: f64,
-    /// Of the lookups of all pixels, milliseconds.
+    /// Cost of the lookups of all pixels, milliseconds.
     pub lookup_ms: f64,
-    /// Whether something else is drawn once the camera moves.
+    /// Whether maps or lists change when the camera moves.
     pub follows_camera: bool,
 }
 
@@ -33,11 +33,15 @@ impl Cost {
     ///
     /// # Errors
     /// Errors if the technique refuses the light.
-    pub(crate) fn of(preset: &TechniquePreset, seen: &SeenFrom<'_>) -> Result<Self> {
-        let view = seen.planned_view();
+    pub(crate) fn of(
+        preset: &TechniquePreset,
+        subject: &Subject,
+        receivers: &Receivers,
+    ) -> Result<Self> {
+        let view = subject.view();
         let recipe = preset.recipe(&view)?;
-        let seen_view = view.with_receivers(seen.receivers);
-        let work = Work::of(&seen_view, &recipe, &Catalogue::built_in());
+        let view_of_receivers = view.with_receivers(receivers);
+        let work = Work::of(&view_of_receivers, &recipe, &Catalogue::built_in());
         let prices = prices();
         let lookup_ms = prices.lookup_milliseconds(&work);
         Ok(Self {
@@ -47,7 +51,7 @@ impl Cost {
         })
     }
 
-    /// Whether maps and lists are made anew with each frame.
+    /// Returns whether maps and lists are redrawn with each frame.
     pub(crate) fn draws(&self, motion: FrameMotion) -> bool {
         match motion {
             FrameMotion::Still => false,
@@ -56,7 +60,7 @@ impl Cost {
         }
     }
 
-    /// Returns what a frame costs, milliseconds.
+    /// Returns the cost of a frame, milliseconds.
     pub(crate) fn milliseconds(&self, motion: FrameMotion) -> f64 {
         if self.draws(motion) {
             self.lookup_ms + self.draw_ms

@@ -1,182 +1,297 @@
-//! Figures of a side's mask against truth, and pictures of them.
+//! Figures of both sides at the present view: measured when nothing moves, and forgotten when something does.
 
-use super::{places::Places, truth::TruthSoFar};
+use super::{
+    cost::Cost,
+    pictures::{self, Picture},
+    subject::Subject,
+    truth::{self, Tracing, TruthSoFar},
+};
+use crate::{
+    job::Job,
+    render::{
+        Renderer,
+        mask::{PendingMask, ReceiverTextures},
+    },
+    settings::Settings,
+};
+use anyhow::Result;
+use umbrage::metrics::Pixel;
 
 /// Errors of a mask over the pixels that are traced and count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct MaskError {
     /// Root of the mean square.
     pub rmse: f64,
-    /// Share of pixels that are off by more than a sixteenth.
-    pub wrong: f64,
+    /// Number of pixels that are off by more than a sixteenth.
+    pub wrong: usize,
+    /// Number of pixels that count.
     pub pixels: usize,
-    /// Pixels left out since truth itself hangs on rounding there; none before that is known.
+    /// Number of pixels that are left out since truth depends on rounding there; `None` before that is known.
     pub ambiguous: Option<usize>,
 }
 
-/// What is laid over the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Picture {
-    Nothing,
-    /// Where the shadow is too dark, and where too light.
-    Error,
-    /// What rays say.
-    Truth,
-    /// What the technique says.
-    Mask,
-    /// Texels of the map.
-    Texels,
-    /// The map's layers: cascades, faces of a cube.
-    Layers,
-    /// How many casters a lookup in lists asks.
-    Lists,
-    /// How long lookups take.
-    Heat,
-}
-
-impl Picture {
-    /// All, with their names. Clocks of browsers are too coarse to time lookups.
-    pub(crate) const ALL: &[(Self, &'static str)] = &[
-        (Self::Nothing, "nothing"),
-        (Self::Error, "error"),
-        (Self::Truth, "truth"),
-        (Self::Mask, "mask"),
-        (Self::Texels, "texels"),
-        (Self::Layers, "cascades"),
-        (Self::Lists, "lists"),
-        #[cfg(not(target_arch = "wasm32"))]
-        (Self::Heat, "heat"),
-    ];
-
-    /// What is shown of the lookups, if it is that.
-    pub(crate) const fn places(self) -> Option<Places> {
-        match self {
-            Self::Texels => Some(Places::Texels),
-            Self::Layers => Some(Places::Layers),
-            Self::Lists => Some(Places::Lists),
-            Self::Heat => Some(Places::Heat),
-            Self::Nothing | Self::Error | Self::Truth | Self::Mask => None,
-        }
-    }
-}
-
 /// Compares a mask with truth.
-pub(crate) fn mask_error(truth: &TruthSoFar, mask: &[f32]) -> MaskError {
+fn mask_error(truth: &TruthSoFar, mask: &[f32]) -> MaskError {
+    let mut out = MaskError::default();
+    let mut ambiguous = 0;
     let mut squares = 0.0;
-    let mut wrong = 0_usize;
-    let mut pixels = 0_usize;
-    let mut ambiguous = 0_usize;
-    for (i, &value) in mask.iter().enumerate() {
-        if !truth.is_traced[i] || truth.is_left_out[i] {
-            continue;
+    for (i, pixel) in truth.pixels.iter().enumerate() {
+        match pixel {
+            Pixel::Counted => {
+                let off = f64::from(mask[i] - truth.visibility[i]);
+                squares += off * off;
+                out.wrong += usize::from(off.abs() > 1.0 / 16.0);
+                out.pixels += 1;
+            }
+            Pixel::Ambiguous => ambiguous += 1,
+            _ => {}
         }
-        if truth.is_ambiguous[i] {
-            ambiguous += 1;
-            continue;
-        }
-        let off = f64::from(value - truth.visibility[i]);
-        squares += off * off;
-        wrong += usize::from(off.abs() > 1.0 / 16.0);
-        pixels += 1;
     }
-    let count = pixels.max(1) as f64;
-    MaskError {
-        rmse: (squares / count).sqrt(),
-        wrong: wrong as f64 / count,
-        pixels,
-        ambiguous: truth.is_checked.then_some(ambiguous),
+    out.rmse = (squares / out.pixels.max(1) as f64).sqrt();
+    out.ambiguous = truth.is_checked.then_some(ambiguous);
+    out
+}
+
+/// A picture of lookups.
+struct LookupPicture {
+    kind: Picture,
+    /// Until the picture is made.
+    job: Option<Job<Option<Vec<u8>>>>,
+    /// sRGB and opacity, a byte each; `None` before it is made, and if there is nothing of that kind.
+    rgba: Option<Vec<u8>>,
+}
+
+/// Figures of a side.
+#[derive(Default)]
+pub(crate) struct SideFigures {
+    pending: Option<PendingMask>,
+    pub mask: Option<Vec<f32>>,
+    pub error: Option<MaskError>,
+    pub cost: Option<Cost>,
+    /// Time of the mask's lookups on the device, milliseconds; `None` without timestamps.
+    pub lookup_ms: Option<f64>,
+    /// Why the light has no shadows on this side, and so no figures.
+    pub refusal: Option<String>,
+    lookups: Option<LookupPicture>,
+}
+
+impl SideFigures {
+    /// Returns whether the side's lookups are being timed.
+    fn times_lookups(&self) -> bool {
+        let heat = self.lookups.as_ref();
+        heat.is_some_and(|lookups| lookups.kind == Picture::Heat && lookups.job.is_some())
     }
 }
 
-/// Returns a picture of values as sRGB and opacity, a byte each; none if there is nothing to lay over.
-pub(crate) fn picture(kind: Picture, truth: &TruthSoFar, mask: Option<&[f32]>) -> Option<Vec<u8>> {
-    let count = truth.visibility.len();
-    let gray = |value: f32| {
-        let level = umbrage::picture::encode(value);
-        [level, level, level, 255]
-    };
-    let texel = |i: usize| -> [u8; 4] {
-        if truth.is_left_out[i] {
-            return [0, 0, 0, 0];
-        }
-        match (kind, mask) {
-            (Picture::Truth, _) => gray(truth.visibility[i]),
-            (Picture::Mask, Some(mask)) => gray(mask[i]),
-            (Picture::Error, _) if truth.is_ambiguous[i] => [0, 0, 0, 0],
-            (Picture::Error, Some(mask)) => error_color(mask[i] - truth.visibility[i]),
-            _ => [0, 0, 0, 0],
-        }
-    };
-    let is_there = match kind {
-        Picture::Nothing | Picture::Texels | Picture::Layers | Picture::Lists | Picture::Heat => {
-            false
-        }
-        Picture::Truth => true,
-        Picture::Error | Picture::Mask => mask.is_some(),
-    };
-    is_there.then(|| (0..count).flat_map(texel).collect())
+/// Figures of both sides.
+#[derive(Default)]
+pub(crate) struct ViewFigures {
+    /// The subject that is measured.
+    pub subject: Option<Subject>,
+    tracing: Option<Tracing>,
+    receivers: Option<ReceiverTextures>,
+    pub truth: Option<TruthSoFar>,
+    pub sides: [SideFigures; 2],
 }
 
-/// Too light (light leaks in) is red, too dark (acne) is blue, and what is right lets the picture through.
-fn error_color(off: f32) -> [u8; 4] {
-    // Small errors show, too.
-    let strength = off.abs().min(1.0).sqrt();
-    let opacity = (255.0 * strength).round() as u8;
-    if off > 0.0 {
-        [255, 40, 20, opacity]
-    } else {
-        [30, 90, 255, opacity]
+impl ViewFigures {
+    /// Returns whether truth is complete, and both sides have their masks or no shadows.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn is_complete(&self) -> bool {
+        let is_known = |side: &SideFigures| side.mask.is_some() || side.refusal.is_some();
+        self.truth.as_ref().is_some_and(|truth| truth.is_checked) && self.sides.iter().all(is_known)
+    }
+
+    /// Returns whether the device is making masks.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.sides.iter().any(|side| side.pending.is_some())
+    }
+
+    /// Forgets all figures.
+    pub(crate) fn forget(&mut self, renderer: &mut Renderer) {
+        *self = Self::default();
+        renderer.show_overlay(0, None);
+        renderer.show_overlay(1, None);
+    }
+
+    /// Forgets a side's figures, since its technique changed.
+    pub(crate) fn forget_side(&mut self, side: usize, renderer: &mut Renderer) {
+        self.sides[side] = SideFigures::default();
+        renderer.show_overlay(side, None);
+    }
+
+    /// Starts to measure if nothing moves, and takes results. Returns whether there are new ones.
+    ///
+    /// # Errors
+    /// Errors if the light is not valid, or the device fails.
+    pub(crate) fn update(
+        &mut self,
+        ctx: &egui::Context,
+        renderer: &mut Renderer,
+        settings: &Settings,
+        subject: &Subject,
+        rests: bool,
+    ) -> Result<bool> {
+        if self.subject.as_ref() != Some(subject) {
+            self.forget(renderer);
+            if rests {
+                self.tracing = Some(truth::start(ctx, subject.clone()));
+                self.subject = Some(subject.clone());
+            }
+            return Ok(false);
+        }
+        let mut is_new = false;
+        if let Some(truth) = self.tracing.as_mut().and_then(Tracing::take) {
+            let truth = truth?;
+            self.receivers
+                .get_or_insert_with(|| renderer.upload_receivers(&truth.receivers));
+            self.truth = Some(truth);
+            is_new = true;
+        }
+        is_new |= self.fetch_masks(renderer, settings, subject, rests)?;
+        is_new |= self.take_lookups()?;
+        Ok(is_new)
+    }
+
+    /// Takes pictures of lookups. Returns whether there is a new one.
+    fn take_lookups(&mut self) -> Result<bool> {
+        let mut is_new = false;
+        for lookups in self.sides.iter_mut().flat_map(|side| &mut side.lookups) {
+            if let Some(rgba) = lookups.job.as_mut().and_then(Job::take) {
+                lookups.job = None;
+                lookups.rgba = rgba?;
+                is_new = true;
+            }
+        }
+        Ok(is_new)
+    }
+
+    /// Requests the masks of sides that were prepared for the subject, and takes masks. Returns whether there is a new one.
+    fn fetch_masks(
+        &mut self,
+        renderer: &mut Renderer,
+        settings: &Settings,
+        subject: &Subject,
+        rests: bool,
+    ) -> Result<bool> {
+        let Some(receivers) = &self.receivers else {
+            return Ok(false);
+        };
+        let before = settings.lights.iter().take(settings.chosen);
+        let nth_light = before.filter(|light| light.is_on).count();
+        let mut is_new = false;
+        for (i, figures) in self.sides.iter_mut().enumerate() {
+            if let Some(pending) = &figures.pending {
+                if let Some((mask, milliseconds)) = pending.take()? {
+                    figures.mask = Some(mask);
+                    figures.lookup_ms = milliseconds;
+                    figures.pending = None;
+                    is_new = true;
+                }
+                continue;
+            }
+            let is_ready = rests && renderer.sides[i].is_ready_for(&subject.camera, settings, i);
+            if !is_ready || figures.mask.is_some() || figures.refusal.is_some() {
+                continue;
+            }
+            let Some(&light) = renderer.sides[i].ids.get(nth_light) else {
+                continue;
+            };
+            // A light without shadows is lit everywhere, which is no result of the technique.
+            figures.refusal = renderer.sides[i].refusal(light);
+            if figures.refusal.is_some() {
+                is_new = true;
+            } else {
+                figures.pending = Some(renderer.request_mask(i, light, receivers)?);
+            }
+        }
+        renderer.poll()?;
+        Ok(is_new)
+    }
+
+    /// Compares masks with truth, and lays pictures over the sides.
+    pub(crate) fn compare(
+        &mut self,
+        ctx: &egui::Context,
+        renderer: &mut Renderer,
+        settings: &Settings,
+    ) {
+        let (Some(truth), Some(subject)) = (&self.truth, &self.subject) else {
+            return;
+        };
+        // Sides are timed one after the other: each takes all cores.
+        let mut is_timing = self.sides.iter().any(SideFigures::times_lookups);
+        for (i, side) in self.sides.iter_mut().enumerate() {
+            let mask = side.mask.as_deref();
+            side.error = mask.map(|mask| mask_error(truth, mask));
+            let preset = settings.sides[i].preset_for(&subject.light);
+            if side.cost.is_none() && mask.is_some() {
+                match Cost::of(&preset, subject, &truth.receivers) {
+                    Ok(cost) => side.cost = Some(cost),
+                    Err(error) => side.refusal = Some(format!("{error:#}")),
+                }
+            }
+            let kind = settings.picture;
+            if !kind.is_of_lookups() {
+                let rgba = pictures::of_mask(kind, truth, mask);
+                renderer.show_overlay(i, rgba.map(|rgba| (truth.receivers.size, rgba)));
+                continue;
+            }
+            // Tracing takes all cores, too.
+            let must_wait = kind == Picture::Heat && (is_timing || !truth.is_checked);
+            let is_known = side
+                .lookups
+                .as_ref()
+                .is_some_and(|known| known.kind == kind);
+            if side.refusal.is_none() && !is_known && !must_wait {
+                is_timing |= kind == Picture::Heat;
+                let technique = preset.technique();
+                let (subject, receivers) = (subject.clone(), truth.receivers.clone());
+                let job = Job::start(ctx, move |_| {
+                    pictures::of_lookups(kind, &*technique, &subject, &receivers).map(Some)
+                });
+                side.lookups = Some(LookupPicture {
+                    kind,
+                    job: Some(job),
+                    rgba: None,
+                });
+            }
+            let shown = side
+                .lookups
+                .as_ref()
+                .filter(|lookups| lookups.kind == kind && side.refusal.is_none());
+            let rgba = shown.and_then(|lookups| lookups.rgba.clone());
+            renderer.show_overlay(i, rgba.map(|rgba| (truth.receivers.size, rgba)));
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage::{Receivers, glam::UVec2};
-
-    fn truth() -> TruthSoFar {
-        TruthSoFar {
-            number: 0,
-            receivers: Receivers::empty(UVec2::new(4, 1)).into(),
-            visibility: vec![0.0, 1.0, 0.5, 1.0],
-            is_traced: vec![true, true, true, false],
-            is_left_out: vec![false, false, false, false],
-            is_ambiguous: vec![false, false, false, false],
-            is_checked: false,
-            progress: 1.0,
-        }
-    }
 
     #[test]
     fn the_same_mask_has_no_error_and_another_has() {
-        let truth = truth();
+        let truth = TruthSoFar::of_test();
         let same = mask_error(&truth, &[0.0, 1.0, 0.5, 0.0]);
-        assert_eq!((same.rmse, same.wrong, same.pixels), (0.0, 0.0, 3));
+        assert_eq!((same.rmse, same.wrong, same.pixels), (0.0, 0, 3));
         let other = mask_error(&truth, &[1.0, 1.0, 0.5, 0.0]);
         assert!((other.rmse - (1.0_f64 / 3.0).sqrt()).abs() < 1e-9);
-        assert!((other.wrong - 1.0 / 3.0).abs() < 1e-9);
+        assert_eq!(other.wrong, 1);
     }
 
     #[test]
     fn ambiguous_pixels_count_in_no_error() {
-        let mut truth = truth();
-        truth.is_ambiguous[0] = true;
+        let mut truth = TruthSoFar::of_test();
+        truth.pixels[0] = Pixel::Ambiguous;
         truth.is_checked = true;
-        let error = mask_error(&truth, &[1.0, 1.0, 0.5, 0.0]);
+        let mask = [1.0, 1.0, 0.5, 0.0];
+        let error = mask_error(&truth, &mask);
         assert_eq!(
             (error.rmse, error.pixels, error.ambiguous),
             (0.0, 2, Some(1))
         );
-        let over = picture(Picture::Error, &truth, Some(&[1.0, 1.0, 0.5, 0.0])).expect("there");
+        let over = pictures::of_mask(Picture::Error, &truth, Some(&mask)).expect("there");
         assert_eq!(over[3], 0);
-    }
-
-    #[test]
-    fn errors_are_coloured_by_their_sign() {
-        let picture =
-            picture(Picture::Error, &truth(), Some(&[1.0, 0.0, 0.5, 1.0])).expect("there");
-        assert_eq!(picture[..4], [255, 40, 20, 255]);
-        assert_eq!(picture[4..8], [30, 90, 255, 255]);
-        assert_eq!(picture[11], 0);
     }
 }

@@ -1,29 +1,30 @@
-//! Speed against accuracy: where the two sides are, with what a plan found; and the least for this view.
+//! The planner, and a chart of speed against accuracy: both sides, and the settings that a plan found.
 
-use crate::{app::App, measure::cost::Cost, plan_job::PlannedFor, render::SIDES};
+use crate::{measure::cost::Cost, plan::PlanRequest, side::SIDES, viewer::Viewer};
+use egui::Color32;
 use egui_plot::{Legend, MarkerShape, Plot, PlotPoints, Points};
-use umbrage::plan::{Plan, Setting, motion::FrameMotion};
+use umbrage::plan::{Plan, motion::FrameMotion};
 
 /// Errors below this are drawn there: a logarithm has no zero.
 const LEAST_ERROR: f64 = 1e-4;
-const COLORS: [egui::Color32; 2] = [
-    egui::Color32::from_rgb(230, 159, 0),
-    egui::Color32::from_rgb(86, 180, 233),
+const COLORS: [Color32; 2] = [
+    Color32::from_rgb(230, 159, 0),
+    Color32::from_rgb(86, 180, 233),
 ];
 
 /// Draws the planner's part of the panel.
-pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
+pub(crate) fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     ui.separator();
     ui.horizontal(|ui| {
         ui.label("The least for this view");
-        let mut percent = 100.0 * app.settings.plan_error;
+        let mut percent = 100.0 * viewer.settings.plan_error();
         let drag = egui::DragValue::new(&mut percent)
             .range(0.0..=100.0)
             .suffix(" %")
             .max_decimals(1);
         ui.add(drag)
             .on_hover_text("Greatest error, as a share of that of no shadow at all");
-        app.settings.plan_error = percent / 100.0;
+        viewer.settings.plan_error = Some(percent / 100.0);
     });
     ui.horizontal(|ui| {
         for motion in [
@@ -31,35 +32,36 @@ pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
             FrameMotion::CameraMoves,
             FrameMotion::AllMoves,
         ] {
-            ui.selectable_value(&mut app.settings.motion, motion, motion.words());
+            ui.selectable_value(&mut viewer.settings.motion, motion, motion.words());
         }
     });
-    match app.plan_job.at() {
-        Some(at) => {
+    match &viewer.planning {
+        Some((job, _)) => {
+            let step = job.step();
             ui.horizontal(|ui| {
                 ui.spinner();
-                ui.label(at);
+                ui.label(step);
                 if ui.button("Cancel").clicked() {
-                    app.plan_job.cancel();
+                    viewer.planning = None;
                 }
             });
         }
         None => {
             if ui.button("Find it").clicked() {
-                app.start_plan(ui.ctx());
+                viewer.start_plan(ui.ctx());
             }
         }
     }
-    if let Some((plan, planned_for)) = app.plan.clone() {
-        if app.plan_wanted().as_ref() != Some(&planned_for) {
+    if let Some((plan, request)) = viewer.plan.clone() {
+        if viewer.plan_request().as_ref() != Some(&request) {
             ui.weak("Made for another view, light or setting: find it again.");
         }
-        outcome(app, ui, &plan);
+        outcome(viewer, ui, &plan);
     }
-    plot(app, ui);
+    plot(viewer, ui);
 }
 
-fn outcome(app: &mut App, ui: &mut egui::Ui, plan: &Plan) {
+fn outcome(viewer: &mut Viewer, ui: &mut egui::Ui, plan: &Plan) {
     let Some(chosen) = &plan.chosen else {
         let reason = plan.miss.as_ref().map_or("", |miss| miss.reason.as_str());
         ui.label(reason);
@@ -73,8 +75,8 @@ fn outcome(app: &mut App, ui: &mut egui::Ui, plan: &Plan) {
     ui.horizontal(|ui| {
         for (i, name) in SIDES.iter().enumerate() {
             if ui.button(format!("Show it on the {name}")).clicked() {
-                app.settings.sides[i].take(&chosen.preset);
-                app.forget_mask(i);
+                viewer.settings.sides[i].take(&chosen.preset);
+                viewer.forget_side(i);
             }
         }
     });
@@ -92,9 +94,9 @@ fn point(milliseconds: f64, error: f64) -> [f64; 2] {
     ]
 }
 
-fn plot(app: &App, ui: &mut egui::Ui) {
-    let motion = app.settings.motion;
-    let wanted = app.plan_wanted();
+fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
+    let motion = viewer.settings.motion;
+    let wanted = viewer.plan_request();
     let powers =
         |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| power_of_ten(mark.value);
     Plot::new("speed against accuracy")
@@ -114,64 +116,60 @@ fn plot(app: &App, ui: &mut egui::Ui) {
         .include_y(0.0)
         .legend(Legend::default().text_style(egui::TextStyle::Small))
         .show(ui, |plot| {
-            // What was planned for something else is not beside these points.
-            let is_of_now = |planned: &&(Plan, PlannedFor)| wanted.as_ref() == Some(&planned.1);
-            if let Some((plan, _)) = app.plan.as_ref().filter(is_of_now) {
-                let others = plan.runners_up.iter().chain(&plan.chosen);
-                for setting in others {
-                    plot.points(of_plan(setting, plan.chosen.as_ref() == Some(setting)));
+            // A plan for something else is not comparable with these points.
+            let is_current = |plan: &&(Plan, PlanRequest)| wanted.as_ref() == Some(&plan.1);
+            if let Some((plan, _)) = viewer.plan.as_ref().filter(is_current) {
+                for setting in plan.runners_up.iter().chain(&plan.chosen) {
+                    let at = point(setting.milliseconds, setting.estimate.error);
+                    plot.points(if plan.chosen.as_ref() == Some(setting) {
+                        marker("chosen", at, MarkerShape::Asterisk, 4.5, Color32::WHITE)
+                    } else {
+                        marker("front", at, MarkerShape::Diamond, 4.5, Color32::GRAY)
+                    });
                 }
             }
             for (i, name) in SIDES.iter().enumerate() {
-                let figures = &app.figures.sides[i];
+                let figures = &viewer.figures.sides[i];
                 let compared = figures.error.filter(|error| error.pixels > 0);
-                if let (Some(cost), Some(error)) = (figures.cost, compared) {
-                    let at = point(cost.milliseconds(motion), error.rmse);
-                    let marker = Points::new(*name, PlotPoints::from(vec![at]))
-                        .shape(MarkerShape::Circle)
-                        .radius(6.0)
-                        .color(COLORS[i]);
-                    plot.points(marker);
-                    if let Some(measured) = measured(app, i, &cost) {
-                        let at = point(measured, error.rmse);
-                        let marker = Points::new(*name, PlotPoints::from(vec![at]))
-                            .shape(MarkerShape::Cross)
-                            .radius(6.0)
-                            .color(COLORS[i]);
-                        plot.points(marker);
-                    }
+                let (Some(cost), Some(error)) = (figures.cost, compared) else {
+                    continue;
+                };
+                let at = point(cost.milliseconds(motion), error.rmse);
+                plot.points(marker(name, at, MarkerShape::Circle, 6.0, COLORS[i]));
+                if let Some(measured) = measured(viewer, i, &cost) {
+                    let at = point(measured, error.rmse);
+                    plot.points(marker(name, at, MarkerShape::Cross, 6.0, COLORS[i]));
                 }
             }
         });
 }
 
-/// Returns what a side's shadows of the chosen light took on the device, milliseconds; none where that has no clock. What is drawn is timed
-/// for all lights together, so that it is known of a single light alone.
-fn measured(app: &App, side: usize, cost: &Cost) -> Option<f64> {
-    let lookups = app.figures.sides[side].lookup_ms?;
-    if !cost.draws(app.settings.motion) {
+/// Returns the time of a side's shadows of the chosen light on the device, milliseconds; `None` without timestamps. Drawing is timed for all
+/// lights together, so that it is only known for a single light.
+fn measured(viewer: &Viewer, side: usize, cost: &Cost) -> Option<f64> {
+    let lookups = viewer.figures.sides[side].lookup_ms?;
+    if !cost.draws(viewer.settings.motion) {
         return Some(lookups);
     }
-    let lights = app.settings.lights.iter().filter(|light| light.is_on);
-    let drawn = app.renderer.drawn_ms(side)?;
+    let lights = viewer.settings.lights.iter().filter(|light| light.is_on);
+    let drawn = viewer.renderer.clock.as_ref()?.drawn_ms[side]?;
     (lights.count() == 1).then_some(lookups + drawn)
 }
 
-fn of_plan(setting: &Setting, is_chosen: bool) -> Points<'static> {
-    let at = point(setting.milliseconds, setting.estimate.error);
-    let (shape, color) = if is_chosen {
-        (MarkerShape::Asterisk, egui::Color32::WHITE)
-    } else {
-        (MarkerShape::Diamond, egui::Color32::GRAY)
-    };
-    let name = if is_chosen { "chosen" } else { "front" };
+fn marker(
+    name: &str,
+    at: [f64; 2],
+    shape: MarkerShape,
+    radius: f32,
+    color: Color32,
+) -> Points<'static> {
     Points::new(name, PlotPoints::from(vec![at]))
         .shape(shape)
-        .radius(4.5)
+        .radius(radius)
         .color(color)
 }
 
-/// Grid lines at powers of ten.
+/// Returns grid lines at powers of ten.
 fn decades(range: std::ops::RangeInclusive<i32>) -> Vec<egui_plot::GridMark> {
     range
         .map(|power| egui_plot::GridMark {
@@ -181,7 +179,7 @@ fn decades(range: std::ops::RangeInclusive<i32>) -> Vec<egui_plot::GridMark> {
         .collect()
 }
 
-/// Returns how the number with this logarithm is written.
+/// Returns the label of a number with this logarithm.
 fn power_of_ten(logarithm: f64) -> String {
     let value = 10_f64.powf(logarithm);
     if value >= 1.0 {
@@ -191,7 +189,7 @@ fn power_of_ten(logarithm: f64) -> String {
     }
 }
 
-/// Keeps the grid lines whose numbers, which stand below their middles, do not stick out of the chart: they would be cut off.
+/// Removes grid lines whose labels, which are centred below them, would be cut off by the edge of the chart.
 fn within(mut marks: Vec<egui_plot::GridMark>, bounds: (f64, f64)) -> Vec<egui_plot::GridMark> {
     let (least, most) = bounds;
     // Half of a digit has 3.5 of the chart's 260 points.

@@ -1,30 +1,31 @@
-//! The lights: which there are, what they are, where they stand.
+//! List of the lights, and settings of the chosen one.
 
 use crate::{
-    app::App,
     lights::{EditLight, Kind, MAX_LIGHTS},
+    viewer::Viewer,
 };
 use umbrage::{Aabb, Light, glam::Vec3};
 
 /// Draws the list of lights and the chosen one's settings.
-pub(crate) fn show(app: &mut App, ui: &mut egui::Ui) {
+pub(crate) fn show(viewer: &mut Viewer, ui: &mut egui::Ui) {
     ui.separator();
-    let bounds = app.stage.bounds;
-    let settings = &mut app.settings;
+    let bounds = viewer.stage.bounds;
+    let settings = &mut viewer.settings;
     ui.horizontal(|ui| {
         ui.label("Lights");
-        let has_room = settings.lights.len() < MAX_LIGHTS;
-        if ui.add_enabled(has_room, egui::Button::new("Add")).clicked() {
-            settings.lights.push(EditLight::above(&bounds));
-            settings.chosen = settings.lights.len() - 1;
+        let has_capacity = settings.lights.len() < MAX_LIGHTS;
+        if ui
+            .add_enabled(has_capacity, egui::Button::new("Add"))
+            .clicked()
+        {
+            settings.add_light(&bounds);
         }
         let is_there = settings.chosen < settings.lights.len();
         if ui
             .add_enabled(is_there, egui::Button::new("Remove"))
             .clicked()
         {
-            settings.lights.remove(settings.chosen);
-            settings.chosen = settings.chosen.saturating_sub(1);
+            settings.remove_light();
         }
     });
     ui.horizontal_wrapped(|ui| {

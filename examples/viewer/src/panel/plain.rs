@@ -6,13 +6,13 @@ use umbrage::techniques::TechniquePreset;
 
 /// The part of a preset that is its map.
 const MAP: &str = "map";
-/// Of the map, what has controls of its own.
+/// Settings of the map that have controls of their own.
 const ELSEWHERE: [&str; 3] = ["size", "fit", "layout"];
 /// The kind of a layout that is cascades; how many there are has a control of its own.
 const CASCADES: &str = "cascades";
 const COUNT: &str = "count";
 
-/// Shows what a technique has beside its map. Returns it with what the user changed.
+/// Shows the settings of a technique without its map. Returns it with the user's changes.
 pub(super) fn own(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
     let table: Table = preset.to_toml().ok()?.parse().ok()?;
     let mut changed = table.clone();
@@ -24,7 +24,7 @@ pub(super) fn own(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<Techniq
     taken(&table, &changed)
 }
 
-/// Shows what a technique's map has beside its size, fit and number of layers. Returns the technique with what the user changed.
+/// Shows the settings of a technique's map without its size, fit and number of layers. Returns the technique with the user's changes.
 pub(super) fn of_map(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
     let table: Table = preset.to_toml().ok()?.parse().ok()?;
     let mut changed = table.clone();
@@ -45,7 +45,7 @@ pub(super) fn of_map(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<Tech
     taken(&table, &changed)
 }
 
-/// Returns what the user changed, if that is something; what a technique refuses is not taken.
+/// Returns the preset if the user changed it, and its reader accepts it.
 fn taken(before: &Table, after: &Table) -> Option<TechniquePreset> {
     if before == after {
         return None;
@@ -53,7 +53,7 @@ fn taken(before: &Table, after: &Table) -> Option<TechniquePreset> {
     TechniquePreset::from_toml(&toml::to_string(after).ok()?).ok()
 }
 
-/// Shows a value, and what is in it. `preset` is all of the settings, `path` where the value stands in them.
+/// Shows a value, and the values in it. `preset` has all settings, `path` is the value's path in them.
 fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) {
     let label = path
         .last()
@@ -95,7 +95,7 @@ fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) 
     }
 }
 
-/// Returns the words that may stand at a place of a preset, without those that ask for more than a word.
+/// Returns the words that are valid at a path of a preset, without those that need more than a word.
 fn taken_choices(preset: &Table, path: &[&str]) -> Vec<String> {
     let mut words = choices(preset, path);
     words.retain(|word| {
@@ -104,7 +104,7 @@ fn taken_choices(preset: &Table, path: &[&str]) -> Vec<String> {
     words
 }
 
-/// Returns the text of a preset with a word at a place; none if the preset has no such place.
+/// Returns the text of a preset with a word at a path, if the preset has such a path.
 fn with_word(preset: &Table, path: &[&str], word: &str) -> Option<String> {
     let (last, tables) = path.split_last()?;
     let mut changed = preset.clone();
@@ -116,7 +116,7 @@ fn with_word(preset: &Table, path: &[&str], word: &str) -> Option<String> {
     toml::to_string(&changed).ok()
 }
 
-/// Returns the words that may stand at a place of a preset. Its reader knows them: it lists them for a word that it doesn't know.
+/// Returns the words that the reader of presets expects at a path: it lists them in its error for an unknown word.
 fn choices(preset: &Table, path: &[&str]) -> Vec<String> {
     // No identifier of Rust, and so no word of any list.
     const UNKNOWN: &str = "-";
@@ -130,7 +130,7 @@ fn choices(preset: &Table, path: &[&str]) -> Vec<String> {
     let Some((_, list)) = words.split_once("expected") else {
         return Vec::new();
     };
-    // `expected one of `a`, `b``: every other part stands in the marks. What follows the line is help.
+    // `expected one of `a`, `b``: every other part is in quotes. Further lines are help.
     let list = list.lines().next().unwrap_or_default();
     let quoted = list.split('`').skip(1).step_by(2);
     quoted.map(str::to_owned).collect()
@@ -157,9 +157,11 @@ mod tests {
     fn shown(preset: &TechniquePreset) -> Option<TechniquePreset> {
         let mut changed = None;
         let context = egui::Context::default();
-        let _ = context.run_ui(egui::RawInput::default(), |ui| {
+        let mut output = context.run_ui(egui::RawInput::default(), |ui| {
             changed = of_map(ui, preset);
         });
+        // Nothing is drawn; textures that are dropped without that panic.
+        output.textures_delta.clear();
         changed
     }
 

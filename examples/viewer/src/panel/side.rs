@@ -1,10 +1,9 @@
-//! Settings of a side, made from what the list of techniques says.
+//! Settings of a side, made from the list of techniques.
 
 use super::plain;
 use crate::{
-    app::App,
-    render::SIDES,
-    settings::{FitKind, SideSettings},
+    side::{FitKind, SIDES, SideSettings},
+    viewer::Viewer,
 };
 use umbrage::{
     Cascades, Layout,
@@ -12,31 +11,31 @@ use umbrage::{
 };
 
 /// Draws a side's settings.
-pub(crate) fn show(app: &mut App, ui: &mut egui::Ui, side: usize) {
+pub(crate) fn show(viewer: &mut Viewer, ui: &mut egui::Ui, side: usize) {
     ui.separator();
-    let before = app.settings.sides[side].clone();
+    let before = viewer.settings.sides[side].clone();
     let title = format!("{}: {}", SIDES[side], before.preset.technique().name());
     egui::CollapsingHeader::new(title)
         .id_salt(("side", side))
         .default_open(true)
         .show(ui, |ui| {
             ui.push_id(side, |ui| {
-                settings(ui, &mut app.settings.sides[side]);
+                settings(ui, &mut viewer.settings.sides[side]);
             });
-            for refusal in app.renderer.sides[side].refusals() {
+            for refusal in viewer.renderer.sides[side].refusals() {
                 ui.colored_label(egui::Color32::from_rgb(255, 170, 80), refusal);
             }
             ui.horizontal(|ui| {
                 if ui.button("Copy preset").clicked() {
-                    app.copy_preset(ui.ctx(), side);
+                    viewer.copy_preset(ui.ctx(), side);
                 }
                 if ui.button("Same as the other").clicked() {
-                    app.settings.sides[side] = app.settings.sides[1 - side].clone();
+                    viewer.settings.sides[side] = viewer.settings.sides[1 - side].clone();
                 }
             });
         });
-    if app.settings.sides[side] != before {
-        app.forget_mask(side);
+    if viewer.settings.sides[side] != before {
+        viewer.forget_side(side);
     }
 }
 
@@ -168,16 +167,16 @@ fn wrapped(
     let mut job = egui::text::LayoutJob::simple(text.to_owned(), font, color, most);
     job.halign = anchor.x();
     let galley = painter.layout_job(job);
-    // Galleys lie around the line that they are aligned to.
+    // Galleys are placed around the line that they are aligned to.
     painter.galley(corner, galley, color);
 }
 
 /// Writes over the picture what each side shows, and how wrong it is.
-pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
+pub(crate) fn labels(viewer: &Viewer, ui: &egui::Ui, rect: egui::Rect) {
     let painter = ui.painter_at(rect);
-    let shown: &[usize] = match app.settings.split {
+    let shown: &[usize] = match viewer.settings.split {
         Some(_) => &[0, 1],
-        None if app.settings.shown_side == 0 => &[0],
+        None if viewer.settings.shown_side == 0 => &[0],
         None => &[1],
     };
     // Each side has its half of the picture.
@@ -197,8 +196,8 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
                 egui::Align2::RIGHT_TOP,
             )
         };
-        let mut text = app.settings.sides[side].label();
-        let figures = &app.figures.sides[side];
+        let mut text = viewer.settings.sides[side].label();
+        let figures = &viewer.figures.sides[side];
         if let Some(refusal) = &figures.refusal {
             text += &format!("\nno shadows: {refusal}");
         } else if let Some(error) = figures.error.filter(|error| error.pixels == 0) {
@@ -207,17 +206,17 @@ pub(crate) fn labels(app: &App, ui: &egui::Ui, rect: egui::Rect) {
                 None => "\nnothing compared yet",
             };
         } else if let Some(error) = figures.error {
-            let wrong = error.wrong * error.pixels as f64;
             text += &match error.rmse {
                 0.0 => "\nexact".to_owned(),
                 // A percentage of so few would say nothing.
-                rmse if wrong < 100.0 => {
-                    format!(
-                        "\nRMSE {rmse:.4}, {wrong:.0} of {} pixels wrong",
-                        error.pixels
-                    )
+                rmse if error.wrong < 100 => format!(
+                    "\nRMSE {rmse:.4}, {} of {} pixels wrong",
+                    error.wrong, error.pixels
+                ),
+                rmse => {
+                    let percent = 100.0 * error.wrong as f64 / error.pixels as f64;
+                    format!("\nRMSE {rmse:.4}, {percent:.2} % wrong")
                 }
-                rmse => format!("\nRMSE {rmse:.4}, {:.2} % wrong", 100.0 * error.wrong),
             };
             if error.ambiguous.is_none() {
                 // Pixels at which truth hangs on rounding still count as wrong.

@@ -1,4 +1,4 @@
-//! Fewer triangles for pictures of few pixels: vertices that are less than about a pixel apart become one.
+//! Fewer triangles for pictures of few pixels: vertices that are less than about a pixel apart are merged.
 //!
 //! On software drivers each triangle costs more than the pixels that it covers. Vertices are merged by the cells of a grid (Rossignac and
 //! Borrel 1993, "Multi-resolution 3D approximations for rendering complex scenes"); one of a cell's own vertices stands for all, so that
@@ -66,7 +66,7 @@ pub(super) fn add_levels(
     levels
 }
 
-/// Returns the coarsest level whose cells are small enough where a pixel spans so many metres; none if all are too large.
+/// Returns the coarsest level whose cells are small enough for pixels of this width, metres.
 pub(super) fn level_for(levels: &[CoarseLevel], pixel: f32) -> Option<&CoarseLevel> {
     let is_fine = |level: &&CoarseLevel| level.cell <= MOST_PIXELS * pixel;
     levels.iter().rev().find(is_fine)

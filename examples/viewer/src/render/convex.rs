@@ -7,10 +7,10 @@ use umbrage::{Aabb, Geometry, glam::Vec3};
 
 /// Most triangles of a part that is looked at: what it takes grows with their square.
 const MOST: usize = 256;
-/// How far a corner may lie before a plane, as a share of the part's size: rounding of placed corners.
+/// Distance of a corner in front of a plane that rounding explains, as a share of the part's size.
 const ROUNDING: f32 = 1e-5;
 
-/// Returns for each triangle the box of the closed convex part to which it belongs; none if it belongs to another part.
+/// Returns for each triangle the box of the closed convex part to which it belongs, if it belongs to one.
 pub(crate) fn boxes(geometry: &Geometry) -> Vec<Option<Aabb>> {
     let triangles = geometry.triangles();
     let corners = welded(geometry);
@@ -63,7 +63,7 @@ fn root(parents: &mut [u32], mut corner: u32) -> u32 {
     corner
 }
 
-/// Whether each edge is passed as often one way as the other.
+/// Returns whether each edge is passed as often one way as the other.
 fn is_closed(triangles: impl Iterator<Item = [u32; 3]>) -> bool {
     let mut edges: Vec<(u32, u32, i32)> = Vec::new();
     for [a, b, c] in triangles {
@@ -78,7 +78,7 @@ fn is_closed(triangles: impl Iterator<Item = [u32; 3]>) -> bool {
         .all(|edge| edge.iter().map(|(_, _, way)| way).sum::<i32>() == 0)
 }
 
-/// Whether all corners lie behind the planes of all triangles.
+/// Returns whether all corners are behind the planes of all triangles.
 fn is_convex<I: Iterator<Item = u32>>(geometry: &Geometry, ids: impl Fn() -> I, size: f32) -> bool {
     ids().all(|id| {
         let [a, b, c] = geometry.corners(id);

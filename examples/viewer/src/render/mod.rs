@@ -3,25 +3,27 @@
 mod buffers;
 mod coarse;
 mod convex;
-mod holes;
 pub(crate) mod mask;
+mod materials;
 mod overlay;
 mod pass_clock;
 mod pipelines;
 pub(crate) mod present;
+mod readback;
+mod seen;
 mod side;
 
-use crate::{lights::EditLight, settings::SideSettings, stage::Stage};
+use crate::{settings::Settings, stage::Stage};
 use anyhow::Result;
-use buffers::{SceneBuffers, SeenPart};
+use buffers::SceneBuffers;
+use mask::{PendingMask, ReceiverTextures};
 use overlay::Overlay;
-use pass_clock::{PassClock, TimedFrame};
+use pass_clock::PassClock;
 use pipelines::{COLOR, COLOR_AS_READ, DEPTH, Layouts};
+use seen::SeenPart;
 use side::{Side, clip_from_world};
-use umbrage::{Camera, glam::UVec2};
-
-/// What the two sides are called.
-pub(crate) const SIDES: [&str; 2] = ["left", "right"];
+use std::time::Duration;
+use umbrage::{Camera, Receivers, glam::UVec2, wgpu::LightId};
 
 /// The background, linear.
 const BACKGROUND: wgpu::Color = wgpu::Color {
@@ -31,41 +33,58 @@ const BACKGROUND: wgpu::Color = wgpu::Color {
     a: 1.0,
 };
 
-/// Which of the two sides are drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Shown {
-    /// One of them: 0 or 1.
-    One(usize),
-    /// The first left of this share of the width, the second right of it.
-    Both(f32),
-}
-
-/// What a frame is drawn from.
+/// Input of a frame.
 pub(crate) struct FrameSettings<'a> {
     pub camera: &'a Camera,
     pub stage: &'a Stage,
-    pub lights: &'a [EditLight],
-    pub sides: [&'a SideSettings; 2],
-    pub shown: Shown,
+    pub settings: &'a Settings,
+    /// Whether something moves. If nothing does, a hidden side is prepared, too, since its mask may be requested, and maps whose time isn't
+    /// known are drawn once more.
+    pub is_moving: bool,
     /// Whether details smaller than a pixel may be left out.
     pub is_coarse: bool,
-    /// Whether a side that is not shown is made ready, too: its mask may be asked for. Maps whose time isn't known are drawn once more.
-    pub prepares_both: bool,
 }
 
+impl FrameSettings<'_> {
+    /// Returns the sides that the frame prepares.
+    fn sides(&self) -> &'static [usize] {
+        match (self.settings.split, self.settings.shown_side) {
+            (None, 0) if self.is_moving => &[0],
+            (None, _) if self.is_moving => &[1],
+            _ => &[0, 1],
+        }
+    }
+
+    /// Returns the columns of each side in the picture; sides without any are left out.
+    fn parts(&self) -> Vec<(usize, std::ops::Range<u32>)> {
+        let width = self.camera.size.x;
+        let mut parts = match self.settings.split {
+            None => vec![(self.settings.shown_side.min(1), 0..width)],
+            Some(divider) => {
+                let column = (divider.clamp(0.0, 1.0) * width as f32).round() as u32;
+                vec![(0, 0..column), (1, column..width)]
+            }
+        };
+        parts.retain(|(_, part)| !part.is_empty());
+        parts
+    }
+}
+
+/// Draws a scene.
 pub(crate) struct Renderer {
     device: wgpu::Device,
     queue: wgpu::Queue,
     layouts: Layouts,
     scene: SceneBuffers,
     pub sides: [Side; 2],
-    pub overlays: [Overlay; 2],
+    overlays: [Overlay; 2],
     overlay_pipeline: wgpu::RenderPipeline,
-    clock: Option<PassClock>,
+    /// `None` if the device has no timestamps.
+    pub clock: Option<PassClock>,
     targets: Option<Targets>,
 }
 
-/// What is as large as the picture.
+/// Images of the picture's size.
 struct Targets {
     size: UVec2,
     color: wgpu::TextureView,
@@ -73,43 +92,23 @@ struct Targets {
     depth: wgpu::TextureView,
 }
 
-/// Returns the sides that a frame draws, 0 or 1.
-fn drawn_sides(frame: &FrameSettings<'_>) -> &'static [usize] {
-    match frame.shown {
-        _ if frame.prepares_both => &[0, 1],
-        Shown::One(0) => &[0],
-        Shown::One(_) => &[1],
-        Shown::Both(_) => &[0, 1],
-    }
-}
-
 impl Renderer {
     /// Uploads a scene.
     ///
     /// # Errors
-    /// Errors if the device has no room for it.
+    /// Errors if the device has no capacity for it.
     pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         stage: &Stage,
-        sides: [&SideSettings; 2],
+        settings: &Settings,
     ) -> Result<Self> {
         let layouts = Layouts::new(device);
-        let scene = SceneBuffers::new(
-            device,
-            queue,
-            &layouts,
-            &stage.geometry,
-            &stage.materials,
-            &stage.textures,
-        )?;
+        let scene = SceneBuffers::new(device, queue, &layouts, stage)?;
+        let [left, right] = &settings.sides;
         let sides = [
-            Side::new(device, &layouts, &scene, sides[0])?,
-            Side::new(device, &layouts, &scene, sides[1])?,
-        ];
-        let overlays = [
-            Overlay::new(device, &layouts),
-            Overlay::new(device, &layouts),
+            Side::new(device, &layouts, &scene, left)?,
+            Side::new(device, &layouts, &scene, right)?,
         ];
         Ok(Self {
             overlay_pipeline: pipelines::overlay(device, &layouts),
@@ -119,15 +118,15 @@ impl Renderer {
             layouts,
             scene,
             sides,
-            overlays,
+            overlays: [Overlay::new(device), Overlay::new(device)],
             targets: None,
         })
     }
 
-    /// Draws a frame and submits it. Returns what it was drawn into, for the panel to show; it is the same until the size changes.
+    /// Draws a frame and submits it. Returns the image, which is the same until the size changes.
     ///
     /// # Errors
-    /// Errors if a set refuses what it is given.
+    /// Errors if a set refuses its input.
     pub(crate) fn frame(&mut self, frame: &FrameSettings<'_>) -> Result<&wgpu::TextureView> {
         let size = frame.camera.size;
         if self.targets.as_ref().is_none_or(|t| t.size != size) {
@@ -136,20 +135,21 @@ impl Renderer {
         let mut encoder = self
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for &i in drawn_sides(frame) {
-            if self.sides[i].apply(frame.lights, frame.sides[i])? {
-                self.forget_drawn(i);
+        for &i in frame.sides() {
+            let is_changed = self.sides[i].apply(frame.settings, i)?;
+            if let Some(clock) = self.clock.as_mut().filter(|_| is_changed) {
+                clock.forget_drawn(i);
             }
         }
+        let moving = frame.is_moving.then_some(size);
+        let is_timed = self.clock.as_mut().is_some_and(|clock| clock.begin(moving));
         // Taken out while the frame is recorded, since both it and the sides change.
         let mut clock = self.clock.take();
-        let moving = (!frame.prepares_both).then_some(size);
-        let is_timed = clock.as_mut().is_some_and(|clock| clock.begin(moving));
         let recorded = self.record(&mut encoder, frame, clock.as_mut().filter(|_| is_timed));
         self.clock = clock;
         recorded?;
         self.queue.submit([encoder.finish()]);
-        if let Some(clock) = self.clock.as_ref().filter(|_| is_timed) {
+        if let Some(clock) = self.clock.as_mut().filter(|_| is_timed) {
             clock.fetch();
         }
         match &self.targets {
@@ -164,63 +164,78 @@ impl Renderer {
         frame: &FrameSettings<'_>,
         mut clock: Option<&mut PassClock>,
     ) -> Result<()> {
-        for &i in drawn_sides(frame) {
+        for &i in frame.sides() {
             let side = &mut self.sides[i];
-            let is_wanted = clock
+            let is_unknown = clock
                 .as_deref()
-                .is_some_and(|clock| clock.drawn_ms(i).is_none());
-            let everything = side.set.casters_box();
-            let draws_all = frame.prepares_both && is_wanted;
-            if draws_all && !everything.is_empty() {
-                // All maps are drawn in one frame that is timed. The frame after a change mostly isn't: stamps of another are on their way.
-                side.set.touch(&everything)?;
+                .is_some_and(|clock| clock.drawn_ms[i].is_none());
+            let casters = side.set.casters_box();
+            let draws_all = !frame.is_moving && is_unknown;
+            if draws_all && !casters.is_empty() {
+                // Draw all maps in one frame that is timed. The frame after a change mostly isn't: timestamps of another are on their way.
+                side.set.touch(&casters)?;
             }
             side.prepare(&self.device, &self.queue, &self.layouts, &self.scene, frame)?;
             match &mut clock {
-                Some(clock) => side.encode_timed(encoder, clock, i, draws_all)?,
+                Some(clock) => {
+                    let mut passes = Vec::new();
+                    let stamps = clock.for_set();
+                    side.set
+                        .encode_timed(encoder, |_, _| (), &stamps, &mut passes)?;
+                    clock.note(i, draws_all, &passes);
+                }
                 None => side.set.encode(encoder)?,
             }
         }
-        let stamps = clock.as_mut().map(|clock| clock.of_picture());
+        let stamps = clock.as_mut().map(|clock| clock.for_picture());
         self.encode_picture(encoder, frame, stamps)?;
         if let Some(clock) = clock {
-            clock.resolve(encoder);
+            clock.resolve(&self.device, encoder);
         }
         Ok(())
     }
 
-    /// Returns what the passes of a frame took on the device, milliseconds; of one of the last frames.
-    pub(crate) fn pass_times(&self) -> &[(String, f64)] {
-        self.clock.as_ref().map_or(&[], |clock| &clock.times)
-    }
-
-    /// Whether the device tells what passes take.
-    pub(crate) fn has_clock(&self) -> bool {
-        self.clock.is_some()
-    }
-
-    /// Returns the last frame that was timed while something moved, once.
-    pub(crate) fn take_moving_frame(&mut self) -> Option<TimedFrame> {
-        self.clock.as_mut()?.take_moving_frame()
-    }
-
-    /// Returns what a side's maps and lists, of all lights, took on the device when all of them were drawn, milliseconds; none before that is
-    /// known.
-    pub(crate) fn drawn_ms(&self, side: usize) -> Option<f64> {
-        self.clock.as_ref()?.drawn_ms(side)
-    }
-
-    /// Forgets what a side's maps and lists took, since they are others now.
-    fn forget_drawn(&mut self, side: usize) {
-        if let Some(clock) = &mut self.clock {
-            clock.forget_drawn(side);
-        }
-    }
-
-    /// Whether what a side's maps and lists take isn't known yet, and can be.
+    /// Returns whether the time of a side's maps and lists isn't known yet, and can be measured.
     pub(crate) fn awaits_times(&self) -> bool {
-        let is_unknown = |clock: &PassClock| (0..2).any(|side| clock.drawn_ms(side).is_none());
-        self.clock.as_ref().is_some_and(is_unknown)
+        let clock = self.clock.as_ref();
+        clock.is_some_and(|clock| clock.drawn_ms.contains(&None))
+    }
+
+    /// Returns the last frame that was timed while something moved, once: its size, pixels, and its time on the device.
+    pub(crate) fn take_moving_frame(&mut self) -> Option<(UVec2, Duration)> {
+        self.clock.as_mut()?.moving_frame.take()
+    }
+
+    /// Lays a picture of a size over a side: rows from the top, sRGB and opacity, a byte each. `None` removes it.
+    pub(crate) fn show_overlay(&mut self, side: usize, picture: Option<(UVec2, Vec<u8>)>) {
+        self.overlays[side].show(&self.device, &self.queue, &self.layouts, picture);
+    }
+
+    pub(crate) fn upload_receivers(&self, receivers: &Receivers) -> ReceiverTextures {
+        ReceiverTextures::new(&self.device, &self.queue, receivers)
+    }
+
+    /// Requests a light's mask from a side that was prepared.
+    ///
+    /// # Errors
+    /// Errors if the side's set does.
+    pub(crate) fn request_mask(
+        &mut self,
+        side: usize,
+        light: LightId,
+        receivers: &ReceiverTextures,
+    ) -> Result<PendingMask> {
+        let set = &mut self.sides[side].set;
+        PendingMask::request(&self.device, &self.queue, set, light, receivers)
+    }
+
+    /// Lets the device report what it has finished.
+    ///
+    /// # Errors
+    /// Errors if the device does.
+    pub(crate) fn poll(&self) -> Result<()> {
+        self.device.poll(wgpu::PollType::Poll)?;
+        Ok(())
     }
 
     fn encode_picture(
@@ -250,7 +265,7 @@ impl Renderer {
             ..wgpu::RenderPassDescriptor::default()
         });
         let size = targets.size;
-        let parts = parts(frame.shown, size.x);
+        let parts = frame.parts();
         let share = |column: u32| column as f32 / size.x as f32;
         let has_perspective = frame.camera.clip_from_view.w_axis.w == 0.0;
         for (i, part) in &parts {
@@ -259,7 +274,7 @@ impl Renderer {
                 clip_from_world: clip_from_world(frame.camera),
                 part: [part.start, part.end].map(share),
                 eye: has_perspective.then(|| frame.camera.eye()),
-                // Its corners are farther away than its middle: twice is enough for views of 120 degrees.
+                // Its corners are farther away than its centre: twice is enough for views of 120 degrees.
                 near: 2.0 * near(frame.camera),
                 coarse_pixel: frame.is_coarse.then(|| pixel(frame.camera)),
             };
@@ -274,33 +289,21 @@ impl Renderer {
         pass.set_pipeline(&self.overlay_pipeline);
         for (i, part) in &parts {
             let part = [part.start, part.end].map(share);
-            self.overlays[*i].draw(&self.queue, &mut pass, part);
+            let opacity = frame.settings.opacity();
+            self.overlays[*i].draw(&self.queue, &mut pass, part, opacity);
         }
         Ok(())
     }
 }
 
-/// Returns how far the near plane is from the eye, metres: depth is reversed and endless, so that it is `near / distance`.
+/// Returns the distance of the near plane, metres: depth is reversed and infinite, so that it is `near / distance`.
 fn near(camera: &Camera) -> f32 {
     camera.clip_from_view.w_axis.z
 }
 
-/// Returns how many metres a pixel spans; in perspective, a metre away.
+/// Returns the width of a pixel, metres; in perspective, at a distance of one metre.
 fn pixel(camera: &Camera) -> f32 {
     2.0 / (camera.clip_from_view.y_axis.y.abs() * camera.size.y as f32)
-}
-
-/// Returns which columns each side is drawn into; sides without any are left out.
-fn parts(shown: Shown, width: u32) -> Vec<(usize, std::ops::Range<u32>)> {
-    let mut parts = match shown {
-        Shown::One(side) => vec![(side.min(1), 0..width)],
-        Shown::Both(divider) => {
-            let column = (divider.clamp(0.0, 1.0) * width as f32).round() as u32;
-            vec![(0, 0..column), (1, column..width)]
-        }
-    };
-    parts.retain(|(_, part)| !part.is_empty());
-    parts
 }
 
 fn color_attachment(

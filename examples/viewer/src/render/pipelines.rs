@@ -1,25 +1,32 @@
-//! The renderer's pipelines, bind groups and textures.
+//! Pipelines, bind groups and textures of the renderer.
 
-use super::{
-    buffers::Looks,
-    holes::{self, LeafVertex, Leaves},
-};
+use super::buffers::{AlphaTest, Looks};
 use anyhow::Result;
-use umbrage::{glam::UVec2, wgpu::CutOutBuffers};
+use umbrage::glam::UVec2;
 
-/// What the picture is drawn into: colours are encoded as sRGB as they are written.
+/// Format of the picture: colours are encoded as sRGB as they are written.
 pub(crate) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-/// The same texels as the panel reads them: as they are.
+/// Format in which the same texels are read without decoding.
 pub(crate) const COLOR_AS_READ: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Reversed: 1 at the near plane, 0 endlessly far.
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Bind groups of the forward shader. The light set has one of its own.
+/// Bind groups of the forward shader.
 pub(crate) const FRAME_GROUP: u32 = 0;
 pub(crate) const MATERIAL_GROUP: u32 = 1;
 pub(crate) const SET_GROUP: u32 = 2;
-/// What tells holes; only where the scene has some.
+/// Inputs of the alpha test; only if the scene has alpha-tested triangles.
 pub(crate) const HOLES_GROUP: u32 = 3;
+/// Prefix of the names of the library's alpha test.
+const HOLES_PREFIX: &str = "holes_";
+
+pub(crate) const IMAGE: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Float { filterable: true },
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: false,
+};
+pub(crate) const SAMPLER: wgpu::BindingType =
+    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
 
 /// Layouts of the renderer's own bind groups.
 pub(crate) struct Layouts {
@@ -30,21 +37,15 @@ pub(crate) struct Layouts {
 
 impl Layouts {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let uniforms = |has_dynamic_offset| wgpu::BindingType::Buffer {
+        let uniforms = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset,
+            has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let image = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         Self {
-            frame: layout(device, &[uniforms(false)]),
-            material: layout(device, &[uniforms(true), image, sampler]),
-            overlay: layout(device, &[uniforms(false), image]),
+            frame: layout(device, &[uniforms]),
+            material: layout(device, &[uniforms, IMAGE, SAMPLER]),
+            overlay: layout(device, &[uniforms, IMAGE]),
         }
     }
 }
@@ -53,30 +54,29 @@ impl Layouts {
 pub(crate) struct Forward {
     /// Both sides of triangles.
     pub all: wgpu::RenderPipeline,
-    /// Their fronts alone: for closed convex parts, whose backs are hidden.
+    /// Front faces alone: for closed convex parts, whose back faces are hidden.
     pub fronts: wgpu::RenderPipeline,
-    /// Triangles with holes; none if the scene has none.
-    pub leaves: Option<wgpu::RenderPipeline>,
+    /// Alpha-tested triangles; `None` if the scene has none.
+    pub alpha_tested: Option<wgpu::RenderPipeline>,
 }
 
-/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text stands before the renderer's own. `leaves` are
-/// the scene's triangles with holes, if it has some.
+/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text precedes the renderer's own.
 ///
 /// # Errors
-/// Errors if the library's text can't be had.
+/// Errors if the library has no text for the alpha test.
 pub(crate) fn forward(
     device: &wgpu::Device,
     layouts: &Layouts,
     set_text: &str,
     set_layout: &wgpu::BindGroupLayout,
-    leaves: Option<&Leaves>,
+    alpha_test: Option<&AlphaTest>,
 ) -> Result<Forward> {
     let text = [set_text, include_str!("shaders/forward.wgsl")].concat();
     let groups = [
         Some(&layouts.frame),
         Some(&layouts.material),
         Some(set_layout),
-        leaves.map(|leaves| &leaves.layout),
+        alpha_test.map(|test| &test.layout),
     ];
     let buffers = [
         Some(wgpu::VertexBufferLayout {
@@ -87,7 +87,7 @@ pub(crate) fn forward(
         Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<Looks>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2],
+            attributes: &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2, 3 => Uint32],
         }),
     ];
     let depth = wgpu::DepthStencilState {
@@ -97,50 +97,37 @@ pub(crate) fn forward(
         stencil: wgpu::StencilState::default(),
         bias: wgpu::DepthBiasState::default(),
     };
-    let one = |cull_mode| {
+    let one = |text, entries, groups: &[_], cull_mode| {
         let primitive = wgpu::PrimitiveState {
             cull_mode,
             ..wgpu::PrimitiveState::default()
         };
         pipeline(
             device,
-            text.clone(),
-            ["place", "shade"],
-            &groups[..3],
+            text,
+            entries,
+            groups,
             &buffers,
             primitive,
             Some(depth.clone()),
             COLOR.into(),
         )
     };
-    let leaves = match leaves {
-        Some(leaves) => Some(pipeline(
-            device,
-            leaves_text(&text, &leaves.buffers)?,
-            ["place_leaf", "shade_leaf"],
-            &groups,
-            &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<LeafVertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &LeafVertex::ATTRIBUTES,
-            })],
-            wgpu::PrimitiveState::default(),
-            Some(depth.clone()),
-            COLOR.into(),
-        )),
+    let alpha_tested = match alpha_test {
+        Some(test) => {
+            let rule = test.buffers.wgsl(HOLES_GROUP, HOLES_PREFIX)?;
+            let text = [text.as_str(), &rule, include_str!("shaders/leaves.wgsl")].concat();
+            let entries = ["place_leaf", "shade_leaf"];
+            Some(one(text, entries, &groups, None))
+        }
         None => None,
     };
+    let entries = ["place", "shade"];
     Ok(Forward {
-        all: one(None),
-        fronts: one(Some(wgpu::Face::Back)),
-        leaves,
+        all: one(text.clone(), entries, &groups[..3], None),
+        fronts: one(text, entries, &groups[..3], Some(wgpu::Face::Back)),
+        alpha_tested,
     })
-}
-
-/// Returns the text that draws triangles with holes, given that of all others.
-fn leaves_text(forward: &str, buffers: &CutOutBuffers) -> Result<String> {
-    let rule = buffers.wgsl(HOLES_GROUP, holes::PREFIX)?;
-    Ok([forward, &rule, include_str!("shaders/leaves.wgsl")].concat())
 }
 
 /// Returns the pipeline that lays a picture of figures over the image.
@@ -151,20 +138,7 @@ pub(crate) fn overlay(device: &wgpu::Device, layouts: &Layouts) -> wgpu::RenderP
         blend: Some(wgpu::BlendState::ALPHA_BLENDING),
         write_mask: wgpu::ColorWrites::ALL,
     };
-    let strip = wgpu::PrimitiveState {
-        topology: wgpu::PrimitiveTopology::TriangleStrip,
-        ..wgpu::PrimitiveState::default()
-    };
-    pipeline(
-        device,
-        text,
-        ["place", "shade"],
-        &[Some(&layouts.overlay)],
-        &[],
-        strip,
-        None,
-        target,
-    )
+    covering(device, text, &layouts.overlay, target)
 }
 
 /// Returns the pipeline that draws a picture into the window, whose colours have this format.
@@ -175,19 +149,30 @@ pub(crate) fn present(
 ) -> wgpu::RenderPipeline {
     let encodes = format!("const ENCODES = {};\n", window.is_srgb());
     let text = encodes + include_str!("shaders/present.wgsl");
+    covering(device, text, layout, window.into())
+}
+
+/// Returns a pipeline that covers a rectangle.
+fn covering(
+    device: &wgpu::Device,
+    text: String,
+    layout: &wgpu::BindGroupLayout,
+    target: wgpu::ColorTargetState,
+) -> wgpu::RenderPipeline {
     let strip = wgpu::PrimitiveState {
         topology: wgpu::PrimitiveTopology::TriangleStrip,
         ..wgpu::PrimitiveState::default()
     };
+    let entries = ["place", "shade"];
     pipeline(
         device,
         text,
-        ["place", "shade"],
+        entries,
         &[Some(layout)],
         &[],
         strip,
         None,
-        window.into(),
+        target,
     )
 }
 
@@ -266,7 +251,7 @@ pub(crate) fn group<const N: usize>(
     })
 }
 
-/// Returns a texture without smaller copies.
+/// Returns a texture without mipmaps.
 pub(crate) fn texture(
     device: &wgpu::Device,
     size: UVec2,
@@ -276,11 +261,7 @@ pub(crate) fn texture(
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: None,
-        size: wgpu::Extent3d {
-            width: size.x,
-            height: size.y,
-            depth_or_array_layers: 1,
-        },
+        size: extent(size),
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -288,4 +269,46 @@ pub(crate) fn texture(
         usage,
         view_formats,
     })
+}
+
+/// Uploads an image, rows from the top.
+pub(crate) fn upload(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    size: UVec2,
+    format: wgpu::TextureFormat,
+    bytes: &[u8],
+) -> wgpu::TextureView {
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = texture(device, size, format, usage, &[]);
+    write(queue, &texture, 0, size, bytes);
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// Writes a mipmap level, which has this size.
+pub(crate) fn write(
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    mip_level: u32,
+    size: UVec2,
+    bytes: &[u8],
+) {
+    let destination = wgpu::TexelCopyTextureInfo {
+        mip_level,
+        ..texture.as_image_copy()
+    };
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some((bytes.len() / size.y as usize) as u32),
+        rows_per_image: None,
+    };
+    queue.write_texture(destination, bytes, layout, extent(size));
+}
+
+pub(crate) fn extent(size: UVec2) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width: size.x,
+        height: size.y,
+        depth_or_array_layers: 1,
+    }
 }

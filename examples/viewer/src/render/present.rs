@@ -24,13 +24,7 @@ struct Presented {
 
 impl Presenter {
     pub(crate) fn new(device: &wgpu::Device, window: wgpu::TextureFormat) -> Self {
-        let image = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let layout = pipelines::layout(device, &[image, sampler]);
+        let layout = pipelines::layout(device, &[pipelines::IMAGE, pipelines::SAMPLER]);
         let samplers = [wgpu::FilterMode::Nearest, wgpu::FilterMode::Linear].map(|filter| {
             device.create_sampler(&wgpu::SamplerDescriptor {
                 mag_filter: filter,

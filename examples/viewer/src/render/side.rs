@@ -2,13 +2,14 @@
 
 use super::{
     FrameSettings,
-    buffers::{SceneBuffers, SeenPart},
-    pass_clock::PassClock,
-    pipelines::{self, FRAME_GROUP, Forward, Layouts, MATERIAL_GROUP, SET_GROUP, group},
+    buffers::SceneBuffers,
+    pipelines::{self, FRAME_GROUP, Forward, Layouts, SET_GROUP, group},
+    seen::SeenPart,
 };
 use crate::{
     lights::{EditLight, Kind, MAX_LIGHTS},
-    settings::SideSettings,
+    settings::Settings,
+    side::SideSettings,
     stage::Stage,
 };
 use anyhow::Result;
@@ -17,30 +18,27 @@ use umbrage::{
     glam::{Mat4, Vec3},
     scenes,
     techniques::{self, TechniqueEntry},
-    wgpu::{
-        CastTarget, FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, SetLight,
-        SetTimestamps, Unserved,
-    },
+    wgpu::{FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, SetLight, Unserved},
 };
 
 /// Bytes of the uniform `frame`: a matrix, three vectors, the rays through pixels, four vectors for each lamp.
 const FRAME_BYTES: u64 = 16 * (4 + 3 + 6 + 4 * MAX_LIGHTS as u64);
 
-/// A small scene about which techniques are asked: planes that receive, closed casters, a sun.
-const ASKED_SCENE: &str = "cubes";
+/// A small scene for [`Side::refused_techniques`]: planes that receive, closed casters, a sun.
+const CHECKED_SCENE: &str = "cubes";
 
 pub(crate) struct Side {
     pub set: LightSet,
-    /// Of the lights that are on, in their order.
+    /// The set's lights: those that are on, in their order.
     pub ids: Vec<LightId>,
-    /// What the set's lights are.
+    /// The lights of `ids`.
     lights: Vec<Light>,
     settings: SideSettings,
-    /// The camera that the set was made ready for last; none before.
+    /// Camera of the last preparation.
     camera: Option<Camera>,
     uniforms: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
-    /// Made for this revision of the set's text.
+    /// The revision of the set's text, and its pipelines.
     forward: Option<(u64, Forward)>,
 }
 
@@ -76,15 +74,13 @@ impl Side {
         })
     }
 
-    /// Brings the set's lights to what the user set. Returns whether they have other maps now.
-    pub(crate) fn apply(&mut self, lights: &[EditLight], settings: &SideSettings) -> Result<bool> {
-        let wanted: Vec<Light> = lights.iter().filter(|l| l.is_on).map(|l| l.light).collect();
-        let alike = |a: &Light, b: &Light| {
-            // Cascades are for directional lights alone, so that another kind has another technique.
-            std::mem::discriminant(a) == std::mem::discriminant(b)
-        };
-        let same_kinds = wanted.len() == self.lights.len()
-            && wanted.iter().zip(&self.lights).all(|(a, b)| alike(a, b));
+    /// Applies settings to the set's lights; `nth` is this side, 0 or 1. Returns whether they have other maps now.
+    pub(super) fn apply(&mut self, settings: &Settings, nth: usize) -> Result<bool> {
+        let wanted: Vec<Light> = lit(settings).collect();
+        let settings = &settings.sides[nth];
+        // Cascades are for directional lights alone, so that another kind has another technique.
+        let kinds = wanted.iter().map(std::mem::discriminant);
+        let same_kinds = kinds.eq(self.lights.iter().map(std::mem::discriminant));
         if !same_kinds || *settings != self.settings {
             for id in self.ids.drain(..) {
                 self.set.remove_light(id)?;
@@ -109,8 +105,8 @@ impl Side {
         Ok(false)
     }
 
-    /// Makes the set ready for a frame, and writes what its shader reads.
-    pub(crate) fn prepare(
+    /// Prepares the set for a frame, and writes the uniforms.
+    pub(super) fn prepare(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -135,39 +131,38 @@ impl Side {
             .as_ref()
             .is_none_or(|(made_for, _)| *made_for != revision)
         {
-            let forward =
-                pipelines::forward(device, layouts, self.set.wgsl(), layout, scene.leaves())?;
+            let forward = pipelines::forward(
+                device,
+                layouts,
+                self.set.wgsl(),
+                layout,
+                scene.alpha_test.as_ref(),
+            )?;
             self.forward = Some((revision, forward));
         }
-        let bytes = self.frame_bytes(frame.camera, frame.lights)?;
+        let bytes = self.frame_uniforms(frame)?;
         queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&bytes));
         self.camera = Some(*frame.camera);
         Ok(())
     }
 
-    /// Whether the set was made ready for this camera, these lights and these settings.
-    pub(crate) fn is_ready_for(
-        &self,
-        camera: &Camera,
-        lights: &[EditLight],
-        settings: &SideSettings,
-    ) -> bool {
-        let on = lights.iter().filter(|light| light.is_on);
+    /// Returns whether the set was prepared for this camera and these settings; `nth` is this side, 0 or 1.
+    pub(crate) fn is_ready_for(&self, camera: &Camera, settings: &Settings, nth: usize) -> bool {
         self.camera.as_ref() == Some(camera)
-            && self.settings == *settings
-            && on.map(|light| light.light).eq(self.lights.iter().copied())
+            && self.settings == settings.sides[nth]
+            && lit(settings).eq(self.lights.iter().copied())
     }
 
     /// Returns the names of the techniques that the set refuses for a kind of light, with their default settings.
     ///
-    /// They are asked about a small scene: what a set refuses goes by the passes of a technique, the kind of light and the device, and some techniques
-    /// make lists of all triangles before they answer, which took 11 seconds of a scene of 2.4 million.
+    /// A small scene is checked: refusals depend on the passes of a technique, the kind of light and the device. Some techniques make lists of
+    /// all triangles first, which took 11 seconds for a scene of 2.4 million.
     ///
     /// # Errors
     /// Errors if there is no such scene.
     pub(crate) fn refused_techniques(&self, kind: Kind) -> Result<Vec<String>> {
-        let scene = scenes::by_argument(ASKED_SCENE).map_err(anyhow::Error::msg)?;
-        let stage = Stage::of_scene(ASKED_SCENE, ASKED_SCENE, scene)?;
+        let scene = scenes::by_argument(CHECKED_SCENE).map_err(anyhow::Error::msg)?;
+        let stage = Stage::of_scene(CHECKED_SCENE, CHECKED_SCENE, scene)?;
         let mut light = EditLight::of_scene(stage.lights[0], 1);
         light.retype(kind, &stage.bounds);
         let frame = SetFrame {
@@ -185,40 +180,19 @@ impl Side {
         Ok(refused.map(|entry| entry.name.to_owned()).collect())
     }
 
-    fn frame_bytes(&self, camera: &Camera, lights: &[EditLight]) -> Result<Vec<f32>> {
-        let clip_from_world = clip_from_world(camera);
-        let mut floats: Vec<f32> = clip_from_world.to_cols_array().to_vec();
+    fn frame_uniforms(&self, frame: &FrameSettings<'_>) -> Result<Vec<f32>> {
+        let camera = frame.camera;
+        let mut floats: Vec<f32> = clip_from_world(camera).to_cols_array().to_vec();
         floats.extend(camera.eye().extend(self.ids.len() as f32).to_array());
         floats.extend([0.16, 0.19, 0.25, 0.0]);
         floats.extend([0.09, 0.08, 0.07, 0.0]);
         floats.extend(rays(camera));
-        let on = lights.iter().filter(|light| light.is_on);
-        for (light, id) in on.zip(&self.ids) {
-            let index = self.set.index_of(*id)?;
-            floats.extend(lamp(light, index));
+        let lights = frame.settings.lights.iter().filter(|light| light.is_on);
+        for (light, id) in lights.zip(&self.ids) {
+            floats.extend(lamp(light, self.set.index_of(*id)?));
         }
         floats.resize(FRAME_BYTES as usize / 4, 0.0);
         Ok(floats)
-    }
-
-    /// Records what the set draws, each pass between two timestamps; `nth` says which side this is, 0 or 1, and `draws_all` whether all maps are drawn.
-    pub(crate) fn encode_timed(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        clock: &mut PassClock,
-        nth: usize,
-        draws_all: bool,
-    ) -> Result<()> {
-        let mut passes = Vec::new();
-        let stamps = SetTimestamps {
-            queries: &clock.queries,
-            range: clock.rest(),
-        };
-        let own_draws = |_: &mut wgpu::RenderPass<'_>, _: &CastTarget| ();
-        self.set
-            .encode_timed(encoder, own_draws, &stamps, &mut passes)?;
-        clock.note(nth, draws_all, &passes);
-        Ok(())
     }
 
     /// Draws the scene lit by this side's lights.
@@ -232,10 +206,10 @@ impl Side {
         let Some((_, forward)) = &self.forward else {
             anyhow::bail!("a side was drawn before it was prepared");
         };
-        // Bind groups outlive the change of pipelines: both have the same layout.
+        // Bind groups stay bound when pipelines change: both have the same layout.
         pass.set_bind_group(FRAME_GROUP, &self.frame_group, &[]);
         pass.set_bind_group(SET_GROUP, group, &[]);
-        scene.draw(pass, forward, MATERIAL_GROUP, seen);
+        scene.draw(pass, forward, seen);
         Ok(())
     }
 
@@ -248,20 +222,23 @@ impl Side {
 
     /// Returns why lights have no shadows, each reason once.
     pub(crate) fn refusals(&self) -> Vec<String> {
-        let mut out: Vec<String> = Vec::new();
-        for (_, reason) in self.refused_lights() {
-            if !out.contains(&reason) {
-                out.push(reason);
-            }
-        }
+        let mut out: Vec<String> = self.refused_lights().map(|(_, reason)| reason).collect();
+        out.sort();
+        out.dedup();
         out
     }
 
-    /// Returns why a light has no shadows; none if it has.
+    /// Returns why a light has no shadows; `None` if it has.
     pub(crate) fn refusal(&self, light: LightId) -> Option<String> {
         let mut refused = self.refused_lights();
         refused.find_map(|(id, reason)| (id == light).then_some(reason))
     }
+}
+
+/// Returns the lights that are on.
+fn lit(settings: &Settings) -> impl Iterator<Item = Light> + '_ {
+    let lights = settings.lights.iter().filter(|light| light.is_on);
+    lights.map(|light| light.light)
 }
 
 /// Returns the matrix from the world to the picture.
@@ -269,7 +246,7 @@ pub(crate) fn clip_from_world(camera: &Camera) -> Mat4 {
     camera.clip_from_view * Mat4::from(camera.world_from_view.inverse())
 }
 
-/// The rays through a picture's pixels, as the shader has them.
+/// Returns the rays through the pixels, as the shader has them.
 fn rays(camera: &Camera) -> [f32; 24] {
     let rays = camera.rays();
     let vectors = [
@@ -283,13 +260,13 @@ fn rays(camera: &Camera) -> [f32; 24] {
     bytemuck::cast(vectors.map(|v| v.to_array()))
 }
 
-/// A lamp as the shader has it.
+/// Returns a lamp as the shader has it.
 fn lamp(light: &EditLight, index: u32) -> [f32; 16] {
     let place = match light.light.position() {
         Some(position) => position.extend(1.0),
         None => light.light.direction_from(Vec3::ZERO).extend(0.0),
     };
-    // Lights that shine every way have cones beyond all cosines.
+    // The cones of lights that shine in all directions are beyond all cosines.
     let (axis, inner, outer) = match light.light {
         Light::Spot {
             direction,
@@ -297,7 +274,7 @@ fn lamp(light: &EditLight, index: u32) -> [f32; 16] {
             outer,
             ..
         } => {
-            // The two are apart, so that there is something to step over.
+            // The two differ, since `smoothstep` needs that.
             let outer_cosine = outer.cos();
             (
                 direction.normalize(),

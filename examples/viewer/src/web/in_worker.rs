@@ -1,26 +1,27 @@
-//! The worker's half: plays a job, and tells the page what comes of it. [`worker`](super::worker) has the page's half.
+//! The program in a worker: does a task, and reports to the page. [`worker`](super::worker) has the page's half.
 
 use super::{
-    making::{MadeStage, make, read_files},
-    worker::{WorkerJob, object},
+    scenes::{MadeStage, make, read_files},
+    worker::{WorkerTask, object},
 };
-use crate::plan_job::{PlanRequest, planned, words};
+use crate::plan;
+use anyhow::{Result, bail};
 use js_sys::{Array, Uint8Array};
-use umbrage::plan::Cancel;
+use umbrage::plan::{Cancel, Step};
 use wasm_bindgen::{JsCast as _, JsValue, closure::Closure};
 use web_sys::DedicatedWorkerGlobalScope;
 
-/// Gives the worker's script the function that plays jobs.
+/// Gives the worker's script the function that does tasks.
 pub(super) fn offer() {
     std::panic::set_hook(Box::new(|panic| post("failed", &format!("{panic}").into())));
-    let work = Closure::<dyn Fn(String, Array)>::new(|job: String, parts: Array| {
-        match play(&job, &parts) {
+    let work = Closure::<dyn Fn(String, Array)>::new(|task: String, parts: Array| {
+        match run(&task, &parts) {
             Ok(bytes) => post("done", &Uint8Array::from(bytes.as_slice()).buffer()),
-            Err(error) => post("failed", &error.into()),
+            Err(error) => post("failed", &format!("{error:#}").into()),
         }
     });
     let name = JsValue::from_str("umbrage_work");
-    // Fails in no worker of ours: nothing there refuses new names.
+    // Can't fail: nothing in our worker refuses new names.
     js_sys::Reflect::set(&js_sys::global(), &name, &work.into_js_value()).ok();
 }
 
@@ -39,45 +40,43 @@ fn post(kind: &str, value: &JsValue) {
         .ok();
 }
 
-/// Plays a job. Returns what came out.
-fn play(job: &str, parts: &Array) -> Result<Vec<u8>, String> {
-    if job == WorkerJob::Plan.name() {
-        return plan(&Uint8Array::new(&parts.get(0)).to_vec());
-    }
-    let goes_on = |at: String| {
-        post("step", &at.into());
+/// Does a task. Returns the outcome as bytes.
+fn run(task: &str, parts: &Array) -> Result<Vec<u8>> {
+    let first = parts.get(0);
+    let on_step = |step: String| {
+        post("step", &step.into());
         true
     };
-    if job == WorkerJob::Make.name() {
-        return written(&make(parts, &goes_on)?);
+    if task == WorkerTask::Plan.name() {
+        return plan(&Uint8Array::new(&first).to_vec());
     }
-    if job == WorkerJob::Read.name() {
-        return written(&read_files(parts, &goes_on)?);
+    if task == WorkerTask::Make.name() {
+        return write(&make(&first.as_string().unwrap_or_default(), &on_step)?);
     }
-    match job {
-        // For tests: faults that a job should never have.
+    if task == WorkerTask::Read.name() {
+        return write(&read_files(parts, &on_step)?);
+    }
+    match task {
+        // For tests: faults that a task should never have.
         "panic" => panic!("a test asked for a panic"),
         "memory" => {
             let all: Vec<Vec<u8>> = (0..5).map(|_| Vec::with_capacity(1 << 30)).collect();
-            Err(format!("{} GB are there", std::hint::black_box(all).len()))
+            bail!("{} GB are there", std::hint::black_box(all).len())
         }
-        _ => Err(format!(
-            "a worker was asked for `{job}`, which it doesn't know"
-        )),
+        _ => bail!("a worker has no task `{task}`"),
     }
 }
 
-fn written(made: &MadeStage) -> Result<Vec<u8>, String> {
+fn write(made: &MadeStage) -> Result<Vec<u8>> {
     post("step", &"is handed over".into());
-    postcard::to_allocvec(made).map_err(|error| error.to_string())
+    Ok(postcard::to_allocvec(made)?)
 }
 
-fn plan(request: &[u8]) -> Result<Vec<u8>, String> {
-    let request: PlanRequest = postcard::from_bytes(request).map_err(|error| error.to_string())?;
-    // The page ends the whole worker instead.
-    let cancel = Cancel::default();
-    let tell = |step: umbrage::plan::Step<'_>| post("step", &words(step).into());
-    let plan = planned(&request, &cancel, &tell).map_err(|error| error.to_string())?;
+fn plan(request: &[u8]) -> Result<Vec<u8>> {
+    let (request, refused): (plan::PlanRequest, Vec<String>) = postcard::from_bytes(request)?;
+    let on_step = |step: Step<'_>| post("step", &plan::step_label(step).into());
+    // The page ends the whole worker instead of cancelling.
+    let plan = plan::plan(&request, &refused, &Cancel::default(), &on_step)?;
     // Techniques' settings are tables with names, which only formats with names can hold.
-    serde_json::to_vec(&plan).map_err(|error| error.to_string())
+    Ok(serde_json::to_vec(&plan)?)
 }

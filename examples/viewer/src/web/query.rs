@@ -1,10 +1,9 @@
-//! How the page's address says what is shown first: `?scene=cubes&left=hard&right=exact&split=0.5&over=error`.
+//! What the page's address shows first: `?scene=cubes&left=hard&right=exact&split=0.5&over=error`.
 
 use crate::{
     bookmarks,
-    measure::figures::Picture,
-    render::Shown,
-    state::{FirstShown, Start},
+    measure::pictures::Picture,
+    settings::{FirstShown, Start},
 };
 use umbrage::{scenes, techniques};
 use web_sys::UrlSearchParams;
@@ -13,7 +12,7 @@ use web_sys::UrlSearchParams;
 const KEYS: &str = "scene, failure, left, right, split (0 to 1, or `left` or `right`) and over (nothing, error, truth, mask, \
                     texels, cascades or lists)";
 
-/// What the address asks for.
+/// Contents of the address.
 #[derive(Default)]
 pub(super) struct Query {
     pub start: Start,
@@ -21,7 +20,7 @@ pub(super) struct Query {
 }
 
 impl Query {
-    /// Reads the page's address. What can't be understood is left aside, and a message names it.
+    /// Reads the page's address. A message names parts that can't be read.
     pub(super) fn of_page() -> Self {
         let address = web_sys::window().and_then(|window| window.location().search().ok());
         let mut out = Self::default();
@@ -68,13 +67,13 @@ impl Query {
                 None => return unknown("technique"),
             },
             "split" => {
-                let shown = match (value.as_str(), value.parse::<f32>()) {
-                    ("left", _) => Shown::One(0),
-                    ("right", _) => Shown::One(1),
-                    (_, Ok(at)) if (0.0..=1.0).contains(&at) => Shown::Both(at),
+                let sides = match (value.as_str(), value.parse::<f32>()) {
+                    ("left", _) => (None, 0),
+                    ("right", _) => (None, 1),
+                    (_, Ok(at)) if (0.0..=1.0).contains(&at) => (Some(at), 0),
                     _ => return unknown("split"),
                 };
-                self.first_shown.shown = Some(shown);
+                self.first_shown.sides = Some(sides);
             }
             "over" => {
                 let known = Picture::ALL.iter().find(|(_, name)| *name == value);

@@ -1,28 +1,31 @@
-//! Workers of the page: what takes long is played beside the page, which goes on drawing.
+//! Workers of the page do what takes long, while the page goes on drawing.
 //!
-//! A worker is the same program once more, with memory of its own, in a thread of the browser. It plays one [`WorkerJob`] and ends. The page
-//! sends `{ program, job, parts }`; the worker sends any number of `{ step: text }`, and at last `{ done: bytes }` or `{ failed: text }`.
+//! A worker is a second instance of the program, with memory of its own, in a thread of the browser. It does one [`WorkerTask`] and ends. The
+//! page sends `{ program, job, parts }`; the worker sends any number of `{ step: text }`, and at last `{ done: bytes }` or `{ failed: text }`.
 //! Threads that share memory would need headers from the web server that many servers don't send.
 
+use crate::job::Job;
+use anyhow::{Result, anyhow};
 use js_sys::{Array, Object, Reflect, Uint8Array};
+use std::{cell::Cell, rc::Rc};
 use wasm_bindgen::{JsCast as _, JsValue, closure::Closure};
 use web_sys::{ErrorEvent, MessageEvent, WorkerOptions, WorkerType};
 
-/// Beside the page.
+/// Next to the page.
 const SCRIPT: &str = "worker.js";
 
-/// What a worker can be asked for.
+/// Work that a worker can do.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum WorkerJob {
+pub(crate) enum WorkerTask {
     /// Parts: the request. Done: the plan, as JSON.
     Plan,
-    /// Parts: a built-in scene's name. Done: a [`MadeStage`](super::making::MadeStage).
+    /// Parts: a built-in scene's name. Done: a [`MadeStage`](super::scenes::MadeStage).
     Make,
-    /// Parts: each file's name, then the file; the scene comes first. Done: a [`MadeStage`](super::making::MadeStage).
+    /// Parts: each file's name, then the file; the scene comes first. Done: a [`MadeStage`](super::scenes::MadeStage).
     Read,
 }
 
-impl WorkerJob {
+impl WorkerTask {
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Plan => "plan",
@@ -32,18 +35,75 @@ impl WorkerJob {
     }
 }
 
-/// What a worker tells the page.
-pub(crate) enum Told {
-    /// What it is at, in words.
+/// Starts a worker. `read` reads its outcome; `without_worker` returns the outcome where the worker never began, for that reason.
+pub(crate) fn start<T: 'static>(
+    ctx: &egui::Context,
+    task: WorkerTask,
+    parts: &Array,
+    read: impl Fn(&[u8]) -> Result<T> + 'static,
+    without_worker: impl Fn(anyhow::Error) -> Result<T> + 'static,
+) -> Job<T> {
+    let (mut job, progress) = Job::new(ctx);
+    let has_ended = Cell::new(false);
+    let on_message = Rc::new(move |message| match message {
+        Message::Step(step) => {
+            progress.step(step);
+        }
+        // The program reports a panic first, and the worker's script reports it again.
+        _ if has_ended.replace(true) => {}
+        Message::Done(bytes) => progress.publish(read(&bytes)),
+        Message::Failed(error) => progress.publish(Err(anyhow!(error))),
+        Message::NeverBegan(error) => progress.publish(without_worker(anyhow!(error))),
+    });
+    match PageWorker::start(task, parts, on_message.clone()) {
+        Ok(worker) => job.worker = Some(worker),
+        Err(error) => on_message(Message::NeverBegan(format!(
+            "The browser starts no worker ({}). Load the page again, from a web server.",
+            error_label(&error)
+        ))),
+    }
+    job
+}
+
+/// Message of a worker to the page.
+enum Message {
+    /// The current step, in words.
     Step(String),
-    /// What came out.
     Done(Vec<u8>),
     Failed(String),
     /// Its script could not be loaded.
     NeverBegan(String),
 }
 
-/// A worker at its job; it ends when this is dropped, wherever it is.
+impl Message {
+    fn of_event(event: &MessageEvent) -> Self {
+        let get = |name: &str| {
+            let value = Reflect::get(&event.data(), &name.into()).ok();
+            value.filter(|value| !value.is_undefined())
+        };
+        if let Some(step) = get("step").and_then(|step| step.as_string()) {
+            return Self::Step(step);
+        }
+        if let Some(bytes) = get("done") {
+            return Self::Done(Uint8Array::new(&bytes).to_vec());
+        }
+        let failed = get("failed").and_then(|failed| failed.as_string());
+        Self::Failed(failed.unwrap_or_else(|| "the worker's message can't be read".to_owned()))
+    }
+
+    fn of_error(event: &ErrorEvent) -> Self {
+        // It is reported here: the page's own listener need not stop the viewer.
+        event.prevent_default();
+        let message = Reflect::get(event, &"message".into()).ok();
+        match message.and_then(|message| message.as_string()) {
+            Some(message) => Self::Failed(format!("{message}. Load the page again.")),
+            // A script that could not be loaded comes without a message.
+            None => Self::NeverBegan(format!("{SCRIPT} can't be loaded. Load the page again.")),
+        }
+    }
+}
+
+/// A running worker. Dropping it ends it at once.
 pub(crate) struct PageWorker {
     worker: web_sys::Worker,
     _on_message: Closure<dyn Fn(MessageEvent)>,
@@ -51,50 +111,36 @@ pub(crate) struct PageWorker {
 }
 
 impl PageWorker {
-    /// Starts a worker. `on_told` is called with what it tells, between frames.
+    /// Starts a worker. `on_message` is called between frames.
     ///
     /// # Errors
-    /// Errors in words if the browser starts no worker. If it can't load the worker's script, that is told later.
-    pub(crate) fn start(
-        job: WorkerJob,
+    /// Errors if the browser starts no worker. If it can't load the worker's script, a message reports that later.
+    fn start(
+        task: WorkerTask,
         parts: &Array,
-        on_told: impl Fn(Told) + Clone + 'static,
-    ) -> Result<Self, String> {
-        let fault = |error: JsValue| {
-            format!(
-                "The browser starts no worker ({}). Load the page again, from a web server.",
-                words(&error)
-            )
-        };
+        on_message: Rc<impl Fn(Message) + 'static>,
+    ) -> Result<Self, JsValue> {
         let options = WorkerOptions::new();
         options.set_type(WorkerType::Module);
-        let worker = web_sys::Worker::new_with_options(SCRIPT, &options).map_err(fault)?;
-        let of_message = on_told.clone();
-        let on_message = Closure::<dyn Fn(MessageEvent)>::new(move |event: MessageEvent| {
-            of_message(told(&event.data()));
+        let worker = web_sys::Worker::new_with_options(SCRIPT, &options)?;
+        let take = on_message.clone();
+        let of_message = Closure::<dyn Fn(MessageEvent)>::new(move |event: MessageEvent| {
+            take(Message::of_event(&event));
         });
-        worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
-        let on_error = Closure::<dyn Fn(ErrorEvent)>::new(move |event: ErrorEvent| {
-            // It is told here: the page's own listener need not stop the viewer.
-            event.prevent_default();
-            let message = Reflect::get(&event, &"message".into()).ok();
-            on_told(match message.and_then(|message| message.as_string()) {
-                Some(message) => Told::Failed(format!("{message}. Load the page again.")),
-                // What could not be loaded comes without a message.
-                None => Told::NeverBegan(format!("{SCRIPT} can't be loaded. Load the page again.")),
-            });
+        worker.set_onmessage(Some(of_message.as_ref().unchecked_ref()));
+        let of_error = Closure::<dyn Fn(ErrorEvent)>::new(move |event: ErrorEvent| {
+            on_message(Message::of_error(&event));
         });
-        worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
-        let message = object(&[
+        worker.set_onerror(Some(of_error.as_ref().unchecked_ref()));
+        worker.post_message(&object(&[
             ("program", wasm_bindgen::module()),
-            ("job", job.name().into()),
+            ("job", task.name().into()),
             ("parts", parts.into()),
-        ]);
-        worker.post_message(&message).map_err(fault)?;
+        ]))?;
         Ok(Self {
             worker,
-            _on_message: on_message,
-            _on_error: on_error,
+            _on_message: of_message,
+            _on_error: of_error,
         })
     }
 }
@@ -111,30 +157,14 @@ impl Drop for PageWorker {
 pub(super) fn object(fields: &[(&str, JsValue)]) -> Object {
     let out = Object::new();
     for (name, value) in fields {
-        // A fresh object takes any field.
+        // A new object takes any field.
         Reflect::set(&out, &JsValue::from_str(name), value).ok();
     }
     out
 }
 
-/// Returns what a message means.
-fn told(message: &JsValue) -> Told {
-    let get = |name: &str| {
-        let value = Reflect::get(message, &JsValue::from_str(name)).ok();
-        value.filter(|value| !value.is_undefined())
-    };
-    if let Some(step) = get("step").and_then(|step| step.as_string()) {
-        return Told::Step(step);
-    }
-    if let Some(bytes) = get("done") {
-        return Told::Done(Uint8Array::new(&bytes).to_vec());
-    }
-    let failed = get("failed").and_then(|failed| failed.as_string());
-    Told::Failed(failed.unwrap_or_else(|| "it told nothing that makes sense".to_owned()))
-}
-
-/// Returns an error of JavaScript in words, without the places in scripts that it names.
-pub(super) fn words(error: &JsValue) -> String {
+/// Returns the text of an error of JavaScript, without the positions in scripts that it names.
+pub(super) fn error_label(error: &JsValue) -> String {
     match error.dyn_ref::<js_sys::Error>() {
         Some(error) => error.message().into(),
         None => error.as_string().unwrap_or_else(|| format!("{error:?}")),

@@ -1,12 +1,14 @@
-//! Pictures of where lookups go: texels of maps, cascades, lists of casters; and of how long they take.
+//! Pictures that are laid over the scene: errors, truth, masks; and where lookups go: texels of maps, cascades, lists of casters, and their times.
 
-use super::planned_view;
+use super::{subject::Subject, truth::TruthSoFar};
 use anyhow::Result;
-use std::sync::Arc;
+use serde::{Deserialize, Serialize};
 use umbrage::{
-    Aabb, Camera, Geometry, Light, Receivers, ShadowTechnique, View,
+    Receivers, ShadowTechnique,
     cpu::Cpu,
     glam::UVec2,
+    metrics::Pixel,
+    picture::encode,
     plan::{
         catalogue::Catalogue,
         footprint::{MapPlace, MapPlaces},
@@ -14,7 +16,7 @@ use umbrage::{
     techniques::{AskedCell, Exact},
 };
 
-/// Colours of layers, sRGB: those of Okabe and Ito 2008, "Color universal design", which most people tell apart.
+/// Colours of layers, sRGB: those of Okabe and Ito 2008, "Color universal design", which most people can distinguish.
 const LAYERS: [[u8; 3]; 8] = [
     [230, 159, 0],
     [86, 180, 233],
@@ -25,90 +27,121 @@ const LAYERS: [[u8; 3]; 8] = [
     [204, 121, 167],
     [150, 150, 150],
 ];
-/// Opacity of what is laid over.
+/// Opacity of pictures of lookups.
 const OPACITY: u8 = 165;
-const NOTHING: [u8; 4] = [0; 4];
+const TRANSPARENT: [u8; 4] = [0; 4];
 
-/// Which picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Places {
-    /// Each texel, light and dark in turn, in its layer's colour.
+/// Pictures over the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Picture {
+    #[default]
+    Nothing,
+    /// Pixels whose shadow is too dark or too light.
+    Error,
+    /// The result of rays.
+    Truth,
+    /// The result of the technique.
+    Mask,
+    /// Each texel of the map, light and dark in turn, in its layer's colour.
     Texels,
-    /// Each layer in a colour of its own.
+    /// Each layer of the map in a colour of its own: cascades, faces of a cube.
     Layers,
-    /// How many casters a lookup in lists asks.
+    /// The number of casters that a lookup in lists tests.
     Lists,
-    /// How long lookups take.
+    /// The time of lookups.
     Heat,
 }
 
-/// What a picture is of.
-pub(crate) struct SeenFrom<'a> {
-    pub camera: &'a Camera,
-    pub light: &'a Light,
-    pub geometry: &'a Geometry,
-    /// The box around all casters for which a light set plans: a little larger than they are.
-    pub casters: Aabb,
-    pub receivers: &'a Receivers,
-}
+impl Picture {
+    /// All, with their names. Clocks of browsers are too coarse to time lookups.
+    pub(crate) const ALL: &[(Self, &'static str)] = &[
+        (Self::Nothing, "nothing"),
+        (Self::Error, "error"),
+        (Self::Truth, "truth"),
+        (Self::Mask, "mask"),
+        (Self::Texels, "texels"),
+        (Self::Layers, "cascades"),
+        (Self::Lists, "lists"),
+        #[cfg(not(target_arch = "wasm32"))]
+        (Self::Heat, "heat"),
+    ];
 
-impl SeenFrom<'_> {
-    /// Returns the view for which a light set plans.
-    pub(crate) fn planned_view(&self) -> View<'_> {
-        planned_view(self.camera, self.light, self.geometry, self.casters)
+    /// Returns whether the picture shows lookups: it depends on the camera, the light and the settings, and not on truth.
+    pub(crate) const fn is_of_lookups(self) -> bool {
+        matches!(self, Self::Texels | Self::Layers | Self::Lists | Self::Heat)
     }
 }
 
-/// Returns what makes a picture as sRGB and opacity, a byte each; none if the technique has nothing of that kind. It owns what it needs, so
-/// that a thread can play it, and errors if the technique refuses the light.
-pub(crate) fn job(
-    kind: Places,
-    technique: Arc<dyn ShadowTechnique>,
-    seen: &SeenFrom<'_>,
-    receivers: Arc<Receivers>,
-) -> impl FnOnce() -> Result<Option<Vec<u8>>> + Send + 'static {
-    let (camera, light, casters) = (*seen.camera, *seen.light, seen.casters);
-    let geometry = seen.geometry.clone();
-    move || {
-        let seen = SeenFrom {
-            camera: &camera,
-            light: &light,
-            geometry: &geometry,
-            casters,
-            receivers: &receivers,
-        };
-        picture(kind, &*technique, &seen)
+/// Returns a picture of errors, truth or the mask as sRGB and opacity, a byte each; `None` if there is nothing to lay over.
+pub(crate) fn of_mask(kind: Picture, truth: &TruthSoFar, mask: Option<&[f32]>) -> Option<Vec<u8>> {
+    if mask.is_none() && kind != Picture::Truth {
+        return None;
+    }
+    let texel = |i: usize| match (kind, mask, truth.pixels[i]) {
+        (_, _, Pixel::Empty | Pixel::Unlit) => TRANSPARENT,
+        (Picture::Truth, _, _) => gray(truth.visibility[i]),
+        (Picture::Mask, Some(mask), _) => gray(mask[i]),
+        (Picture::Error, _, Pixel::Ambiguous) => TRANSPARENT,
+        (Picture::Error, Some(mask), _) => error_color(mask[i] - truth.visibility[i]),
+        _ => TRANSPARENT,
+    };
+    let is_of_mask = matches!(kind, Picture::Truth | Picture::Mask | Picture::Error);
+    is_of_mask.then(|| (0..truth.pixels.len()).flat_map(texel).collect())
+}
+
+fn gray(value: f32) -> [u8; 4] {
+    let level = encode(value);
+    [level, level, level, 255]
+}
+
+/// Too light (light leaks in) is red, too dark (acne) is blue, and what is right lets the picture through.
+fn error_color(off: f32) -> [u8; 4] {
+    // Small errors show, too.
+    let strength = off.abs().min(1.0).sqrt();
+    let opacity = (255.0 * strength).round() as u8;
+    if off > 0.0 {
+        [255, 40, 20, opacity]
+    } else {
+        [30, 90, 255, opacity]
     }
 }
 
-fn picture(
-    kind: Places,
+/// Returns a picture of lookups as sRGB and opacity, a byte each; `None` if the technique has nothing of that kind.
+///
+/// # Errors
+/// Errors if the technique refuses the light.
+pub(crate) fn of_lookups(
+    kind: Picture,
     technique: &dyn ShadowTechnique,
-    seen: &SeenFrom<'_>,
+    subject: &Subject,
+    receivers: &Receivers,
 ) -> Result<Option<Vec<u8>>> {
-    let view = seen.planned_view();
-    if kind == Places::Lists {
-        return lists(technique, &view, seen.receivers);
+    match kind {
+        Picture::Lists => lists(technique, subject, receivers),
+        Picture::Heat => heat(technique, subject, receivers).map(Some),
+        _ => map_places(kind, technique, subject, receivers),
     }
-    if kind == Places::Heat {
-        return heat(technique, &view, seen.receivers).map(Some);
-    }
-    let recipe = technique.recipe(&view)?;
+}
+
+fn map_places(
+    kind: Picture,
+    technique: &dyn ShadowTechnique,
+    subject: &Subject,
+    receivers: &Receivers,
+) -> Result<Option<Vec<u8>>> {
+    let recipe = technique.recipe(&subject.view())?;
     let catalogue = Catalogue::built_in();
     let Some(places) = MapPlaces::new(&recipe, &catalogue) else {
         return Ok(None);
     };
     let texel = |i: usize| {
-        if !seen.receivers.receives[i] {
-            return NOTHING;
-        }
-        let place = places.at(seen.receivers.position(i));
-        place.map_or(NOTHING, |place| match kind {
-            Places::Texels => texel_color(&place),
+        let place = receivers.receives[i].then(|| places.at(receivers.position(i)));
+        place.flatten().map_or(TRANSPARENT, |place| match kind {
+            Picture::Texels => texel_color(&place),
             _ => layer_color(&place),
         })
     };
-    Ok(Some((0..seen.receivers.len()).flat_map(texel).collect()))
+    Ok(Some((0..receivers.len()).flat_map(texel).collect()))
 }
 
 fn layer_color(place: &MapPlace) -> [u8; 4] {
@@ -128,40 +161,41 @@ fn texel_color(place: &MapPlace) -> [u8; 4] {
 
 fn lists(
     technique: &dyn ShadowTechnique,
-    view: &View<'_>,
+    subject: &Subject,
     receivers: &Receivers,
 ) -> Result<Option<Vec<u8>>> {
     if technique.name() != Exact::default().name() {
         return Ok(None);
     }
-    let with_receivers = (*view).with_receivers(receivers);
-    let cells = Exact::default().asked_cells(&with_receivers)?;
+    let view = subject.view().with_receivers(receivers);
+    let cells = Exact::default().asked_cells(&view)?;
     Ok(Some(cells.iter().flat_map(length_color).collect()))
 }
 
-/// Pixels of a block whose lookups are timed together: fewer take hardly longer than reading the clock does.
+/// Pixels of a block whose lookups are timed together: fewer take about as long as reading the clock.
 const TIMED: UVec2 = UVec2::new(16, 8);
-/// How often each block is timed: the least counts, since whatever else runs only makes it longer.
+/// Number of times that each block is timed. The least counts, since other programs only make it longer.
 const RUNS: u32 = 3;
 
 /// Times a technique's lookups on the CPU, block by block.
 fn heat(
     technique: &dyn ShadowTechnique,
-    view: &View<'_>,
+    subject: &Subject,
     receivers: &Receivers,
 ) -> Result<Vec<u8>> {
-    let recipe = technique.recipe(view)?;
-    let seen = (*view).with_receivers(receivers);
-    let times = Cpu::new().lookup_times(&seen, &recipe, TIMED, RUNS)?;
+    let view = subject.view();
+    let recipe = technique.recipe(&view)?;
+    let view = view.with_receivers(receivers);
+    let times = Cpu::new().lookup_times(&view, &recipe, TIMED, RUNS)?;
     let size = receivers.size;
     let columns = size.x.div_ceil(TIMED.x);
     let texel = |i: usize| {
         if !receivers.receives[i] {
-            return NOTHING;
+            return TRANSPARENT;
         }
         let [x, y] = [i as u32 % size.x, i as u32 / size.x];
         let time = times[(y / TIMED.y * columns + x / TIMED.x) as usize];
-        time.map_or(NOTHING, heat_color)
+        time.map_or(TRANSPARENT, heat_color)
     };
     Ok((0..receivers.len()).flat_map(texel).collect())
 }
@@ -174,13 +208,13 @@ fn heat_color(nanoseconds: f32) -> [u8; 4] {
     blue_to_red((nanoseconds / least).log2() / (most / least).log2())
 }
 
-/// Casters at which [`length_color`] is white and red.
+/// Numbers of casters at which [`length_color`] is white and red.
 pub(crate) const LIST_LENGTHS: [u32; 2] = [7, 63];
 
-/// From blue (none) over white to red, as the panel's legend says; green where one caster covers the whole cell.
+/// From blue (none) over white to red, as in the panel's legend; green if one caster covers the whole cell.
 fn length_color(cell: &Option<AskedCell>) -> [u8; 4] {
     let Some(cell) = cell else {
-        return NOTHING;
+        return TRANSPARENT;
     };
     if cell.is_covered {
         return [0, 130, 80, OPACITY];
@@ -204,6 +238,7 @@ fn blue_to_red(share: f32) -> [u8; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use umbrage::{Geometry, View};
 
     #[test]
     fn colours_are_as_the_legend_says() {
@@ -234,7 +269,7 @@ mod tests {
         };
         let [r, g, b, _] = length_color(&Some(covered));
         assert!(g > r && g > b);
-        assert_eq!(length_color(&None), NOTHING);
+        assert_eq!(length_color(&None), TRANSPARENT);
     }
 
     /// A disc takes more taps than one comparison.
@@ -261,5 +296,15 @@ mod tests {
             one > 0.0 && many > 1.5 * one,
             "hard {one} ns, disc {many} ns"
         );
+    }
+
+    #[test]
+    fn errors_are_coloured_by_their_sign() {
+        let truth = TruthSoFar::of_test();
+        let mask = [1.0, 0.0, 0.5, 1.0];
+        let picture = of_mask(Picture::Error, &truth, Some(&mask)).expect("there");
+        assert_eq!(picture[..4], [255, 40, 20, 255]);
+        assert_eq!(picture[4..8], [30, 90, 255, 255]);
+        assert_eq!(picture[11], 0);
     }
 }

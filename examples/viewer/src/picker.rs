@@ -1,58 +1,54 @@
-//! A list over the picture from which the keyboard chooses: typing leaves what holds the words, arrows go up and down, Enter takes.
+//! A list from which the keyboard chooses: typing keeps the lines with these words, arrows go up and down, Enter chooses.
 
 use crate::{
-    app::App,
     bookmarks::{self, Bookmark},
-    loading::Then,
-    render::SIDES,
-    settings::entry,
+    side::SIDES,
 };
 use umbrage::{scenes, techniques};
 
-/// What is chosen.
+/// Kinds of lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// A built-in scene, or a file whose path is typed.
+    /// Built-in scenes, and the file whose path is typed.
     Scene,
-    /// A place where a method fails.
+    /// Failures of shadow methods.
     Failure,
-    /// The technique of a side.
+    /// Techniques of a side.
     Technique(usize),
 }
 
 /// The list while it is open.
 pub(crate) struct Picker {
     choice: Choice,
-    typed: String,
-    /// Which of the shown lines Enter takes.
-    at: usize,
-    /// Whether the line was chosen by arrows, so that it is to be scrolled into view.
-    has_moved: bool,
+    pub typed: String,
+    /// Index of the line that Enter chooses.
+    pub at: usize,
+    /// Whether arrows moved to the line, so that it must be scrolled into view.
+    pub has_moved: bool,
     /// Whether the next letter is that of the key that opened the list.
     skips_letter: bool,
 }
 
-/// What came of a key.
+/// Effect of a key.
 pub(crate) enum Outcome {
     /// The list stays open.
     Open,
     Closed,
-    Chosen(Taken),
+    Chosen(Chosen),
 }
 
 /// A line of the list.
-struct Line {
-    /// What names it in addresses and on the command line.
+pub(crate) struct Line {
+    /// The name in addresses and on the command line.
     name: String,
-    /// What the list shows.
-    label: String,
-    summary: String,
-    taken: Taken,
+    pub label: String,
+    pub summary: String,
+    pub chosen: Chosen,
 }
 
-/// What was chosen.
+/// A choice.
 #[derive(Clone)]
-pub(crate) enum Taken {
+pub(crate) enum Chosen {
     Scene(String),
     Failure(Bookmark),
     Technique(usize, &'static str),
@@ -69,7 +65,7 @@ impl Picker {
         }
     }
 
-    fn title(&self) -> String {
+    pub(crate) fn title(&self) -> String {
         match self.choice {
             Choice::Scene => "Scene, or the path of a .toml, .obj, .glb or .gltf file".to_owned(),
             Choice::Failure => "Place where shadow methods fail".to_owned(),
@@ -77,31 +73,33 @@ impl Picker {
         }
     }
 
-    /// Returns the lines that hold all words that are typed, in what they show or in their summaries.
-    fn lines(&self) -> Vec<Line> {
-        let line = |name: &str, summary: &str, taken| Line {
+    /// Returns the lines with all words that are typed, in their labels or summaries.
+    pub(crate) fn lines(&self) -> Vec<Line> {
+        let line = |name: &str, summary: &str, chosen| Line {
             name: name.to_owned(),
             label: name.to_owned(),
             summary: summary.to_owned(),
-            taken,
+            chosen,
         };
         let mut lines: Vec<Line> = match self.choice {
             Choice::Scene => scenes::all()
                 .iter()
-                .map(|e| line(e.name, e.summary, Taken::Scene(e.name.to_owned())))
+                .map(|e| line(e.name, e.summary, Chosen::Scene(e.name.to_owned())))
                 .collect(),
             Choice::Failure => bookmarks::all()
                 .into_iter()
                 .map(|bookmark| Line {
-                    name: bookmark.name.to_owned(),
                     label: bookmark.label(),
-                    summary: bookmark.description(),
-                    taken: Taken::Failure(bookmark),
+                    ..line(
+                        bookmark.name,
+                        &bookmark.description(),
+                        Chosen::Failure(bookmark),
+                    )
                 })
                 .collect(),
             Choice::Technique(side) => techniques::all()
                 .iter()
-                .map(|e| line(e.name, e.summary, Taken::Technique(side, e.name)))
+                .map(|e| line(e.name, e.summary, Chosen::Technique(side, e.name)))
                 .collect(),
         };
         let path = self.typed.trim();
@@ -111,21 +109,21 @@ impl Picker {
             typed.split_whitespace().all(|word| text.contains(word))
         };
         lines.retain(|line| holds(&format!("{} {}", line.label, line.summary)));
-        // What is typed, what begins with it, and what shows it come first; the sort keeps the rest in its order.
+        // The typed name, names that begin with it, and labels with the words come first. The sort is stable.
         lines.sort_by_key(|line| {
             let is_begun = line.name.starts_with(&typed) || line.label.starts_with(&typed);
             (line.name != typed, !is_begun, !holds(&line.label))
         });
         if self.choice == Choice::Scene && (path.ends_with(".toml") || scenes::is_model(path)) {
-            let taken = Taken::Scene(path.to_owned());
-            lines.push(line(path, "this file", taken));
+            let chosen = Chosen::Scene(path.to_owned());
+            lines.push(line(path, "this file", chosen));
         }
         lines
     }
 }
 
 impl Picker {
-    /// Takes a key or what was typed. Not left to a text field: that would miss what is typed before it is first drawn.
+    /// Takes a key or a text. A text field would miss what is typed before it is first drawn.
     pub(crate) fn take_event(&mut self, event: &egui::Event) -> Outcome {
         let typed = self.typed.len();
         match event {
@@ -149,8 +147,8 @@ impl Picker {
         let to = match key {
             egui::Key::Escape => return Outcome::Closed,
             egui::Key::Enter => {
-                let taken = lines.get(self.at).map(|line| line.taken.clone());
-                return taken.map_or(Outcome::Open, Outcome::Chosen);
+                let chosen = lines.get(self.at).map(|line| line.chosen.clone());
+                return chosen.map_or(Outcome::Open, Outcome::Chosen);
             }
             egui::Key::Backspace => {
                 self.typed.pop();
@@ -165,80 +163,6 @@ impl Picker {
         self.has_moved = true;
         self.at = to.min(self.lines().len().saturating_sub(1));
         Outcome::Open
-    }
-}
-
-/// Draws the list, if it is open.
-pub(crate) fn show(app: &mut App, ui: &egui::Ui) {
-    let Some(mut picker) = app.picker.take() else {
-        return;
-    };
-    let mut taken = None;
-    let mut is_open = true;
-    let middle = super::beside(ui.max_rect(), ui.ctx());
-    egui::Window::new(picker.title())
-        .id(egui::Id::unique("picker"))
-        .open(&mut is_open)
-        .resizable(false)
-        .collapsible(false)
-        .anchor(egui::Align2::CENTER_TOP, [middle, 40.0])
-        .show(ui.ctx(), |ui| {
-            let window = ui.ctx().viewport_rect().width();
-            ui.set_width((window - 32.0).min(430.0));
-            taken = contents(&mut picker, ui);
-        });
-    match taken {
-        Some(taken) => take(app, ui.ctx(), taken),
-        None if is_open => app.picker = Some(picker),
-        None => {}
-    }
-}
-
-/// Draws what is typed and the lines. Returns what was clicked.
-fn contents(picker: &mut Picker, ui: &mut egui::Ui) -> Option<Taken> {
-    let mut taken = None;
-    egui::Frame::canvas(ui.style()).show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        if picker.typed.is_empty() {
-            ui.weak("type a part of the name or of what it says; Enter takes, Esc leaves");
-        } else {
-            ui.monospace(format!("{}|", picker.typed));
-        }
-    });
-    let lines = picker.lines();
-    egui::ScrollArea::vertical()
-        .max_height(300.0)
-        .auto_shrink([false, true])
-        .show(ui, |ui| {
-            for (i, line) in lines.iter().enumerate() {
-                let label = ui.selectable_label(i == picker.at, &line.label);
-                if i == picker.at && picker.has_moved {
-                    label.scroll_to_me(None);
-                }
-                if label.on_hover_text(&line.summary).clicked() {
-                    taken = Some(line.taken.clone());
-                }
-            }
-            if lines.is_empty() {
-                ui.weak("nothing has these words");
-            }
-        });
-    picker.has_moved = false;
-    if let Some(line) = lines.get(picker.at) {
-        ui.weak(&line.summary);
-    }
-    taken
-}
-
-/// Does what was chosen.
-pub(crate) fn take(app: &mut App, ctx: &egui::Context, taken: Taken) {
-    match taken {
-        Taken::Scene(name) => app.open(ctx, &name, Then::Show),
-        Taken::Failure(bookmark) => app.open(ctx, bookmark.scene, Then::Compare(bookmark)),
-        Taken::Technique(side, name) => {
-            app.settings.sides[side].choose(entry(name));
-            app.forget_mask(side);
-        }
     }
 }
 

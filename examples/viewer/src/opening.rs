@@ -1,0 +1,104 @@
+//! Opens scenes: built-in ones, files, and files that are dropped on the window.
+
+use crate::{
+    drops::scene_among,
+    loading::{Loading, Request, Source, Then, absolute},
+    viewer::{FIRST_SCENE, Viewer},
+};
+use umbrage::glam::UVec2;
+
+impl Viewer {
+    /// Starts to load another scene; one that is being loaded is cancelled. The present one stays until then, and for good if the other can't be
+    /// shown: a message states why.
+    pub(crate) fn open(&mut self, ctx: &egui::Context, argument: &str, then: Then) {
+        self.load(ctx, argument, Source::Argument(absolute(argument)), then);
+    }
+
+    fn load(&mut self, ctx: &egui::Context, name: &str, source: Source, then: Then) {
+        self.message = None;
+        let request = Request {
+            name: name.to_owned(),
+            source,
+            then,
+            settings: self.settings.clone(),
+            size: self.camera.map_or(UVec2::ZERO, |camera| camera.size),
+            device: self.render.device.clone(),
+            queue: self.render.queue.clone(),
+        };
+        // Cancels the old one before the new one begins.
+        self.loading = None;
+        self.loading = Some(Loading::start(ctx, request));
+    }
+
+    /// Cancels loading; the present scene stays.
+    pub(crate) fn cancel_loading(&mut self) {
+        self.loading = None;
+        if self.stage.is_nothing() {
+            self.message = Some("F2 chooses a scene or a file.".to_owned());
+        }
+    }
+
+    /// Shows a scene that was loaded since the last frame.
+    pub(crate) fn take_loaded(&mut self, ctx: &egui::Context) {
+        let Some(outcome) = self.loading.as_mut().and_then(Loading::take) else {
+            return;
+        };
+        let Some(Loading { request, .. }) = self.loading.take() else {
+            return;
+        };
+        let loaded = match outcome {
+            Ok(loaded) => loaded,
+            Err(error) => {
+                self.first_shown = None;
+                let name = request.name;
+                if self.stage.is_nothing() && name != FIRST_SCENE {
+                    self.open(ctx, FIRST_SCENE, Then::Show);
+                }
+                let error = format!("{error:#}");
+                // Errors of files begin with the file.
+                let has_name = error.contains(&name);
+                self.message = Some(if has_name {
+                    error
+                } else {
+                    format!("{name}: {error}")
+                });
+                return;
+            }
+        };
+        self.settings.show(&loaded.stage);
+        request.then.apply(&mut self.settings, &loaded.stage);
+        if let Some(first) = self.first_shown.take() {
+            first.apply(&mut self.settings);
+        }
+        self.stage = loaded.stage;
+        self.renderer = loaded.renderer;
+        self.path = loaded.path;
+        self.figures.forget(&mut self.renderer);
+        // It was for the old scene.
+        self.planning = None;
+        self.plan = None;
+        self.message = loaded.note.or_else(|| self.message.take());
+        self.pace.touch();
+    }
+
+    /// Opens files that were dropped on the window or the page. On the desktop, files that a scene names are read from its folder, dropped or
+    /// not.
+    pub(crate) fn take_files(&mut self, ctx: &egui::Context) {
+        let files = ctx.input(|input| input.raw.dropped_files.clone());
+        let paths: Vec<_> = files.iter().map(|file| file.path().to_owned()).collect();
+        if paths.is_empty() {
+            return;
+        }
+        let (first, note) = scene_among(&paths);
+        let name = paths[first].display().to_string();
+        #[cfg(not(target_arch = "wasm32"))]
+        self.open(ctx, &name, Then::Show);
+        #[cfg(target_arch = "wasm32")]
+        {
+            let mut files = files;
+            files.swap(0, first);
+            self.load(ctx, &name, Source::Files(files), Then::Show);
+        }
+        self.message = note;
+    }
+}
