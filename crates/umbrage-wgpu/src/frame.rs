@@ -13,7 +13,7 @@ use wgpu::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RendererOptions {
     /// Index of the bind group that holds what the receive kernel reads, so that [`receive_wgsl`](crate::receive_wgsl) and
-    /// [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
+    /// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) fit into the caller's own shaders.
     pub kernel_group: u32,
     /// When errors of the graphics API are reported.
     pub errors: ApiErrors,

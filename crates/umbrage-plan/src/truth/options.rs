@@ -16,7 +16,7 @@ pub struct TruthOptions {
     /// what a surface or shadow edge moved by .02 pixels changes.
     pub ambiguous_change: f32,
     /// Side of the square blocks of pixels of each of which one pixel is judged, drawn at random: 1 judges all pixels. The others get
-    /// a preview of a few rays, which tells where shadows' edges lie and counts in no error ([`Pixel::Unsampled`]).
+    /// a preview of a few rays, which tells where shadows' edges lie and counts in no error ([`Pixel::Unsampled`](umbrage_core::metrics::Pixel::Unsampled)).
     pub block_side: u32,
 }
 
