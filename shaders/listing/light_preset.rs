@@ -39,7 +39,7 @@ pub struct FrameRules {
 /// out if it says nothing; [`TechniquePreset::from_toml`] reads both and ignores that table.
 ///
 /// ```
-/// use umbrage_techniques::{MapTechnique, FrameRules, Hard, LightPreset, Update};
+/// use umbrage_techniques::{FrameRules, Hard, LightPreset, MapTechnique, Update};
 /// let file = "technique = 'hard'\n[frame]\nupdate = 'when_scene_changes'";
 /// let preset = LightPreset::from_toml(file)?;
 /// assert_eq!(preset.technique, MapTechnique::<Hard>::default().into());

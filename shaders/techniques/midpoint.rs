@@ -12,8 +12,7 @@
 
 use crate::{
     shadow_map::{ShadowMap, Surface},
-    techniques::map_technique::MapFilter,
-    techniques::pcf::Pcf,
+    techniques::{map_technique::MapFilter, pcf::Pcf},
 };
 use umbrage_core::{Recipe, RecipeError, View};
 

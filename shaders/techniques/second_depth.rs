@@ -10,8 +10,7 @@
 
 use crate::{
     shadow_map::{Bias, ShadowMap},
-    techniques::map_technique::MapFilter,
-    techniques::pcf::Pcf,
+    techniques::{map_technique::MapFilter, pcf::Pcf},
 };
 use umbrage_core::{Cull, Recipe, RecipeError, View};
 

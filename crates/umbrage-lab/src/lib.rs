@@ -21,7 +21,7 @@
 //! * **Every technique has a negative control** (`compare/control.rs`): rendered without casters, it must return the full light.
 //! * **Limits of stability come from truth**, never from results. A case has a criterion for its failure and one for what a cure takes away;
 //!   what could not have failed is not measured, which is no pass.
-//! * **A report is assembled from scenes' folders**, whoever measured them: one run, a run that was resumed, and merged shards share one path.
+//! * **A report is assembled from scenes' folders.** One run, a resumed run and merged shards share one path.
 //!   Figures have a checksum; what was changed or cut off is measured again, or refused.
 //! * **The page carries figures, not pictures**: pictures are the scenes' files beside it; its scripts draw charts and tables.
 

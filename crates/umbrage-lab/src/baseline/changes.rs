@@ -1,11 +1,11 @@
-//! What has changed since a baseline, as plain data.
+//! Changes since a baseline, as plain data.
 
 use super::times::Suspect;
 
 /// Relative growth up to this counts as none: sums over pixels may be added up in another order.
 pub const ROUNDING: f64 = 1e-9;
 
-/// What has changed since the baseline, a line for each change.
+/// The changes since the baseline, one line each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     /// The number of rows that both have and that could be compared. A check that compared nothing has checked nothing.

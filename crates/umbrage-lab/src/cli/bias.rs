@@ -25,7 +25,7 @@ pub(crate) struct BiasArguments {
     /// All under their own lights as if they had no size; a model that brings none stands on a floor under four.
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    /// Which backends play the default bias; its rivals are played on the CPU
+    /// Which backends execute the default bias; its rivals run on the CPU
     #[arg(long, value_name = "NAME", default_value = "available")]
     pub(crate) backend: BackendName,
     /// Graphics adapter by part of its name, such as llvmpipe

@@ -118,7 +118,7 @@ pub(crate) struct CompareArguments {
     /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards
     #[arg(long, value_name = "K/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,
-    /// Measure every scene anew, even if the folder has it from a run that was stopped
+    /// Measure every scene again, even if the folder has it from a run that was stopped
     #[arg(long)]
     pub(crate) fresh: bool,
     /// List scenes and techniques, and end

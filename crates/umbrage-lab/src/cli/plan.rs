@@ -131,7 +131,7 @@ pub(crate) struct PlanArguments {
     /// Compare plans with sweeps of all candidates: bounds kept, and cost over the least, by count and by the clock
     #[arg(long, conflicts_with_all = ["max_error", "max_relative_error", "max_ms", "max_bytes"])]
     pub(crate) regret: bool,
-    /// Errors asked for with --regret
+    /// Error bounds to test with --regret
     #[arg(long, value_name = "E", value_delimiter = ',', value_parser = parse_share, default_values_t = [0.02, 0.05, 0.1], requires = "regret")]
     pub(crate) errors: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! Runs the command that the command line asks for.
+//! Runs the command that the command line names.
 
 use super::{
     args::{self, Command},

@@ -64,7 +64,7 @@ impl MapUses {
             .filter(|cast| cast.mode == CastMode::Depth)
             .map(|cast| cast_map(cast, recipe))
             .collect();
-        // Where the kernel's reach differs from receiver to receiver, `reach` doesn't tell kernels apart.
+        // Where the kernel's reach differs from receiver to receiver, `reach` does not distinguish kernels.
         let varies = reach_varies(kernel, receivers);
         if !varies {
             let known = self

@@ -27,7 +27,7 @@ use umbrage_plan::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// The images of a row; none if it isn't measured.
+/// The images of a row. All are `None` if it isn't measured.
 #[derive(Clone, Debug, Default)]
 pub struct RowImages {
     /// The mask.

@@ -24,7 +24,7 @@ pub struct BiasWindow {
     pub settings: String,
     /// What the offset is added to.
     pub base: Base,
-    /// The least and the greatest passing normal offset, texels; none if no amount passes.
+    /// The least and the greatest passing normal offset, texels; `None` if no amount passes.
     pub passes: Option<[f64; 2]>,
     /// Whether it passes without any offset, which may lie beside the widest window.
     pub passes_without: bool,

@@ -306,7 +306,7 @@ fn is_triangle_outside(half_spaces: &[(Vec3, f32)], corners: [Vec3; 3]) -> bool 
         .any(|&half_space| corners.iter().all(|&c| is_outside(half_space, c)))
 }
 
-/// Returns whether a point lies outside a half space (its inner normal and distance), whatever rounding (eight units in the
+/// Returns whether a point is outside a half space (its inner normal and distance), whatever rounding (eight units in the
 /// last place) does to it and to the hit of a triangle that has it as a corner (`ray_triangle.rs`).
 fn is_outside(half_space: (Vec3, f32), p: Vec3) -> bool {
     let (n, distance) = half_space;

@@ -1,7 +1,7 @@
 //! Fits of cascades: where what the camera sees is cut, and the light space of each slice.
 //!
 //! A lookup takes the first layer that holds the receiver with all that the kernel reaches, wherever the slices end. So any layer must answer
-//! rightly for all that lies on it: tight slices begin, in depth, at the first caster in their *column*, not at the first that their own
+//! rightly for everything on it: tight slices begin, in depth, at the first caster in their *column*, not at the first that their own
 //! receivers need, and go sideways around all from where a kernel may find a caster. A slice without shadows lies beside the scene, where
 //! nothing is looked up. Slices overlap where answers blend. Recipes stay pure: what holds slices over frames is a function of two frames'
 //! ends ([`SliceEnds::held`]).

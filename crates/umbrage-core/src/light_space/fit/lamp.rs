@@ -19,7 +19,7 @@ use glam::{DAffine3, DVec3, Mat4, Vec3};
 
 /// Widest half angle, degrees, of the cone that one perspective map may have to cover.
 pub(super) const WIDEST_HALF_ANGLE: f32 = 75.0;
-/// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
+/// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are distinct to within 2^-10 of
 /// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
 pub(super) const MIN_NEAR_OVER_FAR: f32 = 1.0 / 16_384.0;
 /// Room beside the outermost directions, as a fraction of their tangent, for rounding.
