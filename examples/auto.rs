@@ -1,5 +1,6 @@
-//! Finds the cheapest technique whose error stays below a bound: `cargo run --release --example auto [SCENE [ERROR]]`.
-//! Writes its settings to `auto.preset.toml`, which the examples `forward` and `deferred` take.
+//! Finds the cheapest technique whose error stays below a bound:
+//! `cargo run --release --example auto [SCENE [ERROR]]`. Writes its settings to `auto.preset.toml`,
+//! which the examples `forward` and `deferred` take.
 
 use anyhow::Context as _;
 use umbrage::{Budget, RendererData};

@@ -1,4 +1,5 @@
-//! From an OBJ file to a shadow mask: `cargo run --example hello -- model.obj`. Writes `shadow.png`.
+//! From an OBJ file to a shadow mask: `cargo run --example hello -- model.obj`. Writes
+//! `shadow.png`.
 
 use umbrage::{
     BackendChoice, Geometry, ShadowTechnique, View,

@@ -95,8 +95,8 @@ impl JudgedScene {
         self.judge_where(mask, self.truth.pixels.clone())
     }
 
-    /// Judges an image with shadows by one without, both linear. Pixels that are darker than `dark` without shadows don't count: the
-    /// light doesn't reach them in that renderer.
+    /// Judges an image with shadows by one without, both linear. Pixels that are darker than `dark`
+    /// without shadows don't count: the light doesn't reach them in that renderer.
     ///
     /// # Errors
     /// Errors if the images have another size than the reference.

@@ -1,5 +1,5 @@
-//! Code that several examples share, and that tests run: a small renderer, techniques written as a user of the library would, and
-//! the artefacts that the documentation shows.
+//! Code that several examples share, and that tests run: a small renderer, techniques written as a
+//! user of the library would, and the artefacts that the documentation shows.
 
 /// Techniques that other renderers have and the library has not. `docs/others.md` compares them.
 pub mod beside {

@@ -1,5 +1,6 @@
-//! `compare`, `stability` and `plan` with the techniques of these examples in addition to the built-in ones:
-//! `cargo run --release --example measure -- compare cubes --technique variance,pcf --quick`.
+//! `compare`, `stability` and `plan` with the techniques of these examples in addition to the
+//! built-in ones: `cargo run --release --example measure -- compare cubes --technique variance,pcf
+//! --quick`.
 
 use std::process::ExitCode;
 use umbrage::Invalid;

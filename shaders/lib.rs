@@ -1,5 +1,5 @@
-//! umbrage's built-in shadow techniques: each one file in Rust beside one of the same name in WGSL. Only public API of
-//! `umbrage-core` is used, so a technique of yours can do all that these do.
+//! umbrage's built-in shadow techniques: each one file in Rust beside one of the same name in WGSL.
+//! Only public API of `umbrage-core` is used, so a technique of yours can do all that these do.
 
 pub mod filtering;
 pub mod lanes;

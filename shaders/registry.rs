@@ -1,11 +1,13 @@
-//! The one list of techniques: command line, help, comparison, planner, presets, charts, tables and tests read it.
+//! The one list of techniques: command line, help, comparison, planner, presets, charts, tables and
+//! tests read it.
 
 use crate::listing::{TechniqueEntry, TechniquePreset};
 use std::sync::LazyLock;
 #[cfg(feature = "presets")]
 use umbrage_core::Invalid;
 
-/// Makes the type of a technique of the registry: `Exact`, or `Hard in MapTechnique`, which is `MapTechnique<Hard>`.
+/// Makes the type of a technique of the registry: `Exact`, or `Hard in MapTechnique`, which is
+/// `MapTechnique<Hard>`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! technique_type {
@@ -13,8 +15,8 @@ macro_rules! technique_type {
     ($filter:ident in $wrapper:ident) => { $crate::$wrapper<$crate::$filter> };
 }
 
-/// Declares the built-in techniques. Each implements [`ListedTechnique`](crate::ListedTechnique) in its own file, or
-/// [`MapFilter`](crate::MapFilter), if it stands `in MapTechnique`.
+/// Declares the built-in techniques. Each implements [`ListedTechnique`](crate::ListedTechnique) in
+/// its own file, or [`MapFilter`](crate::MapFilter), if it stands `in MapTechnique`.
 macro_rules! registry {
     ($($(#[$condition:meta])* $module:ident::$technique:ident $(in $wrapper:ident)?,)*) => {
         $($(#[$condition])* pub use crate::techniques::$module::$technique;)*
@@ -26,8 +28,8 @@ macro_rules! registry {
             out
         }
 
-        /// Calls a macro with the types of all built-in techniques, cheapest first, each followed by a
-        /// comma.
+        /// Calls a macro with the types of all built-in techniques, cheapest first, each followed
+        /// by a comma.
         #[cfg(feature = "rays")]
         #[macro_export]
         macro_rules! for_each_technique {
@@ -84,7 +86,8 @@ impl TechniquePreset {
     /// Reads a preset of a built-in technique from TOML. For others: [`TechniquePreset::read`].
     ///
     /// # Errors
-    /// Errors if the text is not TOML, names no built-in technique, or has a field that the technique doesn't have.
+    /// Errors if the text is not TOML, names no built-in technique, or has a field that the
+    /// technique doesn't have.
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         Self::read(text, all())
     }

@@ -61,7 +61,8 @@ pub fn light() -> impl Strategy<Value = Light> {
     prop_oneof![directional, spot, point, rect, disc]
 }
 
-/// Cameras, from angles and from matrices; errors where the maker refuses the numbers. Two of three are usual ones.
+/// Cameras, from angles and from matrices; errors where the maker refuses the numbers. Two of three
+/// are usual ones.
 pub fn camera() -> impl Strategy<Value = Result<Camera, Invalid>> {
     let size = UVec2::new(12, 8);
     let planes = || [number(), number()];

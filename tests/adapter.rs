@@ -28,8 +28,8 @@ pub fn device() -> &'static TestDevice {
     &DEVICE
 }
 
-/// Opens a device on the adapter that suits the tests best, or on the one that `WGPU_ADAPTER_NAME` asks for. OpenGL does not
-/// count: see `umbrage_wgpu::AdapterChoice`.
+/// Opens a device on the adapter that suits the tests best, or on the one that `WGPU_ADAPTER_NAME`
+/// asks for. OpenGL does not count: see `umbrage_wgpu::AdapterChoice`.
 ///
 /// # Errors
 /// Errors if there is none, or it doesn't open; in words.
@@ -75,7 +75,8 @@ pub fn open_with(desc: &wgpu::DeviceDescriptor<'_>) -> Result<TestDevice, String
     })
 }
 
-/// Software adapters come first: they neither contract nor reorder, so that twins can be asked to be bit-equal.
+/// Software adapters come first: they neither contract nor reorder, so that twins can be asked to
+/// be bit-equal.
 fn preference(info: &wgpu::AdapterInfo) -> (bool, bool) {
     (
         info.device_type != wgpu::DeviceType::Cpu,

@@ -4,7 +4,8 @@ use umbrage_core::{Backend, Recipe, Shadows, View, metrics::Agreement};
 use umbrage_lab::compare;
 use umbrage_wgpu::Gpu;
 
-/// Compares a device's mask with the CPU's: bit by bit on the driver where bits are promised, elsewhere in decided pixels.
+/// Compares a device's mask with the CPU's: bit by bit on the driver where bits are promised,
+/// elsewhere in decided pixels.
 ///
 /// # Errors
 /// Errors if they differ, and names the recipe as `label`.

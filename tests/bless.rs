@@ -1,5 +1,5 @@
-//! Says which kept files (golden images, checksums of assembled WGSL, the README's table of techniques) differ from what is made now, or writes those
-//! named: `cargo xtask bless`.
+//! Says which kept files (golden images, checksums of assembled WGSL, the README's table of
+//! techniques) differ from what is made now, or writes those named: `cargo xtask bless`.
 
 use std::{path::PathBuf, process::ExitCode};
 use umbrage_tests::{

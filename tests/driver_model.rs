@@ -18,7 +18,8 @@ use umbrage_wgpu::ShaderRewriter;
 /// Environment variable that names the model which all devices of a test program follow.
 pub const VARIABLE: &str = "UMBRAGE_DRIVER_MODEL";
 
-/// Environment variable that makes tests of many cases run each Nth of them: a whole number, 1 or more.
+/// Environment variable that makes tests of many cases run each Nth of them: a whole number, 1 or
+/// more.
 pub const NTH_VARIABLE: &str = "UMBRAGE_EVERY_NTH_CASE";
 
 /// Returns N of "each Nth case": 1 unless the environment says otherwise.
@@ -48,7 +49,8 @@ pub fn is_chosen(case: usize) -> bool {
 /// How a driver rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriverModel {
-    /// Rounds `a * b + c`, `a * b - c` and `c - a * b` once. Computes them in 64 bits: software drivers have no fused instruction.
+    /// Rounds `a * b + c`, `a * b - c` and `c - a * b` once. Computes them in 64 bits: software
+    /// drivers have no fused instruction.
     Fused,
     /// Adds `a + b + c` from right to left.
     Reassociated,
@@ -82,7 +84,8 @@ impl DriverModel {
         Some(name.parse().unwrap_or_else(|why: String| panic!("{why}")))
     }
 
-    /// Makes all shaders of the process follow the model that the environment names, if it names one. Returns that model.
+    /// Makes all shaders of the process follow the model that the environment names, if it names
+    /// one. Returns that model.
     ///
     /// # Panics
     /// Panics if there is no model of that name.
@@ -110,7 +113,8 @@ impl DriverModel {
     /// Returns a shader that computes what such a driver would compute of `wgsl`.
     ///
     /// # Panics
-    /// Panics if the text has a kind of statement that no shader here has. Text that is not valid WGSL is returned as it is.
+    /// Panics if the text has a kind of statement that no shader here has. Text that is not valid
+    /// WGSL is returned as it is.
     pub fn rewrite(self, wgsl: &str) -> String {
         let Ok(mut module) = parse_str(wgsl) else {
             return wgsl.to_owned();
@@ -231,7 +235,8 @@ impl<'a> Rewriter<'a> {
         self.push(Expression::Binary { op, left, right })
     }
 
-    /// Returns the number of components of an old expression of type f32. `None` if it has another type.
+    /// Returns the number of components of an old expression of type f32. `None` if it has another
+    /// type.
     fn float_size(&self, old: Handle<Expression>) -> Option<Option<VectorSize>> {
         match *self.info[old].ty.inner_with(&self.module.types) {
             TypeInner::Scalar(Scalar::F32) => Some(None),

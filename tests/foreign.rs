@@ -20,7 +20,8 @@ pub fn buffer(d: &TestDevice, usage: BufferUsages, contents: &[u8]) -> Buffer {
     })
 }
 
-/// Adds a mesh of one triangle with these corners, local space, to a set. `usage` is that of its vertices.
+/// Adds a mesh of one triangle with these corners, local space, to a set. `usage` is that of its
+/// vertices.
 ///
 /// # Panics
 /// Panics if the set refuses it.
@@ -85,7 +86,8 @@ pub fn texture(
     })
 }
 
-/// Submits the encoder, and returns what an `R32Float` texture then holds, layer by layer and row by row.
+/// Submits the encoder, and returns what an `R32Float` texture then holds, layer by layer and row
+/// by row.
 ///
 /// # Panics
 /// Panics if the device is lost.

@@ -1,8 +1,9 @@
 //! What drivers may compute otherwise, found in a shader's functions.
 //!
-//! WGSL lets drivers fuse a product with a sum, compute built-ins such as `dot` in any order, and miss quotients and roots. All of that is
-//! looked for in naga's representation, after its functions are seen as one: a product counts wherever it goes, through variables,
-//! parameters, results, structures and signs.
+//! WGSL lets drivers fuse a product with a sum, compute built-ins such as `dot` in any order, and
+//! miss quotients and roots. All of that is looked for in naga's representation, after its
+//! functions are seen as one: a product counts wherever it goes, through variables, parameters,
+//! results, structures and signs.
 
 use naga::{
     BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, MathFunction,
@@ -39,7 +40,8 @@ impl fmt::Display for Liberty {
     }
 }
 
-/// Returns each function of a shader with the liberties that it leaves to drivers, in the order of names.
+/// Returns each function of a shader with the liberties that it leaves to drivers, in the order of
+/// names.
 ///
 /// # Errors
 /// Errors if the text is not valid WGSL.
@@ -63,8 +65,8 @@ pub fn liberties(wgsl: &str) -> Result<BTreeSet<(String, Liberty)>, String> {
     Ok(out)
 }
 
-/// Returns the functions among `roots`, and the entry points, in which a product may be guarded by a
-/// variable of this name before the variable is stored to: compilers know its first value.
+/// Returns the functions among `roots`, and the entry points, in which a product may be guarded by
+/// a variable of this name before the variable is stored to: compilers know its first value.
 ///
 /// # Errors
 /// Errors if the text is not valid WGSL, or names none of `roots`.
@@ -383,7 +385,8 @@ fn root(function: &Function, mut pointer: Handle<Expression>) -> &Expression {
     }
 }
 
-/// Returns whether an expression is a constant power of two: products with it are exact, and fusing them changes nothing.
+/// Returns whether an expression is a constant power of two: products with it are exact, and fusing
+/// them changes nothing.
 fn is_power_of_two(module: &Module, function: &Function, handle: Handle<Expression>) -> bool {
     let is_power = |literal: &Literal| match *literal {
         Literal::F32(x) => x.is_normal() && x.to_bits() & 0x007f_ffff == 0,

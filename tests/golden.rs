@@ -26,8 +26,8 @@ pub struct Golden {
     pub technique: Make,
 }
 
-/// Wide enough an offset that the kernels used here, up to 3 texels wide, shadow no plane by itself: acne would drown all
-/// else, and change wherever a bit does.
+/// Wide enough an offset that the kernels used here, up to 3 texels wide, shadow no plane by
+/// itself: acne would drown all else, and change wherever a bit does.
 const BIAS: Bias = Bias {
     normal_offset: 3.0,
     ..Bias::NONE
@@ -44,7 +44,8 @@ const MAP: ShadowMap = ShadowMap {
     beyond_far: BeyondFar::Lit,
 };
 
-/// All golden images. Few: each shows what no other does, and all have to be looked at when they change.
+/// All golden images. Few: each shows what no other does, and all have to be looked at when they
+/// change.
 pub fn all() -> Vec<Golden> {
     let list: [(&str, Make); 11] = [
         ("cubes", hard),

@@ -86,7 +86,8 @@ pub fn named() -> Option<AdapterChoice> {
     Some(AdapterChoice::from_env()).filter(|choice| choice.name.is_some())
 }
 
-/// Software drivers come first, as for [`device`](crate::adapter::device): of them bit-equality can be asked.
+/// Software drivers come first, as for [`device`](crate::adapter::device): of them bit-equality can
+/// be asked.
 fn open() -> Result<Gpu, BackendError> {
     DriverModel::install();
     if let Some(named) = named() {

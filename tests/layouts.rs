@@ -3,8 +3,8 @@
 use naga::TypeInner;
 use umbrage_core::UniformLayout;
 
-/// The layout that naga gives the WGSL struct called `name`. Only the struct declarations of `wgsl` are looked at, so the
-/// text may call functions and read variables that a player declares.
+/// The layout that naga gives the WGSL struct called `name`. Only the struct declarations of `wgsl`
+/// are looked at, so the text may call functions and read variables that a player declares.
 ///
 /// # Errors
 /// Errors if the structs don't compile, or none has that name.

@@ -165,7 +165,8 @@ impl ForwardProgram {
 }
 
 impl Forward {
-    /// Returns the visibility of the light with this index at every receiver, as of the set's last frame.
+    /// Returns the visibility of the light with this index at every receiver, as of the set's last
+    /// frame.
     ///
     /// # Panics
     /// Panics if the set was not prepared.

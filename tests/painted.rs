@@ -1,4 +1,5 @@
-//! A small scene in colour: textures, a normal map, a mirrored and a smooth object, a light's marker.
+//! A small scene in colour: textures, a normal map, a mirrored and a smooth object, a light's
+//! marker.
 
 use umbrage_core::{
     Camera, Extents, Instance, Invalid, Light, LightMarker, Material, Mesh, Scene, Texture,
@@ -86,7 +87,8 @@ pub fn cameras() -> Result<[Camera; 2], Invalid> {
     ])
 }
 
-/// Two balls, one of them mirrored and without a texture's colour, over a floor; a third that names no material.
+/// Two balls, one of them mirrored and without a texture's colour, over a floor; a third that names
+/// no material.
 fn instances() -> Vec<Instance> {
     let place = |mesh, scale: Vec3, at: Vec3, material| {
         let world_from_local = Affine3A::from_translation(at) * Affine3A::from_scale(scale);

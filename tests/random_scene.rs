@@ -20,13 +20,15 @@ pub struct Case {
     pub technique: TechniquePreset,
 }
 
-/// Scenes, of which some have holes, with techniques whose kernels are bit-equal on drivers that keep the order of operations.
+/// Scenes, of which some have holes, with techniques whose kernels are bit-equal on drivers that
+/// keep the order of operations.
 pub fn cases() -> impl Strategy<Value = Case> {
     let scenes = prop_oneof![5 => scenes().boxed(), 1 => scenes_with_holes().boxed()];
     (scenes, techniques()).prop_map(|(scene, technique)| Case { scene, technique })
 }
 
-/// Scenes as those of [`scenes`]; an alpha texture, hashed in half of them, cuts holes into about half of their objects.
+/// Scenes as those of [`scenes`]; an alpha texture, hashed in half of them, cuts holes into about
+/// half of their objects.
 pub fn scenes_with_holes() -> impl Strategy<Value = Scene> {
     let texture = (1..9_u32, 1..9_u32)
         .prop_flat_map(|(width, height)| {
@@ -276,7 +278,8 @@ fn cameras() -> impl Strategy<Value = Camera> {
         )
 }
 
-/// Any built-in technique, as often as its row of the catalogue says, with the settings that it makes of drawn numbers.
+/// Any built-in technique, as often as its row of the catalogue says, with the settings that it
+/// makes of drawn numbers.
 fn techniques() -> impl Strategy<Value = TechniquePreset> {
     let weighted = catalogue::all()
         .iter()

@@ -1,5 +1,5 @@
-//! Shadows in a deferred renderer: `cargo run --release --example deferred [PRESET.toml]` writes `deferred.png`.
-//! `docs/add_shadows.md` explains it.
+//! Shadows in a deferred renderer: `cargo run --release --example deferred [PRESET.toml]` writes
+//! `deferred.png`. `docs/add_shadows.md` explains it.
 
 use anyhow::Result;
 use std::sync::Arc;

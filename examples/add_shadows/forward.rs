@@ -1,5 +1,5 @@
-//! Shadows in a forward renderer: `cargo run --release --example forward [PRESET.toml]` writes `forward.png`.
-//! `docs/add_shadows.md` explains it.
+//! Shadows in a forward renderer: `cargo run --release --example forward [PRESET.toml]` writes
+//! `forward.png`. `docs/add_shadows.md` explains it.
 
 use anyhow::Result;
 use std::sync::Arc;
@@ -36,7 +36,8 @@ impl Forward {
         self.shadows.prepare(graphics, &self.boxes)?;
         self.shadows.set.encode(encoder)?;
 
-        // The set's text stands before the program's. It changes with the kinds of techniques and the sizes of maps.
+        // The set's text stands before the program's. It changes with the kinds of techniques and
+        // the sizes of maps.
         let set = &self.shadows.set;
         let (shadows, layout) = set.bind_group()?;
         let revision = set.wgsl_revision();

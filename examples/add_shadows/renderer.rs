@@ -1,4 +1,5 @@
-//! A small wgpu renderer without shadows: device, scene of boxes, pipelines, and image file. The programs that add shadows share it.
+//! A small wgpu renderer without shadows: device, scene of boxes, pipelines, and image file. The
+//! programs that add shadows share it.
 
 use anyhow::{Context as _, Result};
 use std::sync::Arc;
@@ -63,7 +64,8 @@ pub struct BoxScene {
     spacing: f32,
     /// Half of a box's width, metres.
     half_width: f32,
-    /// Half of the lowest box's height, and by how much each of four higher ones exceeds the one before, metres.
+    /// Half of the lowest box's height, and by how much each of four higher ones exceeds the one
+    /// before, metres.
     half_heights: [f32; 2],
 }
 
@@ -302,7 +304,8 @@ impl Graphics {
         self.device.create_bind_group(&desc)
     }
 
-    /// Returns a pipeline that draws the boxes, or else a triangle around the screen without a depth buffer.
+    /// Returns a pipeline that draws the boxes, or else a triangle around the screen without a
+    /// depth buffer.
     pub fn pipeline(
         &self,
         text: String,
@@ -509,7 +512,8 @@ pub fn depth_attachment(
     })
 }
 
-/// Returns the technique in the preset file that the program's first argument names, 3x3 comparisons without one.
+/// Returns the technique in the preset file that the program's first argument names, 3x3
+/// comparisons without one.
 pub fn technique_by_argument() -> Result<Arc<dyn ShadowTechnique>> {
     let Some(file) = std::env::args().nth(1) else {
         return Ok(Arc::new(MapTechnique::<Pcf>::default()));

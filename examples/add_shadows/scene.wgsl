@@ -1,4 +1,5 @@
-// The scene without shadows: its numbers, what the camera sees, and how much of a light would arrive.
+// The scene without shadows: its numbers, what the camera sees, and how much of a light would
+// arrive.
 
 struct Lamp {
     // Position (w = 1), or direction to the light (w = 0).

@@ -49,7 +49,8 @@ impl BoxShadows {
             indices: None,
             range: 0..boxes.vertex_count,
             base_vertex: 0,
-            // Around the mesh's positions, as they are in the buffer: casters outside a map are not drawn into it.
+            // Around the mesh's positions, as they are in the buffer: casters outside a map are not
+            // drawn into it.
             bounds: Aabb {
                 min: Vec3::NEG_ONE,
                 max: Vec3::ONE,

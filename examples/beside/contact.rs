@@ -1,15 +1,18 @@
-//! Contact shadows, written as a user of the library would: what the camera's own depth image says about the last centimetres
-//! between a receiver and its blocker, multiplied with a shadow map's answer.
+//! Contact shadows, written as a user of the library would: what the camera's own depth image says
+//! about the last centimetres between a receiver and its blocker, multiplied with a shadow map's
+//! answer.
 //!
-//! After Aldridge 2023, "Inside Bend: Screen space shadows" (Bend Studio, of the game Days Gone): from the receiver's pixel walk
-//! pixel by pixel towards the light's place on the image, and compare the depth of the ray with the depth that is seen there. What
-//! is seen counts as a solid of a certain thickness, a share of its distance from the camera. The nearest pixels decide alone;
-//! farther ones decide together, four groups of a quarter each, and the last ones fade out. Two seen depths beside the ray are
-//! blended where they are of one surface. Bend's own program shares the depths that it loads between the receivers of a ray, by a
-//! compute pass whose groups lie along rays; a receive kernel works for one receiver, so that this one loads them anew.
+//! After Aldridge 2023, "Inside Bend: Screen space shadows" (Bend Studio, of the game Days Gone):
+//! from the receiver's pixel walk pixel by pixel towards the light's place on the image, and
+//! compare the depth of the ray with the depth that is seen there. What is seen counts as a solid
+//! of a certain thickness, a share of its distance from the camera. The nearest pixels decide
+//! alone; farther ones decide together, four groups of a quarter each, and the last ones fade out.
+//! Two seen depths beside the ray are blended where they are of one surface. Bend's own program
+//! shares the depths that it loads between the receivers of a ray, by a compute pass whose groups
+//! lie along rays; a receive kernel works for one receiver, so that this one loads them anew.
 //!
-//! What it can't know: what lies outside the image or behind something, and how thick anything is. Lights with an extent count as
-//! their middle.
+//! What it can't know: what lies outside the image or behind something, and how thick anything is.
+//! Lights with an extent count as their middle.
 
 use serde::{Deserialize, Serialize};
 use umbrage::{
@@ -34,10 +37,11 @@ pub const MAX_RADIUS: u32 = 8;
 const PIXELS_ALONE: i32 = 4;
 /// Over how many of the last pixels the answer fades out. Aldridge's value.
 const PIXELS_FADING: i32 = 8;
-/// How far two neighbouring depths may lie apart to be of one surface, as a share of the distance. Aldridge's value.
+/// How far two neighbouring depths may lie apart to be of one surface, as a share of the distance.
+/// Aldridge's value.
 const SAME_SURFACE: f32 = 0.02;
-/// How far before the ray something must lie to block it, as a share of the thickness: more than what rounding of the depth image
-/// moves a lit surface by.
+/// How far before the ray something must lie to block it, as a share of the thickness: more than
+/// what rounding of the depth image moves a lit surface by.
 const LEAST_DEPTH: f32 = 1.0 / 32.0;
 
 /// A shadow map, and a walk over the camera's depth image.
@@ -327,8 +331,9 @@ impl MapAndWalk<'_> {
         let z = row_times_point(u.z_from_world, p);
         let w = row_times_point(u.w_from_world, p);
         let light = u.light_on_image;
-        // The ray's points are p + s light in clip space, s from 0 on. What follows are the derivatives at s = 0 of x / w, y / w and
-        // z / w, each times w²; on the image the ray is straight, and so is its depth.
+        // The ray's points are p + s light in clip space, s from 0 on. What follows are the
+        // derivatives at s = 0 of x / w, y / w and z / w, each times w²; on the image the ray is
+        // straight, and so is its depth.
         let right = (light.x * w - x * light.w) * (0.5 * u.image_size.x as f32);
         let down = (y * light.w - light.y * w) * (0.5 * u.image_size.y as f32);
         let deeper = light.z * w - z * light.w;
@@ -338,7 +343,8 @@ impl MapAndWalk<'_> {
         }
         let mut steps = u.pixels;
         if light.w > 0.0 {
-            // The light's own place lies ahead on the image. From (x, y) / w to there it is the derivative times w / light.w.
+            // The light's own place lies ahead on the image. From (x, y) / w to there it is the
+            // derivative times w / light.w.
             let pixels_to_light = longer / (w * light.w);
             steps = steps.min(pixels_to_light.min(MAX_PIXELS as f32) as i32);
         }
@@ -350,7 +356,8 @@ impl MapAndWalk<'_> {
         })
     }
 
-    /// Returns the depth that is seen at a place on the image; none beside it. `along_x` says which coordinate is a pixel's centre.
+    /// Returns the depth that is seen at a place on the image; none beside it. `along_x` says which
+    /// coordinate is a pixel's centre.
     #[inline(always)]
     fn seen_depth(&self, x: f32, y: f32, along_x: bool) -> Option<f32> {
         let size = self.uniforms.image_size.as_ivec2();

@@ -1,8 +1,9 @@
-//! Lookups of `exact` in turn with rays of Embree 4 to the same light from the same pixels: `embree.sh` fetches Embree's library,
-//! compiles `embree.c` and calls this.
+//! Lookups of `exact` in turn with rays of Embree 4 to the same light from the same pixels:
+//! `embree.sh` fetches Embree's library, compiles `embree.c` and calls this.
 //!
-//! `cargo run --release --example embree PROGRAM LIBRARY FOLDER [SCENE]...`: the compiled program, the library, a folder for
-//! triangles and rays, and built-in scenes (all speed and content scenes if none is named). Each ideal light is a row.
+//! `cargo run --release --example embree PROGRAM LIBRARY FOLDER [SCENE]...`: the compiled program,
+//! the library, a folder for triangles and rays, and built-in scenes (all speed and content scenes
+//! if none is named). Each ideal light is a row.
 
 use anyhow::{Context, ensure};
 use std::{

@@ -14,10 +14,12 @@ use umbrage_examples::sheet::Sheet;
 /// Metres, each way along the normal.
 const NOISE: f32 = 0.02;
 const MAP: UVec2 = UVec2::splat(256);
-/// How far around a vertex the clean shape is averaged: see `DisplacementMap::from_noisy_keeping_shape`.
+/// How far around a vertex the clean shape is averaged: see
+/// `DisplacementMap::from_noisy_keeping_shape`.
 const ROUNDS: u32 = 8;
 
-/// Writes maps and images of a sphere and a torus, and prints how far their vertices are from the clean surface.
+/// Writes maps and images of a sphere and a torus, and prints how far their vertices are from the
+/// clean surface.
 pub(crate) fn write(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;

@@ -1,4 +1,5 @@
-//! The same shadows, written by hand for this image alone. It keeps nothing from frame to frame: all maps are drawn again.
+//! The same shadows, written by hand for this image alone. It keeps nothing from frame to frame:
+//! all maps are drawn again.
 
 use super::program::{SceneShadows, SurfaceBuffer};
 use crate::renderer::{self, BOX_BUFFERS, Boxes, DEPTH, Graphics, UNIFORMS, floats};

@@ -1,5 +1,5 @@
-// The same shadows, written for this picture alone: four maps in one array, a square of comparisons with a constant bias. `RADIUS` is
-// put before this text.
+// The same shadows, written for this picture alone: four maps in one array, a square of comparisons
+// with a constant bias. `RADIUS` is put before this text.
 
 struct Maps {
     clip_from_world: array<mat4x4f, 4>,

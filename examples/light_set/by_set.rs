@@ -52,7 +52,8 @@ impl SceneShadows for BoxShadows {
                     world_from_clip: boxes.scene.clip_from_world().inverse(),
                     empty: 1.0,
                 },
-                // A constant bias needs no normals, and the program written by hand reads none for its masks.
+                // A constant bias needs no normals, and the program written by hand reads none for
+                // its masks.
                 normals: None,
             },
             lights: &self.lights,

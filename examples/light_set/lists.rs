@@ -1,4 +1,5 @@
-//! What shadows of casters that all move take on frames of real size: a map that is drawn anew, and lists that the device makes anew.
+//! What shadows of casters that all move take on frames of real size: a map that is drawn anew, and
+//! lists that the device makes anew.
 
 use super::{open, timed};
 use crate::renderer::Graphics;
@@ -172,7 +173,8 @@ impl LitScene {
         })
     }
 
-    /// Draws a frame in which all casters moved. Returns milliseconds of making maps or lists, and of the lookup.
+    /// Draws a frame in which all casters moved. Returns milliseconds of making maps or lists, and
+    /// of the lookup.
     fn frame(
         &mut self,
         graphics: &Graphics,

@@ -1,8 +1,9 @@
 //! Times of light sets: `cargo run --release --example light_set -- --compare`.
 //!
-//! `--compare` draws the same image in turn with a program written by hand for exactly that, and prints the ratio of frame times.
-//! `--casters` prints how long preparing 10,000 casters takes. `--lists [SCENE]...` prints how long the device takes to list all
-//! casters, compared with drawing a map.
+//! `--compare` draws the same image in turn with a program written by hand for exactly that, and
+//! prints the ratio of frame times. `--casters` prints how long preparing 10,000 casters takes.
+//! `--lists [SCENE]...` prints how long the device takes to list all casters, compared with drawing
+//! a map.
 
 use anyhow::Result;
 use umbrage_examples::light_set;

@@ -1,4 +1,5 @@
-//! Times of light sets: compared with code written by hand, with many casters, and with lists that the device makes.
+//! Times of light sets: compared with code written by hand, with many casters, and with lists that
+//! the device makes.
 
 mod by_hand;
 mod by_set;
@@ -32,14 +33,16 @@ const PAIRS: Repetitions = Repetitions {
     warm_up: 3,
     runs: 24,
 };
-/// Most pixels that may differ, of 921,600: those where the two round the edge of a map differently.
+/// Most pixels that may differ, of 921,600: those where the two round the edge of a map
+/// differently.
 const MOST_DIFFERING: usize = 2000;
 /// Constant bias of all maps, clip depth.
 const BIAS: f32 = 0.002;
 /// Side of all maps, texels.
 const MAP_SIZE: u32 = 1024;
 
-/// Opens the device of an adapter, with all that the adapter can hold: lists of many triangles are long.
+/// Opens the device of an adapter, with all that the adapter can hold: lists of many triangles are
+/// long.
 fn open(choice: &AdapterChoice) -> Result<(String, Graphics)> {
     let gpu = Gpu::new(choice)?;
     let (device, queue) = gpu.device();
@@ -92,7 +95,8 @@ pub fn compare() -> Result<()> {
     Ok(())
 }
 
-/// Returns times of the set over times by hand on an adapter, by what was drawn and whether casters move.
+/// Returns times of the set over times by hand on an adapter, by what was drawn and whether casters
+/// move.
 ///
 /// # Errors
 /// Errors if the device fails, or the two programs draw different images.

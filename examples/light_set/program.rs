@@ -1,4 +1,5 @@
-//! A renderer whose shadows come from a light set or from code written by hand: everything else is the same.
+//! A renderer whose shadows come from a light set or from code written by hand: everything else is
+//! the same.
 
 use crate::renderer::{self, Boxes, COLOR, DEPTH, Graphics, NORMAL, UNIFORMS, floats};
 use anyhow::Result;

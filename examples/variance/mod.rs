@@ -1,6 +1,7 @@
-//! Variance shadow maps, written as a user of the library would: Donnelly and Lauritzen 2006, "Variance shadow maps".
-//! Depth and its square are averaged over a square of texels; Chebyshev's inequality bounds the share of it that is
-//! farther than the receiver. Bleeds light where casters overlap in depth.
+//! Variance shadow maps, written as a user of the library would: Donnelly and Lauritzen 2006,
+//! "Variance shadow maps". Depth and its square are averaged over a square of texels; Chebyshev's
+//! inequality bounds the share of it that is farther than the receiver. Bleeds light where casters
+//! overlap in depth.
 
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -204,7 +205,8 @@ impl ReceiveKernel for Chebyshev {
             uniforms: &self.0,
             moments: inputs.images[0],
         };
-        // Finds each receiver's place on the map, in vector lanes, as the library's own techniques do.
+        // Finds each receiver's place on the map, in vector lanes, as the library's own techniques
+        // do.
         look_up_span(inputs.simd, &self.0.lookup, span, out, &bound);
     }
 }

@@ -2,17 +2,18 @@
 //!
 //! # Merging texels into samples
 //!
-//! A filter over texels is a row of weights k₀ .. k₂ᵣ (and its product with itself in y), made continuous by a tent one
-//! texel wide: at the fraction s between two texel centres, texel i weighs aᵢ = (1 - s) kᵢ + s kᵢ₋₁, i from 0 to 2r + 1.
-//! A bilinear sample at the fraction f between texels i and i + 1 answers (1 - f) cᵢ + f cᵢ₊₁. With f = aᵢ₊₁/(aᵢ + aᵢ₊₁) and
-//! the weight aᵢ + aᵢ₊₁ it stands for both texels exactly; f lies within 0..=1, since no aᵢ is negative. The row has an
-//! even count of texels, so r + 1 samples make it up; in two dimensions, where weights are products, (r + 1)² samples
-//! stand for (2r + 2)² texels. Castaño 2013, "Shadow mapping summary, part 1" (The Witness), has 3x3 in four samples and 5x5
-//! in nine this way.
+//! A filter over texels is a row of weights k₀ .. k₂ᵣ (and its product with itself in y), made
+//! continuous by a tent one texel wide: at the fraction s between two texel centres, texel i weighs
+//! aᵢ = (1 - s) kᵢ + s kᵢ₋₁, i from 0 to 2r + 1. A bilinear sample at the fraction f between texels
+//! i and i + 1 answers (1 - f) cᵢ + f cᵢ₊₁. With f = aᵢ₊₁/(aᵢ + aᵢ₊₁) and the weight aᵢ + aᵢ₊₁ it
+//! stands for both texels exactly; f lies within 0..=1, since no aᵢ is negative. The row has an
+//! even count of texels, so r + 1 samples make it up; in two dimensions, where weights are
+//! products, (r + 1)² samples stand for (2r + 2)² texels. Castaño 2013, "Shadow mapping summary,
+//! part 1" (The Witness), has 3x3 in four samples and 5x5 in nine this way.
 //!
-//! The rows here: 1 2 1, a box three texels wide over it, 1 3 4 3 1, and once more, 1 4 8 10 8 4 1: ever closer to a
-//! Gaussian (boxes of boxes), with standard deviations of .71, 1.08 and 1.35 texels (and .41 more, added in squares, from
-//! the tent).
+//! The rows here: 1 2 1, a box three texels wide over it, 1 3 4 3 1, and once more, 1 4 8 10 8 4 1:
+//! ever closer to a Gaussian (boxes of boxes), with standard deviations of .71, 1.08 and 1.35
+//! texels (and .41 more, added in squares, from the tent).
 
 use glam::{Vec2, Vec4};
 use umbrage_core::{Module, module};
@@ -20,10 +21,11 @@ use umbrage_core::{Module, module};
 /// The WGSL half.
 pub const BILINEAR_WEIGHTS: Module = module!("bilinear_weights");
 
-/// Returns the clip depth that a sample `step` texels from the receiver compares, given the receiver's `depth` and its change per
-/// texel. One depth serves four texels, whose centres lie up to one texel from the sample along each axis: the receiver's
-/// plane may gain |gx| + |gy| up to there, of which `share` is taken off (all of it in Isidoro 2006, "Shadow mapping: GPU-based
-/// tips and techniques"; nothing where casters move away by as much). Never beyond `deepest`.
+/// Returns the clip depth that a sample `step` texels from the receiver compares, given the
+/// receiver's `depth` and its change per texel. One depth serves four texels, whose centres lie up
+/// to one texel from the sample along each axis: the receiver's plane may gain |gx| + |gy| up to
+/// there, of which `share` is taken off (all of it in Isidoro 2006, "Shadow mapping: GPU-based tips
+/// and techniques"; nothing where casters move away by as much). Never beyond `deepest`.
 #[inline(always)]
 pub fn reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, step: Vec2) -> f32 {
     let gain = share * (gradient.x.abs() + gradient.y.abs());
@@ -31,9 +33,10 @@ pub fn reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, ste
     moved.min(deepest)
 }
 
-/// Returns the weight of the sample that stands for two texels, and where it lies between them (0..=1 from the first one's centre).
-/// `row` holds each texel's weight kᵢ and its change kᵢ₋₁ - kᵢ, the first one's before the second one's; `s` is 0..=1.
-/// (Changes are handed in ready-made, since drivers know `(1 - s) a + s b` as a blend and put their own in its place.)
+/// Returns the weight of the sample that stands for two texels, and where it lies between them
+/// (0..=1 from the first one's centre). `row` holds each texel's weight kᵢ and its change kᵢ₋₁ -
+/// kᵢ, the first one's before the second one's; `s` is 0..=1. (Changes are handed in ready-made,
+/// since drivers know `(1 - s) a + s b` as a blend and put their own in its place.)
 #[inline(always)]
 pub fn merged_sample(row: Vec4, s: f32) -> Vec2 {
     let first = row.x + s * row.y;
@@ -42,7 +45,8 @@ pub fn merged_sample(row: Vec4, s: f32) -> Vec2 {
     Vec2::new(weight, second / weight)
 }
 
-/// Returns the row of weights of 2 `reach` + 1 texels: 1 2 1, widened by a box of three for each further texel of reach.
+/// Returns the row of weights of 2 `reach` + 1 texels: 1 2 1, widened by a box of three for each
+/// further texel of reach.
 pub fn filter_row(reach: usize) -> Vec<f32> {
     let mut row = vec![1.0, 2.0, 1.0];
     for _ in 1..reach {
@@ -64,7 +68,8 @@ fn widened(row: &[f32]) -> Vec<f32> {
     wider
 }
 
-/// Returns what [`merged_sample`] takes for each of `reach` + 1 samples (up to four), and zeros after them.
+/// Returns what [`merged_sample`] takes for each of `reach` + 1 samples (up to four), and zeros
+/// after them.
 pub fn merged_rows(reach: usize) -> [Vec4; 4] {
     let row = filter_row(reach);
     std::array::from_fn(|sample| {

@@ -1,4 +1,5 @@
-// Twin of bilinear_weights.rs: where samples of four texels lie, what they weigh, and which depth they compare.
+// Twin of bilinear_weights.rs: where samples of four texels lie, what they weigh, and which depth
+// they compare.
 
 fn reference_depth(depth: f32, gradient: vec2f, deepest: f32, share: f32, step: vec2f) -> f32 {
     let gain = share * (abs(gradient.x) + abs(gradient.y));

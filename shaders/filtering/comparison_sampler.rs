@@ -1,9 +1,11 @@
-//! The comparison sampler: one lookup compares with four texels and blends the answers by where it lies between them.
+//! The comparison sampler: one lookup compares with four texels and blends the answers by where it
+//! lies between them.
 //!
-//! Graphics APIs fix only in part what samplers do. The arithmetic here is what Mesa's software driver was measured to do: with
-//! c = max(min(u W, W) - .5, 0), x₀ = ⌊c⌋, x₁ = min(x₀ + 1, W - 1), s = c - x₀, and the same for t in y, a row answers
-//! (x₁ lit ? s : 0) + (x₀ lit ? 1 - s : 0), and the sample top + t (bottom - top), rounded once. Weights have the precision of
-//! 32-bit floats there; graphics chips hold them in 8 bits: see [`WEIGHT_ERROR`].
+//! Graphics APIs fix only in part what samplers do. The arithmetic here is what Mesa's software
+//! driver was measured to do: with c = max(min(u W, W) - .5, 0), x₀ = ⌊c⌋, x₁ = min(x₀ + 1, W - 1),
+//! s = c - x₀, and the same for t in y, a row answers (x₁ lit ? s : 0) + (x₀ lit ? 1 - s : 0), and
+//! the sample top + t (bottom - top), rounded once. Weights have the precision of 32-bit floats
+//! there; graphics chips hold them in 8 bits: see [`WEIGHT_ERROR`].
 
 use crate::{
     filtering::bilinear_weights::{BILINEAR_WEIGHTS, reference_depth},
@@ -12,9 +14,9 @@ use crate::{
 use glam::Vec2;
 use umbrage_core::{Kernel, Module, module};
 
-/// How far a sampler with weights of 8 bits may be from the exact blend: each of two weights is off by less than 1/256,
-/// and answers differ by at most 1 along each axis. (7.3e-3 was the most over 786,432 random lookups.) Means of samples
-/// are no farther off, since their weights add to 1.
+/// How far a sampler with weights of 8 bits may be from the exact blend: each of two weights is off
+/// by less than 1/256, and answers differ by at most 1 along each axis. (7.3e-3 was the most over
+/// 786,432 random lookups.) Means of samples are no farther off, since their weights add to 1.
 pub const WEIGHT_ERROR: f32 = 2.0 / 256.0;
 
 /// Returns how far apart the answers of a kernel's halves may be, 0..=1, beyond what rounding does:
@@ -45,8 +47,9 @@ pub(crate) struct Axis {
 
 /// A square of `N` by `N` samples whose neighbours lie about `STRIDE` texels apart.
 ///
-/// `FOLLOWS_PLANE` is whether the depth compared follows the receiver's plane, so that it differs from sample to sample.
-/// It is a constant, since the loop for one case slows the other down where both are compiled into one function.
+/// `FOLLOWS_PLANE` is whether the depth compared follows the receiver's plane, so that it differs
+/// from sample to sample. It is a constant, since the loop for one case slows the other down where
+/// both are compiled into one function.
 pub(crate) struct Samples<'a, const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool> {
     pub(crate) map: DepthMap<'a>,
 }
@@ -59,7 +62,8 @@ struct TexelPair {
     weight: f32,
 }
 
-/// Returns the texels of a sample that lies `at` texels from the map's edge, for a map with this side.
+/// Returns the texels of a sample that lies `at` texels from the map's edge, for a map with this
+/// side.
 #[inline(always)]
 fn texel_pair(at: f32, size: i32) -> TexelPair {
     let w = size as f32;
@@ -96,7 +100,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         }
     }
 
-    /// As [`one_by_one`](Self::one_by_one), not inlined, for the few that need it: those at the map's edge.
+    /// As [`one_by_one`](Self::one_by_one), not inlined, for the few that need it: those at the
+    /// map's edge.
     #[inline(never)]
     fn one_by_one_apart(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
         self.one_by_one(l, x, y)
@@ -104,7 +109,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
 
     /// Returns the sum, sample by sample in the order of the shader's loop.
     ///
-    /// Always inlined: by itself it would be compiled without the instructions for `floor` and `mul_add`, as calls.
+    /// Always inlined: by itself it would be compiled without the instructions for `floor` and
+    /// `mul_add`, as calls.
     #[expect(
         clippy::needless_range_loop,
         reason = "one index into the places, the weights and the texels of an axis"
@@ -125,8 +131,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         lit
     }
 
-    /// Returns the sum with a lane for each column of samples; `None` at the map's edge and where each sample has a depth of its
-    /// own.
+    /// Returns the sum with a lane for each column of samples; `None` at the map's edge and where
+    /// each sample has a depth of its own.
     #[inline(always)]
     fn in_lanes(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> Option<f32> {
         if l.gradient != Vec2::ZERO || l.depth > 1.0 {
@@ -153,8 +159,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         Some(lit)
     }
 
-    /// Returns the first texel's column of the first sample; `None` unless the other samples follow it in steps of exactly `STRIDE`
-    /// texels and all lie inside the map's rim.
+    /// Returns the first texel's column of the first sample; `None` unless the other samples follow
+    /// it in steps of exactly `STRIDE` texels and all lie inside the map's rim.
     #[inline(always)]
     fn first_column(&self, x: &Axis) -> Option<i32> {
         let first = self.inner_texel_pair(x.at[0])?.low;
@@ -171,7 +177,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
         Some(first)
     }
 
-    /// Returns the texels of a sample; `None` if it lies within half a texel of the map's edge or beyond it.
+    /// Returns the texels of a sample; `None` if it lies within half a texel of the map's edge or
+    /// beyond it.
     #[inline(always)]
     fn inner_texel_pair(&self, at: f32) -> Option<TexelPair> {
         if at >= 0.5 && at <= self.map.size as f32 - 0.5 {
@@ -182,8 +189,8 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
     }
 }
 
-/// Returns one row's answers for samples `STRIDE` texels apart, from the texel with index `first` on; `None` if fewer than eight
-/// texels are left.
+/// Returns one row's answers for samples `STRIDE` texels apart, from the texel with index `first`
+/// on; `None` if fewer than eight texels are left.
 #[inline(always)]
 fn compare_row<const STRIDE: usize>(
     texels: &[f32],
@@ -199,7 +206,8 @@ fn compare_row<const STRIDE: usize>(
     }))
 }
 
-/// Returns the answer of one sample, 0..=1, that lies `at` texels from the map's top left corner, between these columns and rows.
+/// Returns the answer of one sample, 0..=1, that lies `at` texels from the map's top left corner,
+/// between these columns and rows.
 #[inline(always)]
 fn sampled_between(
     map: &DepthMap<'_>,
@@ -228,13 +236,15 @@ fn sampled_between(
     rows.weight.mul_add(bottom - top, top)
 }
 
-/// Returns whether a texel of the map lets light to `depth`. Nothing beyond the far plane is lit, whatever is stored.
+/// Returns whether a texel of the map lets light to `depth`. Nothing beyond the far plane is lit,
+/// whatever is stored.
 #[inline(always)]
 fn is_lit(map: &DepthMap<'_>, x: i32, y: i32, layer: i32, depth: f32) -> bool {
     depth <= 1.0 && depth <= map.load(x, y, layer)
 }
 
-/// Returns the answer of a sample that touches the lit border, blended by hand: no sampler of WebGPU's has such a border.
+/// Returns the answer of a sample that touches the lit border, blended by hand: no sampler of
+/// WebGPU's has such a border.
 #[inline(never)]
 fn sampled_at_rim(map: &DepthMap<'_>, layer: i32, at: Vec2, depth: f32) -> f32 {
     let c = at - 0.5;

@@ -7,8 +7,9 @@ fn compared(l: ShadowCoord, size: f32, at: vec2f, depth: f32) -> f32 {
     return compare_0(at / size, l.layer, depth);
 }
 
-// Samplers repeat the map's edge by themselves. Those that know borders are not in WebGPU: where all beside the map is lit, samples that
-// touch the border are blended by hand from four answers of texels that surely lie within the map.
+// Samplers repeat the map's edge by themselves. Those that know borders are not in WebGPU: where
+// all beside the map is lit, samples that touch the border are blended by hand from four answers of
+// texels that surely lie within the map.
 fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 {
     let depth = reference_depth(l.depth, l.gradient, l.deepest, kernel.lookup.sample_gain, at - l.texel);
     if EDGE_REPEATS {

@@ -174,8 +174,9 @@ fn off(kernel: &dyn ReceiveKernel, row: &[f32], border: Border) -> f64 {
     points.iter().zip(&mask).map(wrong).fold(0.0, f64::max)
 }
 
-/// Coordinates up to 27 texels round to 2^-20, on the way there and back to the map's side and twice in the sampler; each
-/// texel's weight follows them with slope 1, and answers differ by 1 along each of two axes.
+/// Coordinates up to 27 texels round to 2^-20, on the way there and back to the map's side and
+/// twice in the sampler; each texel's weight follows them with slope 1, and answers differ by 1
+/// along each of two axes.
 const ROUNDING: f64 = 2.0 * 4.0 / 1_048_576.0;
 
 #[test]
@@ -320,8 +321,8 @@ fn borders() {
     );
 }
 
-/// A sloping plane, seen by a map that holds it at texel centres, is lit everywhere if its depth is followed, and isn't if
-/// it is not or if the footprint's own reach is forgotten.
+/// A sloping plane, seen by a map that holds it at texel centres, is lit everywhere if its depth is
+/// followed, and isn't if it is not or if the footprint's own reach is forgotten.
 #[test]
 fn receiver_planes_are_free_of_acne() {
     let slope = Vec2::new(0.011, -0.007);

@@ -1,11 +1,13 @@
-//! How near to the light the first blocker may be: a coarse grid over a map. Each cell holds the least depth of what may hide
-//! some of the light from a receiver in it: of the casters that lie, seen from there, before the light.
+//! How near to the light the first blocker may be: a coarse grid over a map. Each cell holds the
+//! least depth of what may hide some of the light from a receiver in it: of the casters that lie,
+//! seen from there, before the light.
 //!
-//! Guennebaud, Barthe and Paulin 2006, "Real-time soft shadow mapping by backprojection", bound the search for blockers by a
-//! pyramid of least depths; here that is done once for each cell instead of once for each receiver. The bound holds for all
-//! receivers before the far plane: with a receiver at the far plane, a caster at the depth z moves the light's rim by
-//! `1 - z` times the half axes of [`LightExtent`], and less with one before it. Gaps between cells count as no wider than
-//! they are anywhere.
+//! Guennebaud, Barthe and Paulin 2006, "Real-time soft shadow mapping by backprojection", bound the
+//! search for blockers by a pyramid of least depths; here that is done once for each cell instead
+//! of once for each receiver. The bound holds for all receivers before the far plane: with a
+//! receiver at the far plane, a caster at the depth z moves the light's rim by `1 - z` times the
+//! half axes of [`LightExtent`], and less with one before it. Gaps between cells count as no wider
+//! than they are anywhere.
 
 use crate::{
     filtering::{
@@ -22,13 +24,15 @@ use umbrage_core::{
     module, uniforms,
 };
 
-/// Most cells along a side. More cells tell casters apart better, but the work grows with the fourth power of their number.
+/// Most cells along a side. More cells tell casters apart better, but the work grows with the
+/// fourth power of their number.
 const MAX_CELLS: u32 = 32;
 
 /// A grid of square cells over a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cells {
-    /// Side of the tiles that are reduced to one texel, texels. The reduction is done twice, so a cell's side is the square of it.
+    /// Side of the tiles that are reduced to one texel, texels. The reduction is done twice, so a
+    /// cell's side is the square of it.
     ratio: u32,
     /// Cells along a side.
     pub(crate) count: u32,
@@ -37,7 +41,8 @@ pub(crate) struct Cells {
 impl Cells {
     /// Returns the grid over a map with this side, texels.
     pub(crate) fn over(size: u32) -> Self {
-        // Two even steps rather than one: a single reduction would read too many texels for each it writes.
+        // Two even steps rather than one: a single reduction would read too many texels for each it
+        // writes.
         let mut ratio = size.div_ceil(MAX_CELLS).isqrt().max(1);
         while ratio * ratio * MAX_CELLS < size {
             ratio += 1;
@@ -54,8 +59,9 @@ impl Cells {
     }
 }
 
-/// Adds the images and filters of the grid to `maps`, and returns the image with the least depth in each cell's reach. `size` is
-/// the map's side, texels; `packed` says whether its depths take four channels.
+/// Adds the images and filters of the grid to `maps`, and returns the image with the least depth in
+/// each cell's reach. `size` is the map's side, texels; `packed` says whether its depths take four
+/// channels.
 pub(crate) fn add(
     maps: &mut Maps,
     size: u32,
@@ -209,8 +215,9 @@ impl SimdTask for Row<'_> {
 }
 
 impl Row<'_> {
-    /// Returns the least depth of what is in reach of cell `column` of this row, among the cells of these rows. `reach` is for a
-    /// unit of clip depth, and no greater difference of clip depths than `max_difference` is followed.
+    /// Returns the least depth of what is in reach of cell `column` of this row, among the cells of
+    /// these rows. `reach` is for a unit of clip depth, and no greater difference of clip depths
+    /// than `max_difference` is followed.
     #[inline(always)]
     fn least_in_reach(
         &self,
@@ -245,15 +252,17 @@ impl Row<'_> {
     }
 }
 
-/// Returns the gap between two columns or two rows of cells with this side, texels; 0 for neighbours.
+/// Returns the gap between two columns or two rows of cells with this side, texels; 0 for
+/// neighbours.
 #[inline(always)]
 fn gap(a: usize, b: usize, side: f32) -> f32 {
     a.abs_diff(b).saturating_sub(1) as f32 * side
 }
 
 impl DepthInReachKernel {
-    /// Returns how far the light's rim lies from any receiver in cell (x, y), right and down, texels for a unit of clip depth. The
-    /// half axes are convex over the map, so the greatest are at the cell's corners.
+    /// Returns how far the light's rim lies from any receiver in cell (x, y), right and down,
+    /// texels for a unit of clip depth. The half axes are convex over the map, so the greatest are
+    /// at the cell's corners.
     #[inline(always)]
     fn cell_reach(&self, x: usize, y: usize, layer: usize) -> Vec2 {
         let u = &self.uniforms;

@@ -1,4 +1,5 @@
-// Twin of depth_in_reach.rs: the least depth that may hide some of the light from a receiver in a cell.
+// Twin of depth_in_reach.rs: the least depth that may hide some of the light from a receiver in a
+// cell.
 
 struct DepthInReachUniforms {
     square: u32,

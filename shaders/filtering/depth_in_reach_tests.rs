@@ -60,7 +60,8 @@ fn grid(map: &Image, shape: PatternShape) -> Image {
     image
 }
 
-/// What hides any of the light from a receiver is not nearer than its cell says; and cells say more than the map's nearest.
+/// What hides any of the light from a receiver is not nearer than its cell says; and cells say more
+/// than the map's nearest.
 #[test]
 fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
     let map = map();
@@ -91,7 +92,8 @@ fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
                         break;
                     }
                     let stored = map.view().load(p.x as i32, p.y as i32, 0);
-                    // It lies at least as far before the receiver as the ray is there: in the light's way.
+                    // It lies at least as far before the receiver as the ray is there: in the
+                    // light's way.
                     if depth - stored >= nearer {
                         checked += 1;
                         assert!(

@@ -1,9 +1,10 @@
-//! The light's horizon: which part of a light with an extent lies above a receiver's own tangent plane. A light point below
-//! the plane is not seen ([`light_sample`](umbrage_core::light_sample)), whatever a map holds.
+//! The light's horizon: which part of a light with an extent lies above a receiver's own tangent
+//! plane. A light point below the plane is not seen ([`light_sample`](umbrage_core::light_sample)),
+//! whatever a map holds.
 //!
-//! Over the plane of a receiver, the light's point at (x, y) of -1..1 along its half axes has the height
-//! `h.x + h.y x + h.z y`: metres, or for suns sines. So the horizon is a straight line across the square or the disc, and the
-//! share above it has a closed form.
+//! Over the plane of a receiver, the light's point at (x, y) of -1..1 along its half axes has the
+//! height `h.x + h.y x + h.z y`: metres, or for suns sines. So the horizon is a straight line
+//! across the square or the disc, and the share above it has a closed form.
 
 use crate::filtering::light_extent::{HalfAxes, half_axes};
 use glam::{DMat4, Mat4, Vec2, Vec3, Vec4};
@@ -40,8 +41,8 @@ impl Horizon {
         }
     }
 
-    /// Returns the share of the light, 0..=1, above the plane with unit normal `n` through `p`. `light` is its middle, homogeneous;
-    /// `square`: see [`share_above`].
+    /// Returns the share of the light, 0..=1, above the plane with unit normal `n` through `p`.
+    /// `light` is its middle, homogeneous; `square`: see [`share_above`].
     #[inline(always)]
     pub(crate) fn share(&self, square: u32, light: Vec4, p: Vec3, n: Vec3) -> f32 {
         let middle = height_over_plane(light, p, n);
@@ -55,9 +56,10 @@ impl Horizon {
         share_above(square, Vec3::new(middle, along_u, along_v))
     }
 
-    /// Returns heights over that plane: of the light's middle, and by how much they grow along the half axes that
-    /// [`light_axes`](crate::filtering::light_extent::light_axes) gives. `face` is the transform of the layer in which `p` lies, `t`
-    /// are the receiver's tangents right and down there, and `half_tangent` is the tangent of half the layer's angle.
+    /// Returns heights over that plane: of the light's middle, and by how much they grow along the
+    /// half axes that [`light_axes`](crate::filtering::light_extent::light_axes) gives. `face` is
+    /// the transform of the layer in which `p` lies, `t` are the receiver's tangents right and down
+    /// there, and `half_tangent` is the tangent of half the layer's angle.
     #[inline(always)]
     pub(crate) fn heights(
         &self,
@@ -70,7 +72,8 @@ impl Horizon {
     ) -> Vec3 {
         let middle = height_over_plane(light, p, n);
         if self.half_u.w > 0.0 {
-            // The normal's parts along the layer's x and y, as rows of its transform have them, in units of the tangent.
+            // The normal's parts along the layer's x and y, as rows of its transform have them, in
+            // units of the tangent.
             let right = face.x_axis.x * n.x + face.y_axis.x * n.y + face.z_axis.x * n.z;
             let up = face.x_axis.y * n.x + face.y_axis.y * n.y + face.z_axis.y * n.z;
             let right_down = Vec2::new(right * half_tangent, -up * half_tangent);
@@ -83,8 +86,8 @@ impl Horizon {
     }
 }
 
-/// Returns the height of a light's middle ([`homogeneous`](crate::shading::facing::homogeneous)) over the plane with unit normal `n` through
-/// `p`.
+/// Returns the height of a light's middle ([`homogeneous`](crate::shading::facing::homogeneous))
+/// over the plane with unit normal `n` through `p`.
 #[inline(always)]
 pub(crate) fn height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32 {
     let to_light = Vec3::new(
@@ -95,8 +98,9 @@ pub(crate) fn height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32 {
     dot3(n, to_light)
 }
 
-/// Returns by how much heights grow along a ball's half axes (see [`light_axes`](crate::filtering::light_extent::light_axes), whose factors
-/// these are): `n` are the normal's parts right and down on the map, `t` the receiver's tangents.
+/// Returns by how much heights grow along a ball's half axes (see
+/// [`light_axes`](crate::filtering::light_extent::light_axes), whose factors these are): `n` are
+/// the normal's parts right and down on the map, `t` the receiver's tangents.
 #[inline(always)]
 pub(crate) fn ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2 {
     let a = (1.0 + t.x * t.x).sqrt();
@@ -107,15 +111,16 @@ pub(crate) fn ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2 {
     )
 }
 
-/// Returns how much higher than its middle a ball is at the rim of the disc that faces the receiver, if the middle is `height` over the
-/// receiver's plane, and as far from the receiver as the root of `distance_squared`.
+/// Returns how much higher than its middle a ball is at the rim of the disc that faces the
+/// receiver, if the middle is `height` over the receiver's plane, and as far from the receiver as
+/// the root of `distance_squared`.
 #[inline(always)]
 pub(crate) fn ball_rim(radius: f32, height: f32, distance_squared: f32) -> f32 {
     radius * (1.0 - height * height / distance_squared).max(0.0).sqrt()
 }
 
-/// Returns the share of the square -1..1 that lies above the horizon `h.x + h.y x + h.z y = 0`: below it is a trapezium, or a
-/// triangle at a corner.
+/// Returns the share of the square -1..1 that lies above the horizon `h.x + h.y x + h.z y = 0`:
+/// below it is a trapezium, or a triangle at a corner.
 #[inline(always)]
 pub(crate) fn square_share(h: Vec3) -> f32 {
     let a = h.y.abs().max(h.z.abs());
@@ -136,8 +141,9 @@ pub(crate) fn square_share(h: Vec3) -> f32 {
     (whole - cut_off).abs()
 }
 
-/// Returns the share of the unit disc that lies above the horizon: below it is a segment, of area acos t - t sqrt(1 - t^2). The arc
-/// cosine is Hastings' polynomial (Abramowitz and Stegun 1964, 4.4.45), wrong by 7e-5 at most.
+/// Returns the share of the unit disc that lies above the horizon: below it is a segment, of area
+/// acos t - t sqrt(1 - t^2). The arc cosine is Hastings' polynomial (Abramowitz and Stegun 1964,
+/// 4.4.45), wrong by 7e-5 at most.
 #[inline(always)]
 pub(crate) fn disc_share(h: Vec3) -> f32 {
     let radius = (h.y * h.y + h.z * h.z).sqrt();
@@ -162,7 +168,8 @@ pub(crate) fn share_above(square: u32, h: Vec3) -> f32 {
     }
 }
 
-/// Returns the heights along half axes that are [`turned`](crate::filtering::sample_pattern::turned) by (cos, sin).
+/// Returns the heights along half axes that are
+/// [`turned`](crate::filtering::sample_pattern::turned) by (cos, sin).
 #[inline(always)]
 pub(crate) fn turned_heights(h: Vec3, turn: Vec2) -> Vec3 {
     Vec3::new(

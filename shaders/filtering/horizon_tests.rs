@@ -20,8 +20,8 @@ fn counted(square: bool, h: Vec3) -> f32 {
     above as f32 / points.len() as f32
 }
 
-/// Shares against counting. A line crosses at most 2 sqrt(2) SIDE of SIDE^2 points, of which half are on the wrong side at
-/// worst.
+/// Shares against counting. A line crosses at most 2 sqrt(2) SIDE of SIDE^2 points, of which half
+/// are on the wrong side at worst.
 #[test]
 fn shares_are_areas() {
     let axes = [
@@ -91,8 +91,8 @@ fn heights_are_those_of_the_lights_points() {
     }
 }
 
-/// A plane through a ball's middle cuts its disc in half, and the rim's height over it is the radius, wherever on the map the
-/// receiver lies.
+/// A plane through a ball's middle cuts its disc in half, and the rim's height over it is the
+/// radius, wherever on the map the receiver lies.
 #[test]
 fn a_balls_rim_is_as_high_as_its_radius() {
     let position = Vec3::new(1.0, 6.0, -2.0);
@@ -119,8 +119,8 @@ fn a_balls_rim_is_as_high_as_its_radius() {
     }
 }
 
-/// Over a plane that a ball's middle lies above, its highest and lowest points are found by searching the disc that faces the
-/// receiver.
+/// Over a plane that a ball's middle lies above, its highest and lowest points are found by
+/// searching the disc that faces the receiver.
 #[test]
 fn a_balls_share_is_that_of_the_disc_that_faces_the_receiver() {
     let position = Vec3::new(1.0, 6.0, -2.0);

@@ -16,7 +16,8 @@ uniforms! {
     }
 }
 
-/// The filter from a square map to a smaller one whose texels hold the least depth of `ratio` x `ratio` texels.
+/// The filter from a square map to a smaller one whose texels hold the least depth of `ratio` x
+/// `ratio` texels.
 #[derive(Clone, Copy, Debug)]
 pub struct LeastDepthKernel {
     pub(crate) uniforms: LeastDepthUniforms,

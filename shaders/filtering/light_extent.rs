@@ -1,15 +1,17 @@
 //! A light's extent as a shadow map sees it: how far its rim moves a blocker's shadow, texels.
 //!
-//! Let a map with perspective look along -z from the light's middle. A receiver at distance d_r sees a light point s (from
-//! the middle, in the map's view space) through a blocker's plane at distance d_b at the tangent coordinates
-//! t + (s.xy + s.z t) (1/d_b - 1/d_r) / (1 + s.z/d_r), where t are the receiver's own. Without perspective, the light's rim
-//! at the angle a moves it by tan(a) (d_r - d_b) metres. With perspective, clip depth is linear in 1/d, and without in d:
-//! so **both are linear in the difference of clip depths**, and the light's half axes turn into texels per unit of clip
-//! depth once for a whole map.
+//! Let a map with perspective look along -z from the light's middle. A receiver at distance d_r
+//! sees a light point s (from the middle, in the map's view space) through a blocker's plane at
+//! distance d_b at the tangent coordinates t + (s.xy + s.z t) (1/d_b - 1/d_r) / (1 + s.z/d_r),
+//! where t are the receiver's own. Without perspective, the light's rim at the angle a moves it by
+//! tan(a) (d_r - d_b) metres. With perspective, clip depth is linear in 1/d, and without in d: so
+//! **both are linear in the difference of clip depths**, and the light's half axes turn into texels
+//! per unit of clip depth once for a whole map.
 //!
-//! What is neglected: the divisor 1 + s.z/d_r, which is 1 for lights parallel to the map and wrong by the light's depth
-//! along the axis over the receiver's distance else; that a ball's disc faces each receiver, not the map, beyond first
-//! order; and for suns that the cap of directions is flat (an angle's tangent for the angle).
+//! What is neglected: the divisor 1 + s.z/d_r, which is 1 for lights parallel to the map and wrong
+//! by the light's depth along the axis over the receiver's distance else; that a ball's disc faces
+//! each receiver, not the map, beyond first order; and for suns that the cap of directions is flat
+//! (an angle's tangent for the angle).
 
 use crate::{
     filtering::sample_pattern::PatternShape,
@@ -23,31 +25,32 @@ use umbrage_core::{
 /// The WGSL half.
 pub(crate) const LIGHT_EXTENT: Module = module!("light_extent");
 
-/// Greatest part of a map's half side that is spent on what kernels reach beyond the receivers. Wider lights lose the
-/// shadows of casters outside the map on its outermost receivers.
+/// Greatest part of a map's half side that is spent on what kernels reach beyond the receivers.
+/// Wider lights lose the shadows of casters outside the map on its outermost receivers.
 const MAX_REACH: f32 = 0.5;
-/// How often the fit is made: its margin depends on the texels' size, which depends on the margin. Each fit after the first
-/// corrects for what the one before changed.
+/// How often the fit is made: its margin depends on the texels' size, which depends on the margin.
+/// Each fit after the first corrects for what the one before changed.
 const FITS: usize = 3;
 
 uniforms! {
     /// The light's half axes on each layer of a map, texels per unit of clip depth.
     pub struct LightExtent {
-        /// x, y: right and down in the map's plane. z: towards the light's back, times texels from the map's middle. w: 0;
-        /// for balls the tangent that a texel from the middle spans, and y and z are 0.
+        /// x, y: right and down in the map's plane. z: towards the light's back, times texels from
+        /// the map's middle. w: 0; for balls the tangent that a texel from the middle spans, and y
+        /// and z are 0.
         pub half_axis_u: [Vec4; MAX_LAYERS],
-        /// The other half axis, x, y, z as before (unused for balls). w: greatest difference of clip depths that is
-        /// followed; beyond, a tap could be half a map away.
+        /// The other half axis, x, y, z as before (unused for balls). w: greatest difference of
+        /// clip depths that is followed; beyond, a tap could be half a map away.
         pub half_axis_v: [Vec4; MAX_LAYERS],
     }
 }
 
-/// Returns the half axes, texels per unit of clip depth, for a receiver `from_middle` texels right and down of the map's middle: x
-/// and y of the first, then x and y of the second.
+/// Returns the half axes, texels per unit of clip depth, for a receiver `from_middle` texels right
+/// and down of the map's middle: x and y of the first, then x and y of the second.
 ///
-/// A ball counts as the disc of its radius that faces the receiver. Along the receiver's ray it falls on the map's plane as
-/// the ellipse with the matrix R^2 (1 + t t^T); any two axes whose outer products add up to it do, and these are its
-/// Cholesky factor.
+/// A ball counts as the disc of its radius that faces the receiver. Along the receiver's ray it
+/// falls on the map's plane as the ellipse with the matrix R^2 (1 + t t^T); any two axes whose
+/// outer products add up to it do, and these are its Cholesky factor.
 #[inline(always)]
 pub(crate) fn light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2) -> Vec4 {
     let x = from_middle.x;
@@ -114,9 +117,10 @@ impl LightExtent {
     }
 }
 
-/// Returns light spaces with room around them for what the light's extent makes a search reach: the region in which something at
-/// the near plane would hide a part of the light from a receiver at the far plane. The room is bounded, so that at least half of
-/// a map's side is left to what it is for.
+/// Returns light spaces with room around them for what the light's extent makes a search reach: the
+/// region in which something at the near plane would hide a part of the light from a receiver at
+/// the far plane. The room is bounded, so that at least half of a map's side is left to what it is
+/// for.
 ///
 /// # Errors
 /// Errors if [`ShadowMap::spaces`] does.
@@ -134,7 +138,8 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Re
         let inner = (map.size as f32 - 2.0 * margin - 2.0).max(1.0);
         let extent = LightExtent::new(view.light, &spaces, map.size);
         let reach = extent.reach(view.light, &spaces, map.size);
-        // The reach as a multiple of half the inner side: this ratio stays the same when the margin changes the texels' size.
+        // The reach as a multiple of half the inner side: this ratio stays the same when the margin
+        // changes the texels' size.
         let ratio = (2.0 * reach / inner).min(MAX_REACH / (1.0 - MAX_REACH));
         // Solves margin = ratio (half - margin) for the margin, where half is the map's half side.
         let wanted = (map.size as f32 - 2.0) * 0.5 * ratio / (1.0 + ratio);
@@ -147,8 +152,8 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Re
     Ok(spaces)
 }
 
-/// Returns the greatest distance along one axis, texels, from a receiver anywhere on the map to a tap that follows a difference of
-/// clip depths of 1. The half axes grow towards the map's corners.
+/// Returns the greatest distance along one axis, texels, from a receiver anywhere on the map to a
+/// tap that follows a difference of clip depths of 1. The half axes grow towards the map's corners.
 fn reach(shape: PatternShape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -> f32 {
     let half = size as f32 * 0.5;
     let corners = [
@@ -163,7 +168,8 @@ fn reach(shape: PatternShape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -
         .fold(0.0, f32::max)
 }
 
-/// Returns the same distance for a receiver `from_middle` texels right and down of the map's middle.
+/// Returns the same distance for a receiver `from_middle` texels right and down of the map's
+/// middle.
 pub(crate) fn reach_at(
     shape: PatternShape,
     half_axis_u: Vec4,
@@ -174,7 +180,8 @@ pub(crate) fn reach_at(
     reach_along(square, light_axes(half_axis_u, half_axis_v, from_middle)).max_element()
 }
 
-/// Returns how far a parallelogram (`square` is 1) or an ellipse (0) with these half axes reaches from its middle, right and down.
+/// Returns how far a parallelogram (`square` is 1) or an ellipse (0) with these half axes reaches
+/// from its middle, right and down.
 #[inline(always)]
 pub(crate) fn reach_along(square: u32, axes: Vec4) -> Vec2 {
     let a = axes;
@@ -187,8 +194,8 @@ pub(crate) fn reach_along(square: u32, axes: Vec4) -> Vec2 {
     )
 }
 
-/// Returns the difference of clip depths that moves the light's rim by one texel; `reach` is [`reach_along`] for a difference of 1.
-/// Bounded to 1e-9..=1e9, so that its square is finite.
+/// Returns the difference of clip depths that moves the light's rim by one texel; `reach` is
+/// [`reach_along`] for a difference of 1. Bounded to 1e-9..=1e9, so that its square is finite.
 #[inline(always)]
 pub(crate) fn texel_depth(reach: Vec2) -> f32 {
     let farthest = if reach.x > reach.y { reach.x } else { reach.y };
@@ -234,7 +241,8 @@ fn half_axes_on_map(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
     [half_axis_u, half_axis_v]
 }
 
-/// Returns what a unit of clip depth makes of 1/distance (with perspective) or of distance (without), per metre: positive.
+/// Returns what a unit of clip depth makes of 1/distance (with perspective) or of distance
+/// (without), per metre: positive.
 fn per_depth(clip_from_view: &Mat4) -> f64 {
     // Clip z is a z + b; with perspective, where clip w is -z, clip depth is -a - b / z.
     let a = f64::from(clip_from_view.z_axis.z);
@@ -251,7 +259,8 @@ pub(crate) enum HalfAxes {
     Ball(f64),
 }
 
-/// Returns a light's half axes. A sun's lie along the x and y of the light's map, whose transform is `world_from_view`.
+/// Returns a light's half axes. A sun's lie along the x and y of the light's map, whose transform
+/// is `world_from_view`.
 pub(crate) fn half_axes(light: &Light, world_from_view: &DMat4) -> HalfAxes {
     match *light {
         Light::Directional {

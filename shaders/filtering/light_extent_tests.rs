@@ -27,8 +27,8 @@ fn project(space: &LightSpace, p: Vec3) -> Vec3 {
     texel_from_point(point_over_w(&clip_from_world, p, w), SIZE as f32)
 }
 
-/// Where the ray from `receiver` to the light's point `q` (of its half axes) passes `blocker_y`, as texels away from the
-/// receiver's own: by the rule, and by geometry.
+/// Where the ray from `receiver` to the light's point `q` (of its half axes) passes `blocker_y`, as
+/// texels away from the receiver's own: by the rule, and by geometry.
 fn both(
     light: &Light,
     space: &LightSpace,
@@ -52,8 +52,8 @@ fn both(
     [rule, passed.truncate() - from.truncate()]
 }
 
-/// A lamp parallel to the map: nothing is neglected, so all that differs is rounding (depths to 6e-8, by 300 texels a
-/// unit of depth times 4 for the near plane).
+/// A lamp parallel to the map: nothing is neglected, so all that differs is rounding (depths to
+/// 6e-8, by 300 texels a unit of depth times 4 for the near plane).
 #[test]
 fn parallel_lamps_are_exact() {
     let eye = Vec3::new(1.0, 6.0, -2.0);
@@ -75,8 +75,8 @@ fn parallel_lamps_are_exact() {
     }
 }
 
-/// A lamp at right angles to the map, seen from the side: wrong by its depth over the receiver's distance, 0.3 of 6, and
-/// no more; without the tilt's term it would be wrong by all of its length.
+/// A lamp at right angles to the map, seen from the side: wrong by its depth over the receiver's
+/// distance, 0.3 of 6, and no more; without the tilt's term it would be wrong by all of its length.
 #[test]
 fn tilted_lamps_are_wrong_by_their_depth_over_distance() {
     let eye = Vec3::new(0.0, 6.0, 0.0);
@@ -102,7 +102,8 @@ fn tilted_lamps_are_wrong_by_their_depth_over_distance() {
     );
 }
 
-/// The rim of a ball's disc, which faces the receiver, projected along the ray onto the map's plane.
+/// The rim of a ball's disc, which faces the receiver, projected along the ray onto the map's
+/// plane.
 #[test]
 fn balls_are_ellipses() {
     let radius = 0.5_f32;

@@ -1,4 +1,5 @@
-//! Filters: where samples lie, what they weigh and compare, and how wide a light's extent makes them.
+//! Filters: where samples lie, what they weigh and compare, and how wide a light's extent makes
+//! them.
 
 pub mod bilinear_weights;
 pub(crate) mod comparison_sampler;

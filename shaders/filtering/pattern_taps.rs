@@ -1,9 +1,9 @@
-//! Comparisons at the taps of a pattern that is laid over an ellipse or a parallelogram of the map. Every filter over a pattern
-//! uses them.
+//! Comparisons at the taps of a pattern that is laid over an ellipse or a parallelogram of the map.
+//! Every filter over a pattern uses them.
 //!
-//! One vector lane per receiver: all receivers of a batch take their first tap, then all their second.
-//! Each lane adds up its taps in the order of the shader's loop, so both halves agree to the bit.
-//! Functions with the parameter `N` compute the first `N` lanes.
+//! One vector lane per receiver: all receivers of a batch take their first tap, then all their
+//! second. Each lane adds up its taps in the order of the shader's loop, so both halves agree to
+//! the bit. Functions with the parameter `N` compute the first `N` lanes.
 
 #![expect(
     clippy::needless_range_loop,
@@ -25,9 +25,11 @@ use umbrage_core::{Module, module};
 /// [`PATTERN`](crate::filtering::sample_pattern::PATTERN).
 pub(crate) const PATTERN_TAPS: Module = module!("pattern_taps");
 
-/// The depth that taps outside the map read: farther than any stored depth, so such taps are lit and block nothing.
+/// The depth that taps outside the map read: farther than any stored depth, so such taps are lit
+/// and block nothing.
 const OUTSIDE_DEPTH: f32 = 2.0;
-/// The texel index of taps outside the map. All its bits are set, so a bitwise or with it gives it again.
+/// The texel index of taps outside the map. All its bits are set, so a bitwise or with it gives it
+/// again.
 const NO_TEXEL: u32 = u32::MAX;
 /// Batches with at most this many receivers go through loops of half the width.
 pub(crate) const HALF_BATCH: usize = BATCH / 2;
@@ -44,7 +46,8 @@ pub(crate) struct PixelRotation {
 impl PixelRotation {
     /// Returns the rotation at the pixel `offset` pixels right of `first`.
     ///
-    /// `max_turn` is the greatest index into the table's turns: 0 for no rotation, else one less than a power of two.
+    /// `max_turn` is the greatest index into the table's turns: 0 for no rotation, else one less
+    /// than a power of two.
     ///
     /// Panics if the table has no turn `max_turn`.
     #[inline(always)]
@@ -102,7 +105,8 @@ pub(crate) struct KernelPlacement {
     pub(crate) shift: Vec2,
 }
 
-/// Up to [`BATCH`] receivers, an array for each field. Only the lanes before `count` hold receivers.
+/// Up to [`BATCH`] receivers, an array for each field. Only the lanes before `count` hold
+/// receivers.
 #[derive(Clone)]
 pub(crate) struct ReceiverLanes {
     /// How many receivers there are.
@@ -152,8 +156,8 @@ impl ReceiverLanes {
         }
     }
 
-    /// Adds a receiver: its place on the map, its index in the batch and the placement of its kernel. `size` is the map's side,
-    /// texels.
+    /// Adds a receiver: its place on the map, its index in the batch and the placement of its
+    /// kernel. `size` is the map's side, texels.
     ///
     /// Panics if there are [`BATCH`] already.
     #[inline(always)]
@@ -225,7 +229,8 @@ impl Comparisons<'_> {
         lit
     }
 
-    /// Returns the depths at one point of the pattern for each receiver: `x` and `y`, -1..1, already shifted.
+    /// Returns the depths at one point of the pattern for each receiver: `x` and `y`, -1..1,
+    /// already shifted.
     #[inline(always)]
     pub(crate) fn depths_at_point<const N: usize>(
         &self,
@@ -253,7 +258,8 @@ impl Comparisons<'_> {
 
     /// Returns the texel under a tap for each receiver.
     ///
-    /// A square is shifted by the receiver's own shift; a disc is not, so its taps never wrap around.
+    /// A square is shifted by the receiver's own shift; a disc is not, so its taps never wrap
+    /// around.
     #[inline(always)]
     fn texels_at_tap<const N: usize>(&self, r: &ReceiverLanes, tap: Vec2) -> TapTexels {
         let axes = &r.axes;
@@ -274,7 +280,8 @@ impl Comparisons<'_> {
         texels
     }
 
-    /// Returns the index of each texel among all texels of the map; [`NO_TEXEL`] beside the map, unless its edge repeats.
+    /// Returns the index of each texel among all texels of the map; [`NO_TEXEL`] beside the map,
+    /// unless its edge repeats.
     #[inline(always)]
     fn texel_indices<const N: usize>(&self, r: &ReceiverLanes, texels: &TapTexels) -> Lanes<u32> {
         let size = self.map.size as u32;
@@ -299,8 +306,8 @@ impl Comparisons<'_> {
         indices
     }
 
-    /// Returns the receivers' own depths at these texels: [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane) in
-    /// lanes.
+    /// Returns the receivers' own depths at these texels:
+    /// [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane) in lanes.
     #[inline(always)]
     fn receiver_depths<const N: usize>(&self, r: &ReceiverLanes, texels: &TapTexels) -> Lanes<f32> {
         let mut depths = r.depth;
@@ -321,7 +328,8 @@ impl Comparisons<'_> {
         depths
     }
 
-    /// Returns the depths stored at these indices, for the first `count` lanes; [`OUTSIDE_DEPTH`] where there is no such texel.
+    /// Returns the depths stored at these indices, for the first `count` lanes; [`OUTSIDE_DEPTH`]
+    /// where there is no such texel.
     #[inline(always)]
     fn load(&self, indices: &Lanes<u32>, count: usize) -> Lanes<f32> {
         let mut stored = [0.0; BATCH];

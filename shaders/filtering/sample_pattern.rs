@@ -1,16 +1,20 @@
 //! Sample patterns: where the taps of a soft filter go, as tables that both halves read.
 //!
-//! Each pattern exists for the disc and for the square, evenly spread over the area, in coordinates -1..1:
+//! Each pattern exists for the disc and for the square, evenly spread over the area, in coordinates
+//! -1..1:
 //!
-//! * **Vogel** (Vogel 1979, "A better way to construct the sunflower head"): on the disc radius sqrt((i + 1/2) / n) at i
-//!   golden angles; on the square the same lattice in x and y, the Fibonacci lattice.
-//! * **Poisson**: no two taps close together. Best of many candidates (Mitchell 1991, "Spectrally optimal sampling for
-//!   distribution ray tracing"), drawn from a hash of their number; distances wrap around on the square.
-//! * **Grid**: rows of cells of equal area; on the disc through Shirley and Chiu's map, which keeps areas.
+//! * **Vogel** (Vogel 1979, "A better way to construct the sunflower head"): on the disc radius
+//!   sqrt((i + 1/2) / n) at i golden angles; on the square the same lattice in x and y, the
+//!   Fibonacci lattice.
+//! * **Poisson**: no two taps close together. Best of many candidates (Mitchell 1991, "Spectrally
+//!   optimal sampling for distribution ray tracing"), drawn from a hash of their number; distances
+//!   wrap around on the square.
+//! * **Grid**: rows of cells of equal area; on the disc through Shirley and Chiu's map, which keeps
+//!   areas.
 //!
-//! A pattern used alike at every pixel shows as bands. So each pixel turns it (disc) or shifts it around (square) by one
-//! of [`TURNS`] steps, chosen by interleaved gradient noise (Jimenez 2014, "Next generation post processing in Call of
-//! Duty: Advanced Warfare"): bands become fine noise.
+//! A pattern used alike at every pixel shows as bands. So each pixel turns it (disc) or shifts it
+//! around (square) by one of [`TURNS`] steps, chosen by interleaved gradient noise (Jimenez 2014,
+//! "Next generation post processing in Call of Duty: Advanced Warfare"): bands become fine noise.
 
 use glam::{DVec2, Vec2, Vec3, Vec4};
 use std::{
@@ -26,7 +30,8 @@ use umbrage_core::{
 /// The WGSL half. It reads the kernel's first table.
 pub const PATTERN: Module = module!("sample_pattern");
 
-/// Most taps accepted in a set. Of many more, those around the middle would be nearer to it than [`from_middle`] distinguishes.
+/// Most taps accepted in a set. Of many more, those around the middle would be nearer to it than
+/// [`from_middle`] distinguishes.
 pub const MAX_TAPS: u32 = 255;
 
 /// Into how many steps a pixel's turn is divided.
@@ -39,8 +44,8 @@ const POISSON_SEED: u32 = 0x5eed;
 /// Fraction of a turn between neighbours of Vogel's spiral: 2 minus the golden ratio.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
-/// No tap counts as nearer to the middle than this: less than the innermost of [`MAX_TAPS`] even ones,
-/// sqrt(1/2 / [`MAX_TAPS`]).
+/// No tap counts as nearer to the middle than this: less than the innermost of [`MAX_TAPS`] even
+/// ones, sqrt(1/2 / [`MAX_TAPS`]).
 const MIN_FROM_MIDDLE: f32 = 1.0 / 32.0;
 
 /// One set of taps: x, y, least distance from the middle (see [`from_middle`]).
@@ -126,7 +131,8 @@ fn onto(shape: PatternShape, uv: Vec2) -> Vec2 {
     }
 }
 
-/// Cell centres of the unit square: about as many rows as columns, each row as high as its share of the cells.
+/// Cell centres of the unit square: about as many rows as columns, each row as high as its share of
+/// the cells.
 fn grid(count: u32) -> impl Iterator<Item = Vec2> {
     let rows = count.isqrt().max(1);
     (0..rows).flat_map(move |row| {
@@ -185,8 +191,8 @@ fn distance_squared(shape: PatternShape, a: Vec2, b: Vec2) -> f32 {
 /// Sets of taps and all turns, as both halves read them.
 #[derive(Clone, Debug)]
 pub(crate) struct PatternTable {
-    /// A row (x, y, least distance from the middle, 0) for each tap of each set in turn, then a row (cos, sin, shift x, shift y)
-    /// for each turn. See [`from_middle`].
+    /// A row (x, y, least distance from the middle, 0) for each tap of each set in turn, then a row
+    /// (cos, sin, shift x, shift y) for each turn. See [`from_middle`].
     pub(crate) table: Table,
     pub(crate) shape: PatternShape,
     pub(crate) sets: Vec<TapSet>,
@@ -195,13 +201,15 @@ pub(crate) struct PatternTable {
 
 type Key = (Pattern, PatternShape, Vec<u32>);
 
-/// The tables made last, the newest first: so that equal recipes share one and no backend uploads it twice.
+/// The tables made last, the newest first: so that equal recipes share one and no backend uploads
+/// it twice.
 static CACHE: Mutex<Vec<(Key, Arc<PatternTable>)>> = Mutex::new(Vec::new());
 /// How many of them are kept.
 const CACHE_SIZE: usize = 32;
 
 impl PatternTable {
-    /// Returns the table with a set of taps for each of `counts`, which also name the sets for errors.
+    /// Returns the table with a set of taps for each of `counts`, which also name the sets for
+    /// errors.
     ///
     /// # Errors
     /// Errors if a set has no taps or more than [`MAX_TAPS`].
@@ -263,8 +271,8 @@ impl PatternTable {
     }
 }
 
-/// Returns the least distance of a tap from the middle, whichever way the pattern is turned or shifted: the third number of its
-/// row.
+/// Returns the least distance of a tap from the middle, whichever way the pattern is turned or
+/// shifted: the third number of its row.
 fn least_from_middle(shape: PatternShape, q: Vec2) -> f32 {
     match shape {
         PatternShape::Disc => q.length().max(MIN_FROM_MIDDLE),
@@ -272,7 +280,8 @@ fn least_from_middle(shape: PatternShape, q: Vec2) -> f32 {
     }
 }
 
-/// Returns step `k` of the turns: discs turn by it; squares are shifted by a point of the Fibonacci lattice.
+/// Returns step `k` of the turns: discs turn by it; squares are shifted by a point of the Fibonacci
+/// lattice.
 fn turn(shape: PatternShape, k: u32) -> Vec4 {
     let part = f64::from(k) / f64::from(TURNS);
     if shape == PatternShape::Disc {
@@ -289,8 +298,8 @@ fn turn(shape: PatternShape, k: u32) -> Vec4 {
     )
 }
 
-/// Returns a pixel's step, 0 to 63: Jimenez's fract(52.9829189 fract(.06711056 x + .00583715 y)) in 32-bit fixed point, so that it
-/// is the same everywhere.
+/// Returns a pixel's step, 0 to 63: Jimenez's fract(52.9829189 fract(.06711056 x + .00583715 y)) in
+/// 32-bit fixed point, so that it is the same everywhere.
 #[inline(always)]
 pub fn noise_index(x: u32, y: u32) -> u32 {
     // .06711056, .00583715 times 2^32; 52; .9829189 times 2^16.
@@ -319,9 +328,10 @@ pub fn wrapped(x: f32) -> f32 {
     if x >= 1.0 { x - 2.0 } else { x }
 }
 
-/// Returns the place on the map, texels, of the tap `q` (-1..1) for a receiver at `from`. The sum goes from left to right: with
-/// the offset in parentheses, a driver was seen to add in another order. (On the CPU, `pattern_taps.rs` does this for many receivers
-/// at once, by [`affine`] and [`wrapped`].)
+/// Returns the place on the map, texels, of the tap `q` (-1..1) for a receiver at `from`. The sum
+/// goes from left to right: with the offset in parentheses, a driver was seen to add in another
+/// order. (On the CPU, `pattern_taps.rs` does this for many receivers at once, by [`affine`] and
+/// [`wrapped`].)
 #[cfg(feature = "testing")]
 pub(crate) fn place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2 {
     Vec2::new(
@@ -344,26 +354,28 @@ pub(crate) fn affine(from: f32, a: f32, b: f32, x: f32, y: f32) -> f32 {
     from + a * x + b * y
 }
 
-/// Returns how far a tap lies from the pattern's middle; 1 is the rim. `least` is the third number of its row: for discs, whose taps
-/// keep their distance whichever way they are turned, it is the result.
+/// Returns how far a tap lies from the pattern's middle; 1 is the rim. `least` is the third number
+/// of its row: for discs, whose taps keep their distance whichever way they are turned, it is the
+/// result.
 #[inline(always)]
 pub fn from_middle(x: f32, y: f32, least: f32) -> f32 {
     let farther = if x.abs() > y.abs() { x.abs() } else { y.abs() };
     if farther > least { farther } else { least }
 }
 
-/// Returns the factor that draws a tap at the distance `m` from the middle closer to it, to the distance m^3: then half of the taps lie within a
-/// third of the rim's distance instead of within seven tenths. Searches for blockers take it, since the nearer a blocker is to
-/// the receiver, the nearer to the middle it must lie to hide any light.
+/// Returns the factor that draws a tap at the distance `m` from the middle closer to it, to the
+/// distance m^3: then half of the taps lie within a third of the rim's distance instead of within
+/// seven tenths. Searches for blockers take it, since the nearer a blocker is to the receiver, the
+/// nearer to the middle it must lie to hide any light.
 #[inline(always)]
 pub fn closer_by(m: f32) -> f32 {
     m * m
 }
 
-/// Returns the weight of a blocker, `nearer` than the receiver by that much, that is found at a tap that was at the distance `m`: the
-/// share of the light that it hides, times a number that is the same for all taps. Drawn to the distance m^3, a tap stands
-/// for an area in proportion to d(m^6) / d(m^2) = 3 m^4; and seen past a blocker twice as near, the light is four times as
-/// large.
+/// Returns the weight of a blocker, `nearer` than the receiver by that much, that is found at a tap
+/// that was at the distance `m`: the share of the light that it hides, times a number that is the
+/// same for all taps. Drawn to the distance m^3, a tap stands for an area in proportion to d(m^6) /
+/// d(m^2) = 3 m^4; and seen past a blocker twice as near, the light is four times as large.
 #[inline(always)]
 pub fn tap_weight(m: f32, nearer: f32) -> f32 {
     m * m * (m * m) / (nearer * nearer)

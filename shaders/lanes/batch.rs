@@ -1,6 +1,7 @@
-//! Lookups of many receivers: they are projected in vector lanes, a batch at a time, and a technique takes the taps of the whole batch, or of one
-//! receiver after the other. The arithmetic is that of [`coord`](crate::shadow_map::coord), whose functions are inlined into
-//! loops over arrays.
+//! Lookups of many receivers: they are projected in vector lanes, a batch at a time, and a
+//! technique takes the taps of the whole batch, or of one receiver after the other. The arithmetic
+//! is that of [`coord`](crate::shadow_map::coord), whose functions are inlined into loops over
+//! arrays.
 
 use crate::shadow_map::{
     cascades::{blended, holds, share_of_layer},
@@ -16,16 +17,19 @@ use umbrage_core::{Arrangement, Simd, SimdTask, Span, math::dot3};
 /// How many receivers are projected before the taps begin.
 pub const BATCH: usize = 64;
 
-/// A technique's comparisons for one receiver. A trait and not a closure, since a method can insist on being inlined into the
-/// loop that is compiled for vector instructions: mark it `#[inline(always)]`.
+/// A technique's comparisons for one receiver. A trait and not a closure, since a method can insist
+/// on being inlined into the loop that is compiled for vector instructions: mark it
+/// `#[inline(always)]`.
 pub trait Taps {
     /// Returns the visibility, 0..=1; `offset` is the pixel's place in the span.
     fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32;
 }
 
-/// A technique's comparisons for a batch of receivers. Types with [`Taps`] have it, too, and go through one receiver at a time.
+/// A technique's comparisons for a batch of receivers. Types with [`Taps`] have it, too, and go
+/// through one receiver at a time.
 pub trait BatchTaps {
-    /// Writes visibilities 0..=1, as many as `out` holds; `first` is the first pixel's place in the span.
+    /// Writes visibilities 0..=1, as many as `out` holds; `first` is the first pixel's place in the
+    /// span.
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]);
 }
 
@@ -43,8 +47,9 @@ impl<T: Taps> BatchTaps for T {
     }
 }
 
-/// Looks up a span of receivers in the map of `m`, and fills `out`, which is as long as the span, with the visibilities that
-/// `taps` finds. Receivers that no layer of the map covers (see [`ShadowCoord::covered`]) are lit.
+/// Looks up a span of receivers in the map of `m`, and fills `out`, which is as long as the span,
+/// with the visibilities that `taps` finds. Receivers that no layer of the map covers (see
+/// [`ShadowCoord::covered`]) are lit.
 #[inline]
 pub fn look_up_span(
     simd: Simd,
@@ -72,8 +77,8 @@ pub fn look_up_span(
     }
 }
 
-/// Blends the answers in `out` into those of the next layers, where the layers of `batch` end. Twin of `receive` in
-/// receive_blended.wgsl.
+/// Blends the answers in `out` into those of the next layers, where the layers of `batch` end. Twin
+/// of `receive` in receive_blended.wgsl.
 #[inline(never)]
 fn blend_layers(
     simd: Simd,
@@ -134,7 +139,8 @@ impl<T: BatchTaps> SimdTask for FollowTaps<'_, T> {
 /// A number for each receiver of a batch.
 pub(crate) type Lanes<T> = [T; BATCH];
 
-/// The places on the map of up to [`BATCH`] receivers, with an array for each field of [`ShadowCoord`].
+/// The places on the map of up to [`BATCH`] receivers, with an array for each field of
+/// [`ShadowCoord`].
 #[derive(Clone, Debug)]
 pub struct Batch {
     pub(crate) x: Lanes<f32>,
@@ -195,7 +201,8 @@ impl Batch {
         is_level
     }
 
-    /// Takes over the lookups in one layer from a batch of which every receiver was looked up there.
+    /// Takes over the lookups in one layer from a batch of which every receiver was looked up
+    /// there.
     fn take_layer(&mut self, layer: i32, all: &Batch) {
         for i in 0..BATCH {
             if self.layer[i] != layer {
@@ -224,7 +231,8 @@ pub(crate) struct ReceiverBatch<'a> {
 }
 
 impl<'a> ReceiverBatch<'a> {
-    /// Returns the receivers from `first` on, at most [`BATCH`] of them, in `room` if the span ends before.
+    /// Returns the receivers from `first` on, at most [`BATCH`] of them, in `room` if the span ends
+    /// before.
     pub(crate) fn from(span: &'a Span<'a>, first: usize, room: &'a mut PaddedReceivers) -> Self {
         if let Some(receivers) = Self::within(span, first) {
             return receivers;
@@ -242,7 +250,8 @@ impl<'a> ReceiverBatch<'a> {
         }
     }
 
-    /// Returns the [`BATCH`] receivers from `first` on, where they are; none if the span ends before.
+    /// Returns the [`BATCH`] receivers from `first` on, where they are; none if the span ends
+    /// before.
     fn within(span: &Span<'a>, first: usize) -> Option<Self> {
         Some(Self {
             x: span.x[first..].first_chunk()?,
@@ -285,8 +294,9 @@ fn padded(values: &[f32], first: usize) -> Lanes<f32> {
 /// [`Batch::layer`] of receivers that are not looked up.
 const NO_LAYER: i32 = -1;
 
-/// Looks up a batch of receivers, each in the layer in which it lies. Whole lookups take 1.2 to 3.2 times as long if receivers are projected
-/// one after the other (hard to 9x9, 1280x720, `street`, a map of 2048, AVX2).
+/// Looks up a batch of receivers, each in the layer in which it lies. Whole lookups take 1.2 to 3.2
+/// times as long if receivers are projected one after the other (hard to 9x9, 1280x720, `street`, a
+/// map of 2048, AVX2).
 fn project(simd: Simd, m: &ShadowMapUniforms, receivers: &ReceiverBatch<'_>, batch: &mut Batch) {
     match m.arrangement() {
         Arrangement::Single => {
@@ -320,7 +330,8 @@ fn project_in_layers(
             present |= 1 << layer;
         }
     }
-    // Neighbours mostly lie in one layer. Where a batch has several, all its receivers are looked up in each.
+    // Neighbours mostly lie in one layer. Where a batch has several, all its receivers are looked
+    // up in each.
     let mut all = Batch::new();
     for (layer, uniforms) in (0..).zip(m.used_layers()) {
         if present & (1 << layer) != 0 {
@@ -376,7 +387,8 @@ fn project_into(
     }
 }
 
-/// Looks up receivers in one layer: those of a light with a position if `LOCAL`; moved along their normals if `OFFSET`.
+/// Looks up receivers in one layer: those of a light with a position if `LOCAL`; moved along their
+/// normals if `OFFSET`.
 struct Project<'a, const LOCAL: bool, const OFFSET: bool> {
     m: &'a ShadowMapUniforms,
     layer: &'a MapLayer,
@@ -405,8 +417,9 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
 
     #[inline(always)]
     fn run(self) {
-        // Copies of what is read, and arrays of its own for what is written: through references the compiler could not rule out
-        // that a store changes what the next lane reads, and would find no lanes.
+        // Copies of what is read, and arrays of its own for what is written: through references the
+        // compiler could not rule out that a store changes what the next lane reads, and would find
+        // no lanes.
         let layer = *self.layer;
         let light = self.m.light;
         let size = self.m.size;
@@ -458,7 +471,8 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
     }
 }
 
-/// The receivers' planes, in a loop of their own: with the rest of the arithmetic the compiler loses sight of its lanes.
+/// The receivers' planes, in a loop of their own: with the rest of the arithmetic the compiler
+/// loses sight of its lanes.
 #[inline(always)]
 fn follow_planes(
     size: f32,

@@ -27,7 +27,8 @@ pub(crate) fn map(texels: &[f32], clamped: bool) -> DepthMap<'_> {
     }
 }
 
-/// Returns receivers on the map, at its edges and beside it, on level planes or on steep ones; every fifth isn't covered.
+/// Returns receivers on the map, at its edges and beside it, on level planes or on steep ones;
+/// every fifth isn't covered.
 pub(crate) fn batch(turn: usize, is_sloped: bool) -> Batch {
     let mut batch = Batch::new();
     for i in 0..BATCH {

@@ -17,10 +17,11 @@ pub(crate) struct SingleTaps {
     pub(crate) is_known: Lanes<bool>,
 }
 
-/// Compares the receivers of a batch with the texels (x, y), whole numbers, of a map that is not packed.
+/// Compares the receivers of a batch with the texels (x, y), whole numbers, of a map that is not
+/// packed.
 ///
-/// It goes over them three times, as [`level_squares`](super::square::level_squares) does: for places, then for loads alone, so that many
-/// are under way at once, then for comparisons.
+/// It goes over them three times, as [`level_squares`](super::square::level_squares) does: for
+/// places, then for loads alone, so that many are under way at once, then for comparisons.
 #[inline(always)]
 pub(crate) fn single_taps(
     map: &DepthMap<'_>,
@@ -54,8 +55,8 @@ mod tests {
     use super::*;
     use crate::lanes::fixtures::{batch, map, texels};
 
-    /// Returns how many taps two texels right of the receiver's own were known, and how many of these answer otherwise than the plain
-    /// comparison in `judged`.
+    /// Returns how many taps two texels right of the receiver's own were known, and how many of
+    /// these answer otherwise than the plain comparison in `judged`.
     fn known_and_other(judged: &[f32]) -> (usize, usize) {
         let texels = texels();
         let found = map(&texels, false);

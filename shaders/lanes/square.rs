@@ -1,5 +1,5 @@
-//! Counting lit texels of a square, a row of lanes at a time. Counts are small integers in floats, which add exactly in
-//! any order: so the lanes agree with the shader's loop to the bit.
+//! Counting lit texels of a square, a row of lanes at a time. Counts are small integers in floats,
+//! which add exactly in any order: so the lanes agree with the shader's loop to the bit.
 
 #![expect(
     clippy::needless_range_loop,
@@ -19,16 +19,18 @@ use umbrage_core::math::lesser;
 pub(crate) struct LitTaps {
     /// The count; meaningless where it isn't known.
     pub(crate) lit: Lanes<f32>,
-    /// Whether the count is known: the receiver is covered, its square lies wholly within the map, and the square's rows can be read a
-    /// vector wide.
+    /// Whether the count is known: the receiver is covered, its square lies wholly within the map,
+    /// and the square's rows can be read a vector wide.
     pub(crate) is_known: Lanes<bool>,
 }
 
-/// Counts the lit taps of the squares of `SIDE` texels a side around the texels of a batch, whose depths are the same at all taps. Rows are
-/// read `LANES` wide, at least `SIDE`; lanes beyond `SIDE` are not counted.
+/// Counts the lit taps of the squares of `SIDE` texels a side around the texels of a batch, whose
+/// depths are the same at all taps. Rows are read `LANES` wide, at least `SIDE`; lanes beyond
+/// `SIDE` are not counted.
 ///
-/// Maps are larger than the nearest caches, so lookups wait for them. The processor goes on to the next receivers meanwhile, as far as it
-/// looks ahead; so places are found before, sums are made after, and the loop between them holds little but the loads.
+/// Maps are larger than the nearest caches, so lookups wait for them. The processor goes on to the
+/// next receivers meanwhile, as far as it looks ahead; so places are found before, sums are made
+/// after, and the loop between them holds little but the loads.
 #[inline(always)]
 pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
     map: &DepthMap<'_>,
@@ -43,7 +45,8 @@ pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
             continue;
         };
         let depth = batch.depth[i];
-        // All lanes are kept, also those that aren't counted: else the compiler would take texels one by one.
+        // All lanes are kept, also those that aren't counted: else the compiler would take texels
+        // one by one.
         let mut count = [0_u32; LANES];
         for row in 0..SIDE {
             let Some(stored) = square.row(row) else {
@@ -61,7 +64,8 @@ pub(crate) fn level_squares<const SIDE: usize, const LANES: usize>(
 
 /// Counts as [`level_squares`] does, of receivers whose depths follow their planes.
 ///
-/// What is compared takes more arithmetic here, so the loop over loads does nothing but copy what it loads.
+/// What is compared takes more arithmetic here, so the loop over loads does nothing but copy what
+/// it loads.
 #[inline(always)]
 pub(crate) fn sloped_squares<const SIDE: usize, const LANES: usize>(
     map: &DepthMap<'_>,
@@ -98,7 +102,8 @@ pub(crate) fn sloped_squares<const SIDE: usize, const LANES: usize>(
     LitTaps { lit, is_known }
 }
 
-/// The texels of a map from the least of a square of `SIDE` texels a side to the end of its last row, where rows are read `LANES` wide.
+/// The texels of a map from the least of a square of `SIDE` texels a side to the end of its last
+/// row, where rows are read `LANES` wide.
 struct SquareTexels<'a, const SIDE: usize, const LANES: usize> {
     texels: &'a [f32],
     /// Texels from one row to the next.
@@ -106,7 +111,8 @@ struct SquareTexels<'a, const SIDE: usize, const LANES: usize> {
 }
 
 impl<'a, const SIDE: usize, const LANES: usize> SquareTexels<'a, SIDE, LANES> {
-    /// Returns the square whose least texel has the number `first` among all of the map; none if the map ends before it does.
+    /// Returns the square whose least texel has the number `first` among all of the map; none if
+    /// the map ends before it does.
     #[inline(always)]
     fn from(map: &DepthMap<'a>, first: u32) -> Option<Self> {
         let first = first as usize;
@@ -137,8 +143,9 @@ fn sums<const SIDE: usize, const LANES: usize>(counts: &[[u32; LANES]; BATCH]) -
     out
 }
 
-/// The depths to compare with a square's texels, as [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane) has them: in
-/// lane `k` of row `r` the lesser of `in_first_row[k] + down[r]` and `deepest`.
+/// The depths to compare with a square's texels, as
+/// [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane) has them: in lane `k` of
+/// row `r` the lesser of `in_first_row[k] + down[r]` and `deepest`.
 struct TapDepths<const LANES: usize> {
     /// The receiver's depth, and what it gains along a row.
     in_first_row: [f32; LANES],
@@ -148,7 +155,8 @@ struct TapDepths<const LANES: usize> {
 }
 
 impl<const LANES: usize> TapDepths<LANES> {
-    /// Returns the depths along the plane of receiver `i`, for the square of `SIDE` texels a side around its texel.
+    /// Returns the depths along the plane of receiver `i`, for the square of `SIDE` texels a side
+    /// around its texel.
     #[inline(always)]
     fn of<const SIDE: usize>(batch: &Batch, i: usize) -> Self {
         let radius = (SIDE / 2) as f32;
@@ -190,7 +198,8 @@ fn places<const SIDE: usize>(map: &DepthMap<'_>, batch: &Batch) -> Places {
     places_at::<SIDE>(map, batch, &x, &y)
 }
 
-/// Returns where the squares of `SIDE` texels lie whose least texels are (x, y), whole numbers, for the receivers of a batch.
+/// Returns where the squares of `SIDE` texels lie whose least texels are (x, y), whole numbers, for
+/// the receivers of a batch.
 #[inline(always)]
 pub(super) fn places_at<const SIDE: usize>(
     map: &DepthMap<'_>,
@@ -220,7 +229,8 @@ pub(super) fn places_at<const SIDE: usize>(
     Places { first, is_inside }
 }
 
-/// Counts the lit taps of the square with `side` texels a side whose least texel is (x, y): of any side, anywhere, one by one.
+/// Counts the lit taps of the square with `side` texels a side whose least texel is (x, y): of any
+/// side, anywhere, one by one.
 #[inline]
 pub fn one_by_one(map: &DepthMap<'_>, l: &ShadowCoord, x: i32, y: i32, side: i32) -> f32 {
     let mut lit = 0.0;
@@ -237,7 +247,8 @@ mod tests {
     use super::*;
     use crate::lanes::fixtures::{SIZE, batch, map, texels};
 
-    /// Returns how many squares were known, and how many of these have another count than the plain loop finds in `judged`.
+    /// Returns how many squares were known, and how many of these have another count than the plain
+    /// loop finds in `judged`.
     fn known_and_other<const SIDE: usize, const LANES: usize, const SLOPED: bool>(
         judged: &[f32],
     ) -> (usize, usize) {

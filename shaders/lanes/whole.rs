@@ -5,8 +5,9 @@ const TWO_POW_23: f32 = 8_388_608.0;
 
 /// Returns the whole number at or below `x`: exact for |x| < 2^22; maps are far smaller.
 ///
-/// Adding 1.5 * 2^23 leaves no bits for a fraction, so the sum is rounded to the nearest whole number.
-/// `f32::floor` is a call on processors without such an instruction, and calls do not vectorise.
+/// Adding 1.5 * 2^23 leaves no bits for a fraction, so the sum is rounded to the nearest whole
+/// number. `f32::floor` is a call on processors without such an instruction, and calls do not
+/// vectorise.
 #[inline(always)]
 pub(crate) fn floor(x: f32) -> f32 {
     let nearest = (x + 1.5 * TWO_POW_23) - 1.5 * TWO_POW_23;

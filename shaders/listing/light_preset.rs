@@ -15,7 +15,8 @@ pub enum Update {
     /// Every frame.
     #[default]
     EveryFrame,
-    /// When the light or a caster has moved; while the camera alone moves, what was drawn still holds.
+    /// When the light or a caster has moved; while the camera alone moves, what was drawn still
+    /// holds.
     WhenSceneChanges,
     /// Once: nothing moves that it depends on.
     Once,
@@ -31,12 +32,14 @@ pub enum Update {
 pub struct FrameRules {
     /// When its images are drawn again.
     pub update: Update,
-    /// Casters whose bounding sphere is seen less than so many pixels wide need not be drawn; 0 draws all.
+    /// Casters whose bounding sphere is seen less than so many pixels wide need not be drawn; 0
+    /// draws all.
     pub skip_casters_below_pixels: f32,
 }
 
-/// A light's technique and the rules for its frames. Its file is that of a [`TechniquePreset`] with a table `[frame]`, which is left
-/// out if it says nothing; [`TechniquePreset::from_toml`] reads both and ignores that table.
+/// A light's technique and the rules for its frames. Its file is that of a [`TechniquePreset`] with
+/// a table `[frame]`, which is left out if it says nothing; [`TechniquePreset::from_toml`] reads
+/// both and ignores that table.
 ///
 /// ```
 /// use umbrage_techniques::{FrameRules, Hard, LightPreset, MapTechnique, Update};
@@ -63,7 +66,8 @@ impl LightPreset {
     /// Returns the preset as TOML that [`LightPreset::from_toml`] reads back bit by bit.
     ///
     /// # Errors
-    /// Errors if the technique's settings aren't a table of TOML, which those of the built-in techniques always are.
+    /// Errors if the technique's settings aren't a table of TOML, which those of the built-in
+    /// techniques always are.
     pub fn to_toml(&self) -> Result<String, Invalid> {
         let technique = self.technique.to_toml()?;
         if self.frame == FrameRules::default() {
@@ -76,7 +80,8 @@ impl LightPreset {
     /// Reads a preset of a built-in technique from TOML, with or without rules.
     ///
     /// # Errors
-    /// Errors if the text is not TOML, names no built-in technique, or has a field that the technique or the rules don't have.
+    /// Errors if the text is not TOML, names no built-in technique, or has a field that the
+    /// technique or the rules don't have.
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         let technique = TechniquePreset::from_toml(text)?;
         let table: toml::Table = toml::from_str(text).map_err(|e| unreadable(&e.to_string()))?;

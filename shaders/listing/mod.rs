@@ -1,7 +1,8 @@
 //! Techniques as rows of lists and as data in files.
 //!
-//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] makes the row of a list from it, and
-//! [`TechniquePreset`] holds any technique that has the trait as data, and [`LightPreset`] what of its work may be left out besides.
+//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] makes the row
+//! of a list from it, and [`TechniquePreset`] holds any technique that has the trait as data, and
+//! [`LightPreset`] what of its work may be left out besides.
 
 mod entry;
 mod light_preset;
@@ -30,10 +31,11 @@ mod without_files {
 
 /// A technique that lists and files can hold: its settings are plain data.
 ///
-/// Only [`SUMMARY`](Self::SUMMARY) has no default; techniques with a shadow map also say where it is
-/// ([`map`](Self::map), [`with_map`](Self::with_map)). Without the feature `presets` it need not be data; but another package of the
-/// program may enable that, so derive `serde`'s traits. In files, fields that are left out should have their defaults and
-/// unknown ones be refused: `#[serde(default, deny_unknown_fields)]`.
+/// Only [`SUMMARY`](Self::SUMMARY) has no default; techniques with a shadow map also say where it
+/// is ([`map`](Self::map), [`with_map`](Self::with_map)). Without the feature `presets` it need not
+/// be data; but another package of the program may enable that, so derive `serde`'s traits. In
+/// files, fields that are left out should have their defaults and unknown ones be refused:
+/// `#[serde(default, deny_unknown_fields)]`.
 ///
 /// ```
 /// use serde::{Deserialize, Serialize};

@@ -9,8 +9,9 @@ use std::{any::Any, sync::Arc};
 use umbrage_core::Invalid;
 use umbrage_core::{DeviceRecipe, Light, Recipe, RecipeError, ShadowTechnique, View};
 
-/// A technique and its settings. In a file the field `technique` names it as [`ShadowTechnique::name`] does, and all other
-/// fields are those of its struct; those left out have its defaults.
+/// A technique and its settings. In a file the field `technique` names it as
+/// [`ShadowTechnique::name`] does, and all other fields are those of its struct; those left out
+/// have its defaults.
 ///
 /// ```
 /// use umbrage_techniques::{MapFilter as _, Pcf, ShadowMap, TechniquePreset};
@@ -137,7 +138,8 @@ impl TechniquePreset {
     /// Returns the preset as TOML that [`TechniquePreset::from_toml`] reads back bit by bit.
     ///
     /// # Errors
-    /// Errors if the technique's settings aren't a table of TOML, which those of the built-in techniques always are.
+    /// Errors if the technique's settings aren't a table of TOML, which those of the built-in
+    /// techniques always are.
     pub fn to_toml(&self) -> Result<String, Invalid> {
         toml::to_string(self)
             .map_err(|e| Invalid::new("preset", e.to_string(), "use settings that are numbers"))

@@ -1,21 +1,24 @@
-//! Colour pictures: Blinn-Phong shading of what is seen, with any technique's mask as the light's visibility.
+//! Colour pictures: Blinn-Phong shading of what is seen, with any technique's mask as the light's
+//! visibility.
 //!
-//! `colour = emission + ambient * diffuse + visibility * light * (diffuse * n.l + specular * (n.h)^s)`. Phong 1975,
-//! "Illumination for computer generated pictures"; Blinn 1977, "Models of light reflection for computer synthesized
-//! pictures", for h, halfway between light and eye. Shadows darken the lamp's light alone: ambient light and emission stay.
-//! All of it is linear; [`picture`](umbrage_core::picture) encodes sRGB.
+//! `colour = emission + ambient * diffuse + visibility * light * (diffuse * n.l + specular *
+//! (n.h)^s)`. Phong 1975, "Illumination for computer generated pictures"; Blinn 1977, "Models of
+//! light reflection for computer synthesized pictures", for h, halfway between light and eye.
+//! Shadows darken the lamp's light alone: ambient light and emission stay. All of it is linear;
+//! [`picture`](umbrage_core::picture) encodes sRGB.
 //!
-//! * Masks know nothing of normal maps and smooth normals: biases go along the geometric normal, since what a map stores is
-//!   the geometry's depth.
-//! * Shading normals are interpolated, and bent by normal maps. But where the *geometric* normal turns from the light, no light
-//!   arrives, whatever the shading normal says: a surface shadows itself there, maps with a bias don't say so reliably,
-//!   and no figure counts such pixels ([`Pixel::Unlit`](umbrage_core::metrics::Pixel)), so no picture may show them lit.
+//! * Masks know nothing of normal maps and smooth normals: biases go along the geometric normal,
+//!   since what a map stores is the geometry's depth.
+//! * Shading normals are interpolated, and bent by normal maps. But where the *geometric* normal
+//!   turns from the light, no light arrives, whatever the shading normal says: a surface shadows
+//!   itself there, maps with a bias don't say so reliably, and no figure counts such pixels
+//!   ([`Pixel::Unlit`](umbrage_core::metrics::Pixel)), so no picture may show them lit.
 //! * A light with an extent shines from its middle; only its visibility knows of the extent.
-//! * A spot's light falls off between its angles, linearly in the cosine. Light does not fall off with distance unless
-//!   [`BlinnPhong::attenuation`] says so: the textbooks' doesn't.
+//! * A spot's light falls off between its angles, linearly in the cosine. Light does not fall off
+//!   with distance unless [`BlinnPhong::attenuation`] says so: the textbooks' doesn't.
 //!
-//! Known failures: smooth normals over few triangles show the triangles where light grazes, since visibility and the rule
-//! above follow the geometry; a highlight may end there at a straight line.
+//! Known failures: smooth normals over few triangles show the triangles where light grazes, since
+//! visibility and the rule above follow the geometry; a highlight may end there at a straight line.
 
 use crate::shading::{
     facing::homogeneous,
@@ -44,8 +47,9 @@ pub struct BlinnPhong {
     pub ambient: Vec3,
     /// The lamp's colour times its intensity.
     pub light: Vec3,
-    /// Constant, linear (1/m) and quadratic (1/m^2) factors of `1 / (c + l d + q d^2)`, d being the distance to the light's
-    /// middle; not all zero. Directional lights have no distance and don't fall off.
+    /// Constant, linear (1/m) and quadratic (1/m^2) factors of `1 / (c + l d + q d^2)`, d being the
+    /// distance to the light's middle; not all zero. Directional lights have no distance and don't
+    /// fall off.
     pub attenuation: Vec3,
     /// Colour where nothing is seen.
     pub background: Vec3,
@@ -66,7 +70,8 @@ impl BlinnPhong {
     /// Returns what shades this view of a scene. `view.geometry` must be baked from `scene`.
     ///
     /// # Errors
-    /// Errors if the view has no geometry, or not this scene's; if the scene, the light or a number of these settings is invalid.
+    /// Errors if the view has no geometry, or not this scene's; if the scene, the light or a number
+    /// of these settings is invalid.
     pub fn shading(&self, scene: &Scene, view: &View<'_>) -> Result<Shading, Invalid> {
         self.validate()
             .map_err(|e| e.within("Blinn-Phong shading"))?;
@@ -142,7 +147,8 @@ fn eye_of(camera: &Camera) -> Vec4 {
     camera.eye().extend(1.0)
 }
 
-/// Returns the unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale; for other lights a cone that holds all.
+/// Returns the unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale; for
+/// other lights a cone that holds all.
 fn cone_of(light: &Light) -> (Vec3, Vec2) {
     let (direction, inner, outer) = match *light {
         Light::Spot {
@@ -172,8 +178,9 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// Returns the recipe with a colour picture on top: backends then answer [`Shadows::picture`](umbrage_core::Shadows::picture).
-    /// What the recipe shaded with before is replaced.
+    /// Returns the recipe with a colour picture on top: backends then answer
+    /// [`Shadows::picture`](umbrage_core::Shadows::picture). What the recipe shaded with before is
+    /// replaced.
     #[must_use]
     pub fn add_to(&self, mut recipe: Recipe) -> Recipe {
         let first = recipe.tables.len();
@@ -188,7 +195,8 @@ impl Shading {
         recipe
     }
 
-    /// Returns the same scene's shading with another camera or light. Tables are shared, so that backends need no upload.
+    /// Returns the same scene's shading with another camera or light. Tables are shared, so that
+    /// backends need no upload.
     ///
     /// # Errors
     /// Errors if the camera or the light is invalid.
@@ -277,7 +285,8 @@ impl BlinnPhongKernel {
         Some(s.emissive + u.ambient.truncate() * s.diffuse + lit * reflected)
     }
 
-    /// Returns the linear light from the lamp at a point whose geometric normal is `n`; `l` is the unit direction to it.
+    /// Returns the linear light from the lamp at a point whose geometric normal is `n`; `l` is the
+    /// unit direction to it.
     #[inline(always)]
     fn arriving(&self, p: Vec3, n: Vec3, l: Vec3, visibility: f32) -> Vec3 {
         if dot3(n, l) <= 0.0 {

@@ -257,7 +257,8 @@ fn spots_fade_between_their_angles() {
     );
 }
 
-/// Red, green over blue, white; u to the right (x), v down the picture (z), which the camera shows downwards.
+/// Red, green over blue, white; u to the right (x), v down the picture (z), which the camera shows
+/// downwards.
 #[test]
 fn textures_lie_as_their_picture_does() {
     let texels = vec![
@@ -324,8 +325,8 @@ fn a_flat_normal_map_is_none() {
     }
 }
 
-/// A map that leans by (.6, 0, .8) along the tangent, or along the bitangent; the normal is then in the plane of the
-/// light, or not.
+/// A map that leans by (.6, 0, .8) along the tangent, or along the bitangent; the normal is then in
+/// the plane of the light, or not.
 #[test]
 fn normal_maps_lean_along_the_textures_axes() {
     let settings = BlinnPhong {

@@ -1,9 +1,10 @@
-//! Vertex attributes over a triangle, and normals bent by a map: the arithmetic of [`surface`](crate::shading::surface) that reads
-//! no table.
+//! Vertex attributes over a triangle, and normals bent by a map: the arithmetic of
+//! [`surface`](crate::shading::surface) that reads no table.
 //!
-//! Normal maps: Cohen, Olano and Manocha 1998, "Appearance-Preserving Simplification"; in a tangent frame by Mikkelsen
-//! 2008, "Simulation of wrinkled surfaces revisited": normal and tangent are interpolated and *not* made unit vectors,
-//! the bitangent is their cross product times the handedness, so that maps baked by others come out as they meant.
+//! Normal maps: Cohen, Olano and Manocha 1998, "Appearance-Preserving Simplification"; in a tangent
+//! frame by Mikkelsen 2008, "Simulation of wrinkled surfaces revisited": normal and tangent are
+//! interpolated and *not* made unit vectors, the bitangent is their cross product times the
+//! handedness, so that maps baked by others come out as they meant.
 
 use glam::{Vec3, Vec4};
 use umbrage_core::{
@@ -15,7 +16,8 @@ use umbrage_core::{
 /// The WGSL half.
 pub(crate) const INTERPOLATION: Module = module!("interpolation");
 
-/// Returns the weights of a triangle's corners at a point of its plane: signed areas over the triangle's.
+/// Returns the weights of a triangle's corners at a point of its plane: signed areas over the
+/// triangle's.
 #[inline(always)]
 pub(crate) fn barycentric(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     let n = cross3(b - a, c - a);
@@ -43,8 +45,8 @@ pub(crate) fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
     otherwise
 }
 
-/// Returns a normal map's normal `m` (tangent space) in the space of the tangent `t` (w: handedness) and the normal `n`. It is not
-/// of unit length.
+/// Returns a normal map's normal `m` (tangent space) in the space of the tangent `t` (w:
+/// handedness) and the normal `n`. It is not of unit length.
 #[inline(always)]
 pub(crate) fn bent(n: Vec3, t: Vec4, m: Vec3) -> Vec3 {
     let handedness = if t.w >= 0.0 { 1.0 } else { -1.0 };

@@ -1,5 +1,5 @@
-//! How much of the light a surface sends on: Lambert's diffuse and Blinn's specular reflection, a spot's cone, and
-//! classic attenuation.
+//! How much of the light a surface sends on: Lambert's diffuse and Blinn's specular reflection, a
+//! spot's cone, and classic attenuation.
 
 use crate::shading::interpolation::unit_or;
 use glam::{Vec2, Vec3};
@@ -18,9 +18,10 @@ pub(crate) fn power(x: f32, log2: u32) -> f32 {
     y
 }
 
-/// Returns the diffuse and the specular share of the light from `l` seen from `v`, all unit vectors: Lambert's n.l, and Blinn 1977,
-/// "Models of light reflection for computer synthesized pictures": (n.h)^(2^`shininess_log2`) with h halfway between `l`
-/// and `v`. Both are 0 where the normal turns from the light.
+/// Returns the diffuse and the specular share of the light from `l` seen from `v`, all unit
+/// vectors: Lambert's n.l, and Blinn 1977, "Models of light reflection for computer synthesized
+/// pictures": (n.h)^(2^`shininess_log2`) with h halfway between `l` and `v`. Both are 0 where the
+/// normal turns from the light.
 #[inline(always)]
 pub(crate) fn blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2 {
     let diffuse = dot3(n, l).max(0.0);
@@ -31,8 +32,9 @@ pub(crate) fn blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2 {
     Vec2::ZERO
 }
 
-/// Returns the share of a spot's light at an angle to its axis, linear in the cosine: 0 at the outer angle, whose cosine is `outer`, 1
-/// at the inner one, where `(cos - outer) * scale` reaches 1.
+/// Returns the share of a spot's light at an angle to its axis, linear in the cosine: 0 at the
+/// outer angle, whose cosine is `outer`, 1 at the inner one, where `(cos - outer) * scale` reaches
+/// 1.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -42,7 +44,8 @@ pub(crate) fn cone(cosine: f32, outer: f32, scale: f32) -> f32 {
     ((cosine - outer) * scale).max(0.0).min(1.0)
 }
 
-/// Returns `1 / (c + l d + q d^2)` at the distance d, metres; `factors` are (c, l, q). The attenuation of OpenGL 1.
+/// Returns `1 / (c + l d + q d^2)` at the distance d, metres; `factors` are (c, l, q). The
+/// attenuation of OpenGL 1.
 #[inline(always)]
 pub(crate) fn attenuation(factors: Vec3, distance: f32) -> f32 {
     1.0 / (factors.x + factors.y * distance + factors.z * distance * distance)

@@ -1,4 +1,5 @@
-//! Colour pictures: what a seen surface is made of, and how it shades under the light that a mask leaves it.
+//! Colour pictures: what a seen surface is made of, and how it shades under the light that a mask
+//! leaves it.
 
 pub(crate) mod blinn_phong;
 pub mod facing;

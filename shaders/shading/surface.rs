@@ -1,9 +1,11 @@
-//! The surface at a seen point: vertex attributes interpolated over its triangle, textures read, normals bent by a
-//! normal map. Only shading uses it. Shadow lookups take the geometric normal for their bias, because a shadow map stores the
-//! geometry's depth, without the relief of a normal map.
+//! The surface at a seen point: vertex attributes interpolated over its triangle, textures read,
+//! normals bent by a normal map. Only shading uses it. Shadow lookups take the geometric normal for
+//! their bias, because a shadow map stores the geometry's depth, without the relief of a normal
+//! map.
 //!
-//! Seen from behind, a bump is a dent: the bent normal is turned as a whole to the side of the geometric normal, which
-//! faces the camera. (Turning it against the pixel's ray instead would turn smooth silhouettes inside out.)
+//! Seen from behind, a bump is a dent: the bent normal is turned as a whole to the side of the
+//! geometric normal, which faces the camera. (Turning it against the pixel's ray instead would turn
+//! smooth silhouettes inside out.)
 
 use crate::shading::{
     interpolation::{barycentric, bent, on_side_of, unit_or, weighted},
@@ -32,8 +34,8 @@ pub(crate) struct SurfacePoint {
 }
 
 impl SurfaceTables {
-    /// Returns the surface at the point `p` (world space) of triangle `id`, whose geometric unit normal towards the camera is
-    /// `facing`; `None` if there is no such triangle.
+    /// Returns the surface at the point `p` (world space) of triangle `id`, whose geometric unit
+    /// normal towards the camera is `facing`; `None` if there is no such triangle.
     #[inline(always)]
     pub(crate) fn surface(&self, id: u32, p: Vec3, facing: Vec3) -> Option<SurfacePoint> {
         let triangle = UVec4::from_array(*self.triangles.get(id as usize)?);
@@ -65,8 +67,8 @@ impl SurfaceTables {
         })
     }
 
-    /// Returns the unit shading normal. `n` is the interpolated vertex normal, not of unit length; `map` is the normal map's place
-    /// among the texels, with a width of 0 for none.
+    /// Returns the unit shading normal. `n` is the interpolated vertex normal, not of unit length;
+    /// `map` is the normal map's place among the texels, with a width of 0 for none.
     #[inline(always)]
     fn shading_normal(
         &self,

@@ -1,5 +1,5 @@
-// Twin of surface.rs: what a seen point is made of. table_0: vertices, three rows each; table_1: triangles;
-// table_2: materials, five rows each; table_3: texels.
+// Twin of surface.rs: what a seen point is made of. table_0: vertices, three rows each; table_1:
+// triangles; table_2: materials, five rows each; table_3: texels.
 
 struct SurfacePoint {
     normal: vec3f,

@@ -1,4 +1,5 @@
-//! A scene's geometry and materials as tables that both languages read: vertices, triangles, materials, texels.
+//! A scene's geometry and materials as tables that both languages read: vertices, triangles,
+//! materials, texels.
 
 use crate::shading::texture;
 use glam::{UVec4, Vec2, Vec3, Vec4};
@@ -7,7 +8,8 @@ use umbrage_core::{Geometry, Invalid, Material, NO_MATERIAL, Scene, Table};
 
 /// Rows a vertex: position and u; shading normal and v; tangent and handedness.
 pub(crate) const VERTEX_ROWS: usize = 3;
-/// Rows a material: diffuse colour and shininess (an integer); specular colour; emission; diffuse texture; normal map.
+/// Rows a material: diffuse colour and shininess (an integer); specular colour; emission; diffuse
+/// texture; normal map.
 pub(crate) const MATERIAL_ROWS: usize = 5;
 
 /// Rows of four words.
@@ -120,7 +122,8 @@ fn triangle_rows(geometry: &Geometry, default: u32) -> Vec<[u32; 4]> {
     rows
 }
 
-/// Returns a material's rows: see [`MATERIAL_ROWS`]. `places` are the textures' places among the texels.
+/// Returns a material's rows: see [`MATERIAL_ROWS`]. `places` are the textures' places among the
+/// texels.
 fn material_rows(m: &Material, places: &[UVec4]) -> [[u32; 4]; MATERIAL_ROWS] {
     [
         color_row(m.diffuse, m.shininess_log2),

@@ -1,7 +1,8 @@
-//! Textures in both languages: they repeat, and are read bilinearly with explicit loads, since samplers' weights have 8
-//! bits on most hardware.
+//! Textures in both languages: they repeat, and are read bilinearly with explicit loads, since
+//! samplers' weights have 8 bits on most hardware.
 //!
-//! A texture is `(first texel, width, height, 0)` into a table of texels; a width of 0 stands for no texture.
+//! A texture is `(first texel, width, height, 0)` into a table of texels; a width of 0 stands for
+//! no texture.
 
 use glam::{UVec2, UVec4, Vec2, Vec4};
 use umbrage_core::{Module, Texture, module};
@@ -9,7 +10,8 @@ use umbrage_core::{Module, Texture, module};
 /// The WGSL half. Reading a table is the business of who declares it.
 pub(crate) const TEXTURE: Module = module!("texture");
 
-/// Returns the two texels along one axis, of `size`, between whose centres the texture coordinate `u` lies.
+/// Returns the two texels along one axis, of `size`, between whose centres the texture coordinate
+/// `u` lies.
 #[inline(always)]
 pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
     let x = ((u - u.floor()) * size as f32 - 0.5).floor();
@@ -27,14 +29,16 @@ pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
     UVec2::new(first, second)
 }
 
-/// Returns how far `u` is from the centre of the first of its [`neighbours`] to that of the second, 0 to 1.
+/// Returns how far `u` is from the centre of the first of its [`neighbours`] to that of the second,
+/// 0 to 1.
 #[inline(always)]
 pub(crate) fn fraction(u: f32, size: u32) -> f32 {
     let x = (u - u.floor()) * size as f32 - 0.5;
     x - x.floor()
 }
 
-/// Returns the linear blend from `a` to `b`; exact where both are equal, so that flat maps stay flat.
+/// Returns the linear blend from `a` to `b`; exact where both are equal, so that flat maps stay
+/// flat.
 #[inline(always)]
 pub(crate) fn blend(a: Vec4, b: Vec4, t: f32) -> Vec4 {
     a + (b - a) * t
@@ -66,7 +70,8 @@ fn load(texels: &[[u32; 4]], index: u32) -> Vec4 {
     Vec4::from_array(texels[index as usize].map(f32::from_bits))
 }
 
-/// Returns all texels one after the other, and each texture's place among them. One row of zeros if there are none.
+/// Returns all texels one after the other, and each texture's place among them. One row of zeros if
+/// there are none.
 pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
     let mut rows = Vec::new();
     let mut places = Vec::new();

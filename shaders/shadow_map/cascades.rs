@@ -1,8 +1,9 @@
 //! Which of several cascades answers for a receiver, and how much of its answer is the next one's.
 //!
-//! The first cascade answers on whose map the receiver lies with all that the kernel reaches, and before whose far plane: no distance
-//! from the camera is asked for, so each map is used as far as it goes. Answers blend where a cascade's map ends, since there a
-//! line would show between texels of two sizes.
+//! The first cascade answers on whose map the receiver lies with all that the kernel reaches, and
+//! before whose far plane: no distance from the camera is asked for, so each map is used as far as
+//! it goes. Answers blend where a cascade's map ends, since there a line would show between texels
+//! of two sizes.
 
 use super::{
     coord::{clip_w, point_over_w, texel_from_point},
@@ -15,11 +16,12 @@ use umbrage_core::{Module, module};
 /// [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`](super::coord::PROJECTION).
 pub const CASCADES: Module = module!("cascades");
 
-/// The WGSL that reads the kernel's layers: `layer_at`, `map_layer`, `cascade_at`, `holds`, `share_of_layer`.
+/// The WGSL that reads the kernel's layers: `layer_at`, `map_layer`, `cascade_at`, `holds`,
+/// `share_of_layer`.
 pub(crate) const LAYER_PICK: Module = module!("layer_pick");
 
-/// Returns how far inside a cascade's map `p` (world space) lies: from the nearest side of the map, texels (x), and before the far
-/// plane, clip depth (y). Negative outside.
+/// Returns how far inside a cascade's map `p` (world space) lies: from the nearest side of the map,
+/// texels (x), and before the far plane, clip depth (y). Negative outside.
 #[inline(always)]
 pub fn room_around(clip_from_world: Mat4, p: Vec3, size: f32) -> Vec2 {
     let w = clip_w(&clip_from_world, p);
@@ -30,14 +32,16 @@ pub fn room_around(clip_from_world: Mat4, p: Vec3, size: f32) -> Vec2 {
     Vec2::new(across.min(down), 1.0 - point.z)
 }
 
-/// Returns whether a cascade holds a receiver with this room around it, for kernels that reach `reach` texels.
+/// Returns whether a cascade holds a receiver with this room around it, for kernels that reach
+/// `reach` texels.
 #[inline(always)]
 pub fn is_held(room: Vec2, reach: f32) -> bool {
     room.x > reach && room.y >= 0.0
 }
 
-/// Returns the share, 0..=1, of a cascade's own answer for a receiver with this room around it; the rest is that of the next. It
-/// grows over `blend` texels (more than 0), from where the cascade stops to hold the receiver.
+/// Returns the share, 0..=1, of a cascade's own answer for a receiver with this room around it; the
+/// rest is that of the next. It grows over `blend` texels (more than 0), from where the cascade
+/// stops to hold the receiver.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -48,7 +52,8 @@ pub fn own_share(room: Vec2, reach: f32, depth_in_texels: f32, blend: f32) -> f3
     (inside / blend).max(0.0).min(1.0)
 }
 
-/// Returns the index of the first cascade that holds a receiver at `p` (world space), and of the last if none does.
+/// Returns the index of the first cascade that holds a receiver at `p` (world space), and of the
+/// last if none does.
 #[inline(always)]
 pub fn cascade_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
     let last = m.used_layers().len() - 1;
@@ -67,8 +72,9 @@ pub fn holds(m: &ShadowMapUniforms, layer: &MapLayer, p: Vec3) -> bool {
     is_held(room, m.pick_reach)
 }
 
-/// Returns the share, 0..=1, of the answer of the layer `index` for a receiver at `p` (world space) that was picked for it; the rest
-/// is that of the next layer. It is 1 where the next one doesn't hold the receiver.
+/// Returns the share, 0..=1, of the answer of the layer `index` for a receiver at `p` (world space)
+/// that was picked for it; the rest is that of the next layer. It is 1 where the next one doesn't
+/// hold the receiver.
 #[inline(always)]
 pub fn share_of_layer(m: &ShadowMapUniforms, index: i32, p: Vec3) -> f32 {
     let used = m.used_layers();

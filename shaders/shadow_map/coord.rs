@@ -1,4 +1,5 @@
-//! From a receiver to a texel of a shadow map: what every map technique's kernel begins with, in both halves.
+//! From a receiver to a texel of a shadow map: what every map technique's kernel begins with, in
+//! both halves.
 //!
 //! The functions take and return plain numbers, so that compilers can vectorise loops over them.
 //! [`lanes::batch`](crate::lanes::batch) calls them in such loops, for many receivers at a time.
@@ -11,8 +12,9 @@ use umbrage_core::{
     module,
 };
 
-/// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH), [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`], `layer_pick.wgsl`
-/// and the map's constants (`variants.rs`).
+/// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH),
+/// [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`], `layer_pick.wgsl` and the map's constants
+/// (`variants.rs`).
 pub const COORD: Module = module!("coord");
 
 /// Functions without images or uniforms, called by [`COORD`]; their WGSL is `projection.wgsl`.
@@ -25,7 +27,8 @@ pub struct ShadowCoord {
     pub texel: Vec2,
     /// Clip depth to compare with, biased.
     pub depth: f32,
-    /// Change of that depth per texel right (x) and down (y); zero unless the receiver's plane is followed.
+    /// Change of that depth per texel right (x) and down (y); zero unless the receiver's plane is
+    /// followed.
     pub gradient: Vec2,
     /// Upper bound of the depth that follows the receiver's plane: the greater of `depth` and
     /// [`MapLayer::deepest_tap`]; equals `depth` for the adaptive bias.
@@ -38,7 +41,8 @@ pub struct ShadowCoord {
 
 /// Returns the unit direction from `p` to the light: see [`ShadowMapUniforms::light`].
 ///
-/// `light.xyz` is the unit direction to the light if `light.w` is 0, the light's position if it is 1.
+/// `light.xyz` is the unit direction to the light if `light.w` is 0, the light's position if it is
+/// 1.
 #[inline(always)]
 pub fn to_light(light: Vec4, p: Vec3) -> Vec3 {
     if light.w == 0.0 {
@@ -101,9 +105,9 @@ pub fn texel_from_point(point: Vec3, size: f32) -> Vec3 {
 /// Returns the depth change per texel, right and down, along the receiver's plane.
 ///
 /// The plane has the normal `n` and goes through `point`: clip coordinates over w.
-/// A projection maps planes to planes, so two tangents and a two-by-two system give the exact result.
-/// The result is zero for a plane seen edge-on.
-/// Each component is clamped to -limit..=limit.
+/// A projection maps planes to planes, so two tangents and a two-by-two system give the exact
+/// result. The result is zero for a plane seen edge-on. Each component is clamped to
+/// -limit..=limit.
 #[inline(always)]
 pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, limit: f32) -> Vec2 {
     let along_x = n.x.abs() < 0.6;
@@ -118,7 +122,8 @@ pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, li
     let det = a.x * b.y - b.x * a.y;
     let right = (a.z * b.y - b.z * a.y) / det;
     let down = (a.x * b.z - b.x * a.z) / det;
-    // Both are bounded before the choice: work inside a branch would keep compilers from vector lanes.
+    // Both are bounded before the choice: work inside a branch would keep compilers from vector
+    // lanes.
     let right = clamp_gradient(right, limit);
     let down = clamp_gradient(down, limit);
     let longest = a.x.abs().max(a.y.abs()).max(b.x.abs().max(b.y.abs()));
@@ -141,7 +146,8 @@ fn clamp_gradient(g: f32, limit: f32) -> f32 {
     if g > -limit { g } else { -limit }
 }
 
-/// Returns the change of texel coordinates and depth along a world-space tangent, times the point's clip w.
+/// Returns the change of texel coordinates and depth along a world-space tangent, times the point's
+/// clip w.
 ///
 /// The factor w cancels in [`plane_gradient`], whose quotients have it squared above and below.
 #[inline(always)]
@@ -151,7 +157,8 @@ pub fn slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Ve
     let z = row_along(&clip_from_world, 2, tangent);
     let w = row_along(&clip_from_world, 3, tangent);
     let half = size * 0.5;
-    // The quotient rule: the change of x / w is (x' - (x / w) w') / w. The last division is left out.
+    // The quotient rule: the change of x / w is (x' - (x / w) w') / w. The last division is left
+    // out.
     Vec3::new(
         (x - point.x * w) * half,
         (point.y * w - y) * half,
@@ -168,7 +175,8 @@ fn row_along(m: &Mat4, i: usize, direction: Vec3) -> f32 {
     x + y + z
 }
 
-/// Returns a receiver moved along its normal by `normal_offset` texels, times the sine of the angle of incidence.
+/// Returns a receiver moved along its normal by `normal_offset` texels, times the sine of the angle
+/// of incidence.
 ///
 /// A texel counts as wide as it is at the receiver.
 #[inline(always)]
@@ -223,7 +231,8 @@ pub fn shadow_coord_in(index: i32, m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> S
     }
 }
 
-/// Returns whether a point with this clip depth and clip w is in front of the light and not beyond the layer's far bound.
+/// Returns whether a point with this clip depth and clip w is in front of the light and not beyond
+/// the layer's far bound.
 #[inline(always)]
 pub fn is_covered(layer: &MapLayer, depth: f32, w: f32) -> bool {
     w > 0.0 && depth <= layer.far

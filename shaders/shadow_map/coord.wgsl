@@ -51,7 +51,8 @@ fn shadow_coord_in(index: i32, m: ShadowMapUniforms, p: vec3f, n: vec3f) -> Shad
     let biased = biased_receiver(layer, m.light, p, n);
     let clip = transform(layer.clip_from_world, biased.xyz);
     let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
-    // The texture tells its side for all lanes at once; drivers that run on the CPU read a word of one light among many lane by lane.
+    // The texture tells its side for all lanes at once; drivers that run on the CPU read a word of
+    // one light among many lane by lane.
     let side = f32(size_0().x);
     let texel = texel_from_point(point, side);
     let gradient = receiver_gradient(layer, point, n, side);

@@ -1,5 +1,6 @@
-//! A shadow map's layers, as kernels know them: one for a single map, six for a cube, one for each cascade. Each has its own
-//! transform, texel size, bias and far bound. [`layer_at`] is the one place that picks a receiver's layer.
+//! A shadow map's layers, as kernels know them: one for a single map, six for a cube, one for each
+//! cascade. Each has its own transform, texel size, bias and far bound. [`layer_at`] is the one
+//! place that picks a receiver's layer.
 
 use super::{BeyondFar, Border, MapFormat, ShadowMap, cascades::cascade_at, position_error};
 use crate::shading::facing::homogeneous;
@@ -14,7 +15,8 @@ pub const LAYERS: Module = module!("layers");
 /// Most layers of a map: a cube has six.
 pub const MAX_LAYERS: usize = MAX_CASCADES;
 
-/// [`MapLayer::deepest_tap`] where no tap is compared deeper than the receiver: nearer than any depth.
+/// [`MapLayer::deepest_tap`] where no tap is compared deeper than the receiver: nearer than any
+/// depth.
 pub const NEVER_DEEPER: f32 = f32::MIN;
 
 uniforms! {
@@ -22,7 +24,8 @@ uniforms! {
     pub struct MapLayer {
         /// From world space to the light's clip space.
         pub clip_from_world: Mat4,
-        /// Longer side of a texel: metres without perspective; metres at one metre's distance with it.
+        /// Longer side of a texel: metres without perspective; metres at one metre's distance with
+        /// it.
         pub texel: f32,
         /// Greatest clip depth that is compared: 1, or without bound.
         pub far: f32,
@@ -34,13 +37,14 @@ uniforms! {
         pub slope_min: f32,
         /// Texels. See [`Bias::normal_offset`](crate::Bias::normal_offset).
         pub normal_offset: f32,
-        /// Greatest depth slope, clip depth a texel, that taps follow along the receiver's plane; 0 where they follow none.
+        /// Greatest depth slope, clip depth a texel, that taps follow along the receiver's plane; 0
+        /// where they follow none.
         pub receiver_plane: f32,
-        /// Clip depth down to which taps on the receiver's plane are compared where the receiver itself is nearer: 1, the far
-        /// plane, or [`NEVER_DEEPER`].
+        /// Clip depth down to which taps on the receiver's plane are compared where the receiver
+        /// itself is nearer: 1, the far plane, or [`NEVER_DEEPER`].
         pub deepest_tap: f32,
-        /// How many texels as wide as [`texel`](Self::texel) fill the layer's depth, from its near to its far plane; 1 with
-        /// perspective, where no cascade is.
+        /// How many texels as wide as [`texel`](Self::texel) fill the layer's depth, from its near
+        /// to its far plane; 1 with perspective, where no cascade is.
         pub depth_in_texels: f32,
     }
 }
@@ -48,25 +52,27 @@ uniforms! {
 uniforms! {
     /// What a lookup in a shadow map needs to know, in both halves.
     pub struct ShadowMapUniforms {
-        /// Number of layers, 1 to [`MAX_LAYERS`]. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
+        /// Number of layers, 1 to [`MAX_LAYERS`]. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's
+        /// drivers.rs.
         pub layer_count: u32,
         /// 1 if depth is packed into four channels, else 0.
         pub packed: u32,
         /// 1 if the map's edge repeats, else 0.
         pub clamped: u32,
-        /// Of cascades: how far from its rim a layer holds a receiver with all that the kernel reaches, texels.
+        /// Of cascades: how far from its rim a layer holds a receiver with all that the kernel
+        /// reaches, texels.
         pub pick_reach: f32,
         /// Of cascades: over how many texels the answers of two blend; 0 where they don't.
         pub blend: f32,
-        /// The layers: one, six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube), or those of cascades from the nearest on.
-        /// Unused ones repeat the first.
+        /// The layers: one, six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube), or
+        /// those of cascades from the nearest on. Unused ones repeat the first.
         pub layers: [MapLayer; MAX_LAYERS],
         /// xyz: unit direction to the light (w = 0) or the light's position (w = 1), world space.
         pub light: Vec4,
         /// Side of each layer, texels.
         pub size: f32,
-        /// Share of what the receiver's plane gains over a sample's four texels that is taken off the depth that the sample
-        /// compares: 1, or 0 where casters move away instead.
+        /// Share of what the receiver's plane gains over a sample's four texels that is taken off
+        /// the depth that the sample compares: 1, or 0 where casters move away instead.
         pub sample_gain: f32,
     }
 }
@@ -131,7 +137,8 @@ impl MapLayer {
 impl ShadowMapUniforms {
     /// Returns what a lookup needs to know of a map of `view.light` whose layers lie in `spaces`.
     ///
-    /// Panics if there are no spaces, or several that are neither a cube around a lamp nor cascades of a sun.
+    /// Panics if there are no spaces, or several that are neither a cube around a lamp nor cascades
+    /// of a sun.
     pub fn new(map: &ShadowMap, view: &View<'_>, spaces: &LightSpaces) -> Self {
         let bias = map.bias;
         let arrangement = spaces.arrangement;
@@ -161,7 +168,8 @@ impl ShadowMapUniforms {
         uniforms
     }
 
-    /// Returns the index of the layer in which a receiver at `position` (world space) is looked up first.
+    /// Returns the index of the layer in which a receiver at `position` (world space) is looked up
+    /// first.
     pub fn layer_of(&self, position: Vec3) -> u32 {
         layer_at(self, position) as u32
     }
@@ -205,7 +213,8 @@ fn depth_in_texels(clip_from_view: Mat4, texel: f32) -> f32 {
     }
 }
 
-/// Returns the index of the layer in which a receiver at `p` (world space) is looked up. WGSL's `layer_at`.
+/// Returns the index of the layer in which a receiver at `p` (world space) is looked up. WGSL's
+/// `layer_at`.
 #[inline(always)]
 pub fn layer_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
     match m.arrangement() {
@@ -215,7 +224,8 @@ pub fn layer_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
     }
 }
 
-/// Returns the face of a cube around `light` in which `p` lies: that of the axis along which it is farthest. Ties go to the first.
+/// Returns the face of a cube around `light` in which `p` lies: that of the axis along which it is
+/// farthest. Ties go to the first.
 #[inline(always)]
 pub fn cube_face(light: Vec4, p: Vec3) -> i32 {
     let x = p.x - light.x;

@@ -1,9 +1,11 @@
-//! Depth in four 8-bit channels, for devices that can neither read depth images nor draw into float ones: WebGL 1's way.
+//! Depth in four 8-bit channels, for devices that can neither read depth images nor draw into float
+//! ones: WebGL 1's way.
 //!
-//! Depth z is written in base 256, a digit a channel: z = k0/256 + k1/256² + k2/256³ + k3/256⁴, each k a whole number from
-//! 0 to 255, stored as k/255. Multiplying by 256 and taking the fraction are exact in binary floats, so nothing is lost of a
-//! depth of 2^-8 and more (24 bits, all that a float has), and less than 2^-32 of a smaller one; 1 becomes 1 - 2^-32,
-//! which rounds back to 1. Known failure: packed depth cannot be filtered, nor compared by samplers; the digits of
+//! Depth z is written in base 256, a digit a channel: z = k0/256 + k1/256² + k2/256³ + k3/256⁴,
+//! each k a whole number from 0 to 255, stored as k/255. Multiplying by 256 and taking the fraction
+//! are exact in binary floats, so nothing is lost of a depth of 2^-8 and more (24 bits, all that a
+//! float has), and less than 2^-32 of a smaller one; 1 becomes 1 - 2^-32, which rounds back to 1.
+//! Known failure: packed depth cannot be filtered, nor compared by samplers; the digits of
 //! neighbours have nothing to do with each other.
 
 use glam::{UVec2, Vec4};

@@ -1,17 +1,20 @@
-//! The error of depths that comes from the rounding of positions. It grows with the distance from the origin.
+//! The error of depths that comes from the rounding of positions. It grows with the distance from
+//! the origin.
 
 use umbrage_core::{
     LightSpace,
     glam::{DMat4, DVec3},
 };
 
-/// What a position's rounding takes of its greatest coordinate by the time that its depth is compared: half a unit in the
-/// last place (2^-24) where the receiver's ray is followed, where the caster's corner is placed, and for each of the sums
-/// of both's transforms, eight in all; as much again since what rounding moves aside goes up or down a slope, too.
+/// What a position's rounding takes of its greatest coordinate by the time that its depth is
+/// compared: half a unit in the last place (2^-24) where the receiver's ray is followed, where the
+/// caster's corner is placed, and for each of the sums of both's transforms, eight in all; as much
+/// again since what rounding moves aside goes up or down a slope, too.
 const PART_OF_COORDINATE: f64 = 1.0 / (1 << 20) as f64;
 
-/// Returns the error of depths in a space without perspective, clip depth, for positions in the box that the space maps. With
-/// perspective 0: there a depth is worth other lengths at each distance, and no constant is right.
+/// Returns the error of depths in a space without perspective, clip depth, for positions in the box
+/// that the space maps. With perspective 0: there a depth is worth other lengths at each distance,
+/// and no constant is right.
 pub(crate) fn depth_error(space: &LightSpace) -> f32 {
     let projection = space.clip_from_view;
     if projection.z_axis.w != 0.0 {

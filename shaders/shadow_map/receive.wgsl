@@ -1,5 +1,5 @@
-// What every map technique's kernel does: it finds the receiver's place on a layer and calls the technique's `visibility`, or
-// `full_light` outside the map.
+// What every map technique's kernel does: it finds the receiver's place on a layer and calls the
+// technique's `visibility`, or `full_light` outside the map.
 
 // The answer of one layer.
 fn visibility_in(layer: i32, r: Receiver) -> f32 {

@@ -1,4 +1,5 @@
-// `receive` where a cascade's answers blend into those of the next one as its map ends. Twin of `blend_layers` in batch.rs.
+// `receive` where a cascade's answers blend into those of the next one as its map ends. Twin of
+// `blend_layers` in batch.rs.
 
 fn receive(r: Receiver) -> f32 {
     // As in receive_one.wgsl.

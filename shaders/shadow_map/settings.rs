@@ -55,7 +55,8 @@ pub enum Border {
     /// Nothing: it is lit, as if the map had a border of depth 1.
     #[default]
     Lit,
-    /// The nearest texel of the map's edge, repeated: casters at the edge throw shadow bands without end.
+    /// The nearest texel of the map's edge, repeated: casters at the edge throw shadow bands
+    /// without end.
     Clamp,
 }
 
@@ -170,13 +171,14 @@ impl ShadowMap {
         }
     }
 
-    /// Returns the same map with the side that a view needs: on it, for a share `quantile` (0..=1) of the `receivers` that
-    /// face the light, no texel is larger than a pixel, in whichever direction it is stretched (see [`side_for`]). More is
-    /// finer than the screen shows; less shows texels as steps along edges. 0.9 is a good quantile: near 1, a few receivers
-    /// that the light grazes decide.
+    /// Returns the same map with the side that a view needs: on it, for a share `quantile` (0..=1)
+    /// of the `receivers` that face the light, no texel is larger than a pixel, in whichever
+    /// direction it is stretched (see [`side_for`]). More is finer than the screen shows; less
+    /// shows texels as steps along edges. 0.9 is a good quantile: near 1, a few receivers that the
+    /// light grazes decide.
     ///
-    /// `receivers` are what the view's camera sees. The side is a multiple of [`SIDE_STEP`]; where nothing that is seen faces
-    /// the light, it stays as it is.
+    /// `receivers` are what the view's camera sees. The side is a multiple of [`SIDE_STEP`]; where
+    /// nothing that is seen faces the light, it stays as it is.
     ///
     /// # Errors
     /// Errors if [`ShadowMap::spaces`] does.
@@ -188,7 +190,8 @@ impl ShadowMap {
     ) -> Result<Self, RecipeError> {
         let view = view.with_receivers(receivers);
         let mut map = *self;
-        // Fits leave a border of some texels, which is wider on a coarser map: the second fit has the border of the new side.
+        // Fits leave a border of some texels, which is wider on a coarser map: the second fit has
+        // the border of the new side.
         for _ in 0..2 {
             let side = side_for(&view, receivers, &map.spaces(&view, 0.0)?, quantile);
             map.size = side.map_or(map.size, |side| {
@@ -198,8 +201,8 @@ impl ShadowMap {
         Ok(map)
     }
 
-    /// Returns the images, casts and filters that make the map: a recipe still without its lookup. `compare` is how the lookup will
-    /// compare with it.
+    /// Returns the images, casts and filters that make the map: a recipe still without its lookup.
+    /// `compare` is how the lookup will compare with it.
     pub fn maps(&self, spaces: &LightSpaces, compare: CompareMethod) -> Maps {
         let depth = if self.format == MapFormat::Depth16 {
             Format::Depth16
@@ -270,8 +273,8 @@ impl ShadowMap {
         }
     }
 
-    /// Returns the recipe of a technique that draws maps and looks them up with the kernel that `kernel` makes of their
-    /// uniforms. It reaches `reach` texels beyond the receiver's own.
+    /// Returns the recipe of a technique that draws maps and looks them up with the kernel that
+    /// `kernel` makes of their uniforms. It reaches `reach` texels beyond the receiver's own.
     ///
     /// # Errors
     /// Errors if [`ShadowMap::spaces`] does.
@@ -285,7 +288,8 @@ impl ShadowMap {
         Ok(self.recipe_in(&spaces, view, reach, kernel))
     }
 
-    /// Returns the same recipe with layers that lie in these spaces, which needn't be those of the map's layout.
+    /// Returns the same recipe with layers that lie in these spaces, which needn't be those of the
+    /// map's layout.
     ///
     /// Panics if there are no spaces.
     pub fn recipe_in<K: ReceiveKernel + 'static>(
@@ -319,8 +323,8 @@ impl ShadowMap {
 /// What makes a map: see [`ShadowMap::maps`].
 #[derive(Clone, Debug, Default)]
 pub struct Maps {
-    /// The image that is looked up: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]). Whoever
-    /// filters it further puts the result here.
+    /// The image that is looked up: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8`
+    /// ([`MapFormat::Rgba8`]). Whoever filters it further puts the result here.
     pub map: ImageId,
     /// As [`Recipe::images`].
     pub images: Vec<ImageDesc>,

@@ -1,5 +1,5 @@
-//! The comparison of a receiver with one texel of a shadow map: which depth is stored there, which one is compared, and what lies
-//! beside the map.
+//! The comparison of a receiver with one texel of a shadow map: which depth is stored there, which
+//! one is compared, and what lies beside the map.
 
 use super::{coord::ShadowCoord, layers::ShadowMapUniforms, packing::unpack_depth};
 use glam::{Vec2, Vec4};
@@ -21,8 +21,9 @@ pub fn depth_at(l: &ShadowCoord, x: i32, y: i32) -> f32 {
     depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y)
 }
 
-/// Returns `depth` moved along `gradient` from `from` to the centre of texel (x, y), but not beyond `deepest`. (What lay before
-/// the far plane must stay there, since texels that nothing was drawn to hold 1.)
+/// Returns `depth` moved along `gradient` from `from` to the centre of texel (x, y), but not beyond
+/// `deepest`. (What lay before the far plane must stay there, since texels that nothing was drawn
+/// to hold 1.)
 #[inline(always)]
 pub fn depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32 {
     depth_at_texel(
@@ -34,7 +35,8 @@ pub fn depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i
     )
 }
 
-/// Returns [`depth_on_plane`] at a texel whose whole numbers are held as floats, which costs loops over many receivers no conversion.
+/// Returns [`depth_on_plane`] at a texel whose whole numbers are held as floats, which costs loops
+/// over many receivers no conversion.
 #[inline(always)]
 pub(crate) fn depth_at_texel(
     depth: f32,
@@ -83,7 +85,8 @@ impl<'a> DepthMap<'a> {
         layer as usize * self.size as usize * self.size as usize
     }
 
-    /// Returns the depth at a texel of the map, by its place among all texels; `None` beyond the last. The map is not packed.
+    /// Returns the depth at a texel of the map, by its place among all texels; `None` beyond the
+    /// last. The map is not packed.
     #[inline(always)]
     pub(crate) fn plain_depth(&self, index: usize) -> Option<f32> {
         self.texels.get(index).copied()
@@ -126,7 +129,8 @@ impl<'a> DepthMap<'a> {
         x >= 0 && y >= 0 && x < self.size && y < self.size
     }
 
-    /// Returns 1 if the receiver is lit as far as one texel tells, else 0. Beside the map it is lit, unless the edge repeats.
+    /// Returns 1 if the receiver is lit as far as one texel tells, else 0. Beside the map it is
+    /// lit, unless the edge repeats.
     #[inline(always)]
     pub fn tap(&self, l: &ShadowCoord, x: i32, y: i32) -> f32 {
         if !self.has(x, y) {

@@ -1,5 +1,5 @@
-//! The variants of a map's WGSL. Constants select them in the rules' own files; this module declares the constants. Compilers remove
-//! the other variants.
+//! The variants of a map's WGSL. Constants select them in the rules' own files; this module
+//! declares the constants. Compilers remove the other variants.
 
 use super::{
     cascades::{CASCADES, LAYER_PICK},
@@ -38,8 +38,9 @@ const PLAIN_DEPTH: Module = constant!("IS_PACKED = false");
 
 /// The part of `receive` that all maps share.
 const RECEIVE: Module = module!("receive");
-/// `receive`, where each receiver has one layer. The other variant is a file of its own: with a constant, compilers would inline the
-/// technique's lookup twice before they remove one of the calls.
+/// `receive`, where each receiver has one layer. The other variant is a file of its own: with a
+/// constant, compilers would inline the technique's lookup twice before they remove one of the
+/// calls.
 const RECEIVE_ONE: Module = module!("receive_one");
 /// `receive`, where the answers of two layers blend.
 const RECEIVE_BLENDED: Module = module!("receive_blended");
@@ -47,8 +48,9 @@ const RECEIVE_BLENDED: Module = module!("receive_blended");
 const FULL_LIGHT: Module = module!("full_light");
 
 impl ShadowMapUniforms {
-    /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them, and after it the
-    /// technique's `own`. That defines `fn visibility(l: ShadowCoord, r: Receiver) -> f32`, for receivers that the map covers; all
+    /// Returns the WGSL of `receive`, `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this
+    /// map needs them, and after it the technique's `own`. That defines
+    /// `fn visibility(l: ShadowCoord, r: Receiver) -> f32`, for receivers that the map covers; all
     /// others are lit. The map's uniforms must be the kernel's field `lookup`.
     pub fn modules(&self, own: &[Module]) -> Vec<Module> {
         let mut modules = self.modules_without_full_light(&[FULL_LIGHT]);
@@ -56,8 +58,8 @@ impl ShadowMapUniforms {
         modules
     }
 
-    /// As [`modules`](Self::modules), for techniques whose own WGSL also defines `fn full_light(r: Receiver) -> f32`, the answer for
-    /// receivers that the map doesn't cover.
+    /// As [`modules`](Self::modules), for techniques whose own WGSL also defines
+    /// `fn full_light(r: Receiver) -> f32`, the answer for receivers that the map doesn't cover.
     pub fn modules_without_full_light(&self, own: &[Module]) -> Vec<Module> {
         let mut modules = self.constants().to_vec();
         modules.extend([

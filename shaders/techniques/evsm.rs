@@ -1,17 +1,22 @@
-//! Exponential variance shadow maps: as [`Vsm`](crate::Vsm), with exponentials of depth in depth's place.
+//! Exponential variance shadow maps: as [`Vsm`](crate::Vsm), with exponentials of depth in depth's
+//! place.
 //!
-//! Lauritzen and McCool 2008, "Layered variance shadow maps". An exponential that rises with depth, exp(c z), pulls depths of blockers
-//! together and those of receivers apart: seen from a receiver, all that is some way nearer has nearly the same value, so that several
-//! blockers look like one, and little light bleeds. Its weakness is the other side: where what is behind the receiver spreads,
-//! its variance is huge, and the receiver is lit. An exponential that falls, exp(-c z), is good where the first is weak, so the lesser
-//! of both bounds counts (four moments, EVSM4; two moments are EVSM2).
+//! Lauritzen and McCool 2008, "Layered variance shadow maps". An exponential that rises with depth,
+//! exp(c z), pulls depths of blockers together and those of receivers apart: seen from a receiver,
+//! all that is some way nearer has nearly the same value, so that several blockers look like one,
+//! and little light bleeds. Its weakness is the other side: where what is behind the receiver
+//! spreads, its variance is huge, and the receiver is lit. An exponential that falls, exp(-c z), is
+//! good where the first is weak, so the lesser of both bounds counts (four moments, EVSM4; two
+//! moments are EVSM2).
 //!
-//! Exponents beyond 42 overflow: the square of the greatest value is a 32-bit float. The larger they are, the less bleeds between
-//! blockers that are far apart in depth, and the more light stands in contacts and on curved receivers.
+//! Exponents beyond 42 overflow: the square of the greatest value is a 32-bit float. The larger
+//! they are, the less bleeds between blockers that are far apart in depth, and the more light
+//! stands in contacts and on curved receivers.
 //!
-//! Known failures: with two moments light leaks around feet, where the blur finds floor behind them; between blockers at nearly one
-//! depth it still bleeds; the falling exponential darkens receivers that curve within the blur. The rest as of `vsm`, and every
-//! map's: see [`shadow_map`](crate::shadow_map). Four moments take 32 bytes a texel while they are blurred.
+//! Known failures: with two moments light leaks around feet, where the blur finds floor behind
+//! them; between blockers at nearly one depth it still bleeds; the falling exponential darkens
+//! receivers that curve within the blur. The rest as of `vsm`, and every map's: see
+//! [`shadow_map`](crate::shadow_map). Four moments take 32 bytes a texel while they are blurred.
 
 use crate::{
     filtering::moments::{
@@ -33,7 +38,8 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Greatest exponent accepted: exp(84), its greatest value's square, is a 32-bit float, and so are 65 times as much.
+/// Greatest exponent accepted: exp(84), its greatest value's square, is a 32-bit float, and so are
+/// 65 times as much.
 pub const MAX_EVSM_EXPONENT: f32 = 42.0;
 
 /// Which exponentials of depth a map holds.
@@ -61,21 +67,25 @@ pub enum EvsmMoments {
 pub struct Evsm {
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
-    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
-    /// pixels that span several texels, which else is as noisy under a moving camera as one texel is.
+    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as
+    /// far as these are 16 texels wide. They answer pixels that span several texels, which else is
+    /// as noisy under a moving camera as one texel is.
     pub mipmaps: u32,
     /// Bits of each moment.
     pub precision: MomentPrecision,
     /// Which exponentials.
     pub moments: EvsmMoments,
-    /// Exponent of the rising one at the far plane, 0 to [`MAX_EVSM_EXPONENT`]; at the near plane it is the negative of that.
+    /// Exponent of the rising one at the far plane, 0 to [`MAX_EVSM_EXPONENT`]; at the near plane
+    /// it is the negative of that.
     pub positive_exponent: f32,
     /// Exponent of the falling one at the near plane, likewise.
     pub negative_exponent: f32,
-    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on even surfaces.
-    /// Where it is left out, it is what the precision needs: 0.00005 with 32 bits, with 16 bits a tenth over twice the exponent.
+    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on
+    /// even surfaces. Where it is left out, it is what the precision needs: 0.00005 with 32 bits,
+    /// with 16 bits a tenth over twice the exponent.
     pub least_deviation: Option<f32>,
-    /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    /// Light up to this much counts as none, 0 to
+    /// [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
     pub bleeding_reduction: f32,
 }
 
@@ -174,8 +184,9 @@ impl Evsm {
         }
     }
 
-    /// Returns the least variance of an exponential, in units of its squared value: it changes by a factor of 1 + `exponent` d
-    /// over a small centred depth d, and centred depth has twice the range of clip depth.
+    /// Returns the least variance of an exponential, in units of its squared value: it changes by a
+    /// factor of 1 + `exponent` d over a small centred depth d, and centred depth has twice the
+    /// range of clip depth.
     fn least_variance(&self, exponent: f32) -> f32 {
         let deviation = match (self.least_deviation, self.precision) {
             (Some(least), _) => 2.0 * exponent * least,
@@ -188,11 +199,12 @@ impl Evsm {
 
 /// Least deviation of 32-bit moments, clip depth.
 const LEAST_DEVIATION_32: f32 = 5e-5;
-/// Of 16-bit ones, in units of the exponential: each is rounded three times, by up to 2^-9, which is to leave some thousandths of the light
-/// dark at most.
+/// Of 16-bit ones, in units of the exponential: each is rounded three times, by up to 2^-9, which
+/// is to leave some thousandths of the light dark at most.
 const RELATIVE_DEVIATION_16: f32 = 0.1;
 
-/// What rounding leaves of the variance of equal values, in units of their square; and what keeps a division finite.
+/// What rounding leaves of the variance of equal values, in units of their square; and what keeps a
+/// division finite.
 const SMALLEST_VARIANCE: f32 = 1e-6;
 
 uniforms! {
@@ -238,8 +250,8 @@ impl EvsmKernel {
         }
     }
 
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
-    /// own texel; `None` where it is the same for all.
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
+    /// unit `normal` goes beyond its own texel; `None` where it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         self.moment_map().reach(position, normal)
     }

@@ -1,21 +1,27 @@
-//! The answer of one ray, from lists of the casters that touch each cell of a grid over the light: no bias, no map, no error.
+//! The answer of one ray, from lists of the casters that touch each cell of a grid over the light:
+//! no bias, no map, no error.
 //!
-//! The light buffer of Haines and Greenberg 1986, "The Light Buffer: A Shadow-Testing Accelerator"; Wyman, Hoetzlein and Lefohn
-//! 2015, "Frustum-Traced Raster Shadows" keep lists of receivers instead. A grid of two levels, as in Kalojanov, Billeter and
-//! Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs": tiles over the faces of a frame around the light, each cut into as many cells as
-//! its casters are worth. A cell's list holds the casters that touch it, from near to far, up to the first one behind
-//! a caster that covers all of the cell.
+//! The light buffer of Haines and Greenberg 1986, "The Light Buffer: A Shadow-Testing Accelerator";
+//! Wyman, Hoetzlein and Lefohn 2015, "Frustum-Traced Raster Shadows" keep lists of receivers
+//! instead. A grid of two levels, as in Kalojanov, Billeter and Slusallek 2011, "Two-Level Grids
+//! for Ray Tracing on GPUs": tiles over the faces of a frame around the light, each cut into as
+//! many cells as its casters are worth. A cell's list holds the casters that touch it, from near to
+//! far, up to the first one behind a caster that covers all of the cell.
 //!
-//! A receiver asks the list of its cell with the triangle test of [`Traced`](crate::Traced), and any hit will do. So the answer is that
-//! of `traced` with one ray, bit for bit, in whatever order lists are walked and however cells are rounded: lists only have to leave no
-//! true hit out (`exact/light_frame.rs` says how they make sure). A caster with holes covers no cell, and a hit in a hole is none.
+//! A receiver asks the list of its cell with the triangle test of [`Traced`](crate::Traced), and
+//! any hit will do. So the answer is that of `traced` with one ray, bit for bit, in whatever order
+//! lists are walked and however cells are rounded: lists only have to leave no true hit out
+//! (`exact/light_frame.rs` says how they make sure). A caster with holes covers no cell, and a hit
+//! in a hole is none.
 //!
 //! Lights with an extent are taken for their middle.
 //!
-//! In `exact/`: `light_frame.rs` (where a point lies on the light's grid, and the margins that make lists complete), `touches.rs` (which tiles a
-//! triangle touches), `outline.rs` (edges and plane of triangles larger than a cell), `tile.rs` (a tile's cells and their lists), `lists.rs` (all of
-//! it as tables, made when they are first read), `lookup.rs` (the CPU half), `at_once.rs` (the CPU's way while there are no lists), `on_device.rs`
-//! (lists that a device makes of vertices that only it holds).
+//! In `exact/`: `light_frame.rs` (where a point lies on the light's grid, and the margins that make
+//! lists complete), `touches.rs` (which tiles a triangle touches), `outline.rs` (edges and plane of
+//! triangles larger than a cell), `tile.rs` (a tile's cells and their lists), `lists.rs` (all of it
+//! as tables, made when they are first read), `lookup.rs` (the CPU half), `at_once.rs` (the CPU's
+//! way while there are no lists), `on_device.rs` (lists that a device makes of vertices that only
+//! it holds).
 
 mod at_once;
 mod holes;
@@ -141,13 +147,14 @@ pub struct AskedCell {
     pub number: u32,
     /// Casters in its list.
     pub length: u32,
-    /// Whether one caster hides the light from all receivers of the cell that are as deep as this one, so that its list isn't asked.
+    /// Whether one caster hides the light from all receivers of the cell that are as deep as this
+    /// one, so that its list isn't asked.
     pub is_covered: bool,
 }
 
 impl Exact {
-    /// Returns the light's visibility for each of a view's receivers, without lists, for any light and any casters: as the CPU has it of many casters
-    /// that were not asked before.
+    /// Returns the light's visibility for each of a view's receivers, without lists, for any light
+    /// and any casters: as the CPU has it of many casters that were not asked before.
     ///
     /// # Errors
     /// Errors if the view has no receivers or no triangles, or something in it can't be used.
@@ -174,8 +181,9 @@ impl Exact {
         ))
     }
 
-    /// Returns the cells that are asked for a view's receivers, pixel by pixel: none where a receiver faces away from the light, where
-    /// no caster can be in its way, or where nothing receives.
+    /// Returns the cells that are asked for a view's receivers, pixel by pixel: none where a
+    /// receiver faces away from the light, where no caster can be in its way, or where nothing
+    /// receives.
     ///
     /// # Errors
     /// Errors if the view has no receivers or no triangles, or something in it can't be used.
@@ -201,10 +209,12 @@ impl Exact {
     }
 }
 
-/// Greatest length of rays towards directional lights, metres: what is within the range of 32 bits after a division.
+/// Greatest length of rays towards directional lights, metres: what is within the range of 32 bits
+/// after a division.
 const FARTHEST: f32 = 1e38;
 
-/// Returns the length of rays towards directional lights, metres: from the eye or any triangle they leave the scene.
+/// Returns the length of rays towards directional lights, metres: from the eye or any triangle they
+/// leave the scene.
 pub(super) fn longest_ray(view: &View<'_>, geometry: &Geometry) -> f32 {
     let all = geometry.bounds().union(&Aabb::around([view.camera.eye()]));
     (2.0 * all.diagonal()).min(FARTHEST)
@@ -225,9 +235,11 @@ uniforms! {
         pub away: Vec4,
         /// World position of frame space's origin; w is unused.
         pub origin: Vec4,
-        /// Half the size of a face, across and down; tiles a unit of a direction; the greatest extent of a receiving triangle, metres.
+        /// Half the size of a face, across and down; tiles a unit of a direction; the greatest
+        /// extent of a receiving triangle, metres.
         pub grid: Vec4,
-        /// Tiles of a face, across and down; whether the light is a lamp; whether a device lists casters that it counts itself.
+        /// Tiles of a face, across and down; whether the light is a lamp; whether a device lists
+        /// casters that it counts itself.
         pub tiles: UVec4,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
@@ -316,7 +328,8 @@ impl ExactKernel {
         self.lists().triangles_listed()
     }
 
-    /// Returns the mean length of the lists that some of these receivers query; 0 if none queries one.
+    /// Returns the mean length of the lists that some of these receivers query; 0 if none queries
+    /// one.
     pub fn mean_list_length(&self, receivers: &Receivers) -> f32 {
         let chunk = 64_usize.min(receivers.len().max(1));
         let chunks = (SAMPLED_RECEIVERS / chunk).max(1);

@@ -1,5 +1,6 @@
-// Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items (table_2), the casters' corners (table_3).
-// What meets a caster is said in caster_opaque.wgsl or caster_cut_out.wgsl.
+// Twin of exact.rs: asks the list of a receiver's cell. Tiles (table_0), cells (table_1), items
+// (table_2), the casters' corners (table_3). What meets a caster is said in caster_opaque.wgsl or
+// caster_cut_out.wgsl.
 
 struct ExactUniforms {
     light: LightSampler,
@@ -78,8 +79,9 @@ fn is_shadowed(o: vec3f, d: vec3f, own: u32) -> bool {
     // Ids that the caller knows are those of other triangles than a device lists.
     let left_out = select(own, 0xffffffffu, kernel.tiles.w == 1u);
     let end = table_1[cell_number + 1u].x;
-    // Two loops, the inner one of which passes over casters by their words alone. Where many invocations run as one, all of them take the
-    // triangle test if one does: so they go to it together, each with the next caster that may be in its way (Aila and Laine 2009,
+    // Two loops, the inner one of which passes over casters by their words alone. Where many
+    // invocations run as one, all of them take the triangle test if one does: so they go to it
+    // together, each with the next caster that may be in its way (Aila and Laine 2009,
     // "Understanding the Efficiency of Ray Traversal on GPUs").
     let rows = shear_rows(d);
     var i = cell.x;

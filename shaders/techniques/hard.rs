@@ -1,8 +1,9 @@
 //! Hard shadows: one comparison with one texel.
 //!
-//! Lit if the receiver's depth, less the bias, is at most the stored depth. Williams 1978, "Casting curved shadows on
-//! curved surfaces". Fails by jagged edges as wide as a texel, by acne without bias, by shadows that come loose with
-//! too much of it, by penumbrae without width, and as every map does: see [`shadow_map`](crate::shadow_map).
+//! Lit if the receiver's depth, less the bias, is at most the stored depth. Williams 1978, "Casting
+//! curved shadows on curved surfaces". Fails by jagged edges as wide as a texel, by acne without
+//! bias, by shadows that come loose with too much of it, by penumbrae without width, and as every
+//! map does: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     lanes::{
@@ -82,7 +83,8 @@ impl OwnTexel<'_> {
 }
 
 impl BatchTaps for OwnTexel<'_> {
-    /// The same in vector lanes: 2.0 and 2.1 times as fast as one receiver after the other (1280x720, `street`, a map of 2048, AVX2).
+    /// The same in vector lanes: 2.0 and 2.1 times as fast as one receiver after the other
+    /// (1280x720, `street`, a map of 2048, AVX2).
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
         if self.map.packed {
@@ -115,7 +117,8 @@ mod tests {
         shadow_map::packing::pack_depth,
     };
 
-    /// Beside the map receivers are lit, or its edge repeats; packed maps and batches that are not full are answered, too.
+    /// Beside the map receivers are lit, or its edge repeats; packed maps and batches that are not
+    /// full are answered, too.
     #[test]
     fn own_texels_are_as_the_plain_comparison() {
         let texels = texels();

@@ -1,8 +1,9 @@
 //! The camera's view without a far plane, for what lies infinitely far away.
 //!
-//! Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": with far at infinity, clip z is w less a
-//! constant. Here all of that is a little smaller, so that no rounding takes a depth to 1 and beyond. Without perspective there is
-//! no such projection; there a [`FarClampPlane`] takes its place.
+//! Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": with far at infinity,
+//! clip z is w less a constant. Here all of that is a little smaller, so that no rounding takes a
+//! depth to 1 and beyond. Without perspective there is no such projection; there a
+//! [`FarClampPlane`] takes its place.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
 use umbrage_core::{
@@ -37,8 +38,8 @@ pub(crate) struct FarClampPlane {
 }
 
 impl InfiniteFarView {
-    /// Returns the space for what a view sees of a geometry. Its near plane is put right before the nearest thing seen, since
-    /// depth is rounded to about 2^-23 w^2 / near.
+    /// Returns the space for what a view sees of a geometry. Its near plane is put right before the
+    /// nearest thing seen, since depth is rounded to about 2^-23 w^2 / near.
     pub(crate) fn new(view: &View<'_>, geometry: &Geometry) -> Self {
         let space = view.camera.space();
         if space.clip_from_view.row(3) == Vec4::W {
@@ -54,8 +55,9 @@ impl InfiniteFarView {
         }
     }
 
-    /// Returns by how much a depth of this distance along the view may be rounded, metres: a unit in the last place of depths in 0.5..1
-    /// (2^-24) each of what is drawn and of what it is compared with.
+    /// Returns by how much a depth of this distance along the view may be rounded, metres: a unit
+    /// in the last place of depths in 0.5..1 (2^-24) each of what is drawn and of what it is
+    /// compared with.
     pub(crate) fn rounding(&self, distance: f64) -> f64 {
         let m = self.space.clip_from_view.as_dmat4();
         let per_metre = match self.clamp_plane {
@@ -77,7 +79,8 @@ impl InfiniteFarView {
         let m = space.clip_from_view.as_dmat4();
         let near = m.w_axis.z / m.z_axis.z;
         let distance = near + (farthest - near).max(1.0 / m.z_axis.z.abs()) * (1.0 + SLACK);
-        // The clamp plane lies halfway to the new far plane, so that rounding pushes nothing beyond that.
+        // The clamp plane lies halfway to the new far plane, so that rounding pushes nothing beyond
+        // that.
         let per_metre = 0.5 / (distance - near);
         let mut clip_from_view = m;
         clip_from_view.z_axis.z = -per_metre;
@@ -97,8 +100,8 @@ impl InfiniteFarView {
     }
 }
 
-/// Returns the space with an infinite far plane: clip z becomes w less its value on the near plane, times
-/// [`DEPTH_AT_INFINITY`]. The near plane is at least `nearest` metres away.
+/// Returns the space with an infinite far plane: clip z becomes w less its value on the near plane,
+/// times [`DEPTH_AT_INFINITY`]. The near plane is at least `nearest` metres away.
 fn infinite_perspective(space: LightSpace, nearest: f64) -> LightSpace {
     let m = space.clip_from_view;
     let own_near = w_at_near(&m);
@@ -126,7 +129,8 @@ fn w_at_near(clip_from_view: &Mat4) -> f64 {
     1.0 / p.w
 }
 
-/// Returns the distance along the view to the nearest thing seen, metres; infinite if there is none.
+/// Returns the distance along the view to the nearest thing seen, metres; infinite if there is
+/// none.
 fn nearest_pixel(space: &LightSpace, receivers: &Receivers) -> f64 {
     let depth = -space.view_from_world.as_dmat4().row(2);
     let seen = (0..receivers.len()).filter(|&i| receivers.triangle[i] != NO_TRIANGLE);

@@ -10,7 +10,8 @@ use umbrage_core::{Light, Recipe, RecipeError, ShadowTechnique, View};
 /// A way to look up a shadow map. Its parameters are its public fields.
 ///
 /// [`MapTechnique`] makes a technique of it: named, listed, and with its settings as data. As for
-/// [`ListedTechnique`], derive `serde`'s traits with `#[serde(default, deny_unknown_fields)]`. No field is called `map`.
+/// [`ListedTechnique`], derive `serde`'s traits with `#[serde(default, deny_unknown_fields)]`. No
+/// field is called `map`.
 pub trait MapFilter:
     Clone + Debug + Default + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static
 {
@@ -36,7 +37,8 @@ pub trait MapFilter:
         ShadowMap::default()
     }
 
-    /// Returns the map that is made for a technique with the map `map`, if the filter needs some of its settings to be its own.
+    /// Returns the map that is made for a technique with the map `map`, if the filter needs some of
+    /// its settings to be its own.
     fn adapted(map: ShadowMap) -> ShadowMap {
         map
     }
@@ -58,7 +60,8 @@ pub trait MapFilter:
     }
 }
 
-/// A technique that looks up a shadow map. In files, the filter's fields stand beside the table `map`.
+/// A technique that looks up a shadow map. In files, the filter's fields stand beside the table
+/// `map`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize))]
 pub struct MapTechnique<F> {

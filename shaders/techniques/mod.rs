@@ -25,7 +25,8 @@ pub mod vsm;
 
 use umbrage_core::{Geometry, RecipeError};
 
-/// Errors if anything is cut out of casters, for techniques that take them for whole; `why` says what they do with them.
+/// Errors if anything is cut out of casters, for techniques that take them for whole; `why` says
+/// what they do with them.
 fn check_no_holes(geometry: &Geometry, why: &str) -> Result<(), RecipeError> {
     if !geometry.has_cut_out_casters() {
         return Ok(());

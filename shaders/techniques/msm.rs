@@ -1,21 +1,26 @@
-//! Moment shadow maps: the mean of the first four powers of depth, blurred once, and the least shadow that they allow.
+//! Moment shadow maps: the mean of the first four powers of depth, blurred once, and the least
+//! shadow that they allow.
 //!
-//! Peters and Klein 2015, "Moment shadow mapping" (I3D). Of all distributions of depth with four given moments, the one with the least
-//! shadow has three depths, one of them the receiver's: they are the zeros of a quadratic. So two blockers and one receiver, or one
-//! blocker and two receivers, are known without doubt, where two moments ([`Vsm`](crate::Vsm)) know one and one. Where depths end at
-//! the map's near and far planes (Hausdorff's moment problem; without ends it is Hamburger's), distributions of four depths leak
-//! less still. Depths are counted from -1 to 1, and the bias mixes in the moments (0, 3/8, 0, 3/8) of depths far apart, as
-//! Peters, Münstermann, Wetzstein and Klein 2017 have it ("Improved moment shadow maps for translucent occluders, soft shadows and
-//! single scattering").
+//! Peters and Klein 2015, "Moment shadow mapping" (I3D). Of all distributions of depth with four
+//! given moments, the one with the least shadow has three depths, one of them the receiver's: they
+//! are the zeros of a quadratic. So two blockers and one receiver, or one blocker and two
+//! receivers, are known without doubt, where two moments ([`Vsm`](crate::Vsm)) know one and one.
+//! Where depths end at the map's near and far planes (Hausdorff's moment problem; without ends it
+//! is Hamburger's), distributions of four depths leak less still. Depths are counted from -1 to 1,
+//! and the bias mixes in the moments (0, 3/8, 0, 3/8) of depths far apart, as Peters, Münstermann,
+//! Wetzstein and Klein 2017 have it ("Improved moment shadow maps for translucent occluders, soft
+//! shadows and single scattering").
 //!
-//! On a plane that slopes, the least shadow is up to half: no bound tells it from a blocker that is as near as the plane's nearest
-//! part. So the receiver counts as nearer by a standard deviation of its own plane's depths within the filter
-//! ([`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) and [`Bias::RECEIVER_PLANE`](crate::Bias::RECEIVER_PLANE) give the plane; with other biases
-//! slopes are grey).
+//! On a plane that slopes, the least shadow is up to half: no bound tells it from a blocker that is
+//! as near as the plane's nearest part. So the receiver counts as nearer by a standard deviation of
+//! its own plane's depths within the filter ([`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) and
+//! [`Bias::RECEIVER_PLANE`](crate::Bias::RECEIVER_PLANE) give the plane; with other biases slopes
+//! are grey).
 //!
-//! Known failures: three and more depths in the filter bleed light, less than with two moments; fourth powers need most of a float's
-//! 24 bits, so that `moment_bias` lights what lies within some thousandths of the map's depth behind a blocker: feet and thin slices.
-//! One width for all penumbrae, light in contacts as far as the blur reaches, and every map's failures: see
+//! Known failures: three and more depths in the filter bleed light, less than with two moments;
+//! fourth powers need most of a float's 24 bits, so that `moment_bias` lights what lies within some
+//! thousandths of the map's depth behind a blocker: feet and thin slices. One width for all
+//! penumbrae, light in contacts as far as the blur reaches, and every map's failures: see
 //! [`shadow_map`](crate::shadow_map). Maps take 32 bytes a texel while they are blurred.
 
 use crate::{
@@ -62,17 +67,20 @@ pub enum Reconstruction {
 pub struct Msm {
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
-    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
-    /// pixels that span several texels, which else is as noisy under a moving camera as one texel is.
+    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as
+    /// far as these are 16 texels wide. They answer pixels that span several texels, which else is
+    /// as noisy under a moving camera as one texel is.
     pub mipmaps: u32,
     /// Bits of each moment.
     pub precision: MomentPrecision,
     /// Which distributions are allowed.
     pub reconstruction: Reconstruction,
-    /// Share of a fixed distribution that is mixed into the moments, 0 to 1: hides rounding. Where it is left out, it is what the precision
-    /// needs: 0.000003 with 32 bits, 0.00006 with 16 (the latter by Peters and others 2017).
+    /// Share of a fixed distribution that is mixed into the moments, 0 to 1: hides rounding. Where
+    /// it is left out, it is what the precision needs: 0.000003 with 32 bits, 0.00006 with 16 (the
+    /// latter by Peters and others 2017).
     pub moment_bias: Option<f32>,
-    /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    /// Light up to this much counts as none, 0 to
+    /// [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
     pub bleeding_reduction: f32,
 }
 
@@ -165,7 +173,8 @@ uniforms! {
         pub bleeding_scale: f32,
         /// Share of a fixed distribution that is mixed into the moments, 0..=1.
         pub moment_bias: f32,
-        /// Standard deviation of the depths of a plane within the filter, in units of the plane's slope a texel.
+        /// Standard deviation of the depths of a plane within the filter, in units of the plane's
+        /// slope a texel.
         pub plane_deviation: f32,
     }
 }
@@ -191,8 +200,8 @@ impl MsmKernel {
         }
     }
 
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
-    /// own texel; `None` where it is the same for all.
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
+    /// unit `normal` goes beyond its own texel; `None` where it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         self.moment_map().reach(position, normal)
     }
@@ -233,14 +242,16 @@ impl ReceiveKernel for MsmKernel {
     }
 }
 
-/// The moments that are mixed in: of depths of which three eighths lie at the map's two ends, and the rest in its middle.
+/// The moments that are mixed in: of depths of which three eighths lie at the map's two ends, and
+/// the rest in its middle.
 const BIAS_MOMENTS: [f32; 4] = [0.0, 0.375, 0.0, 0.375];
 
 impl MsmUniforms {
     /// Returns moments, moved a little towards [`BIAS_MOMENTS`].
     #[inline(always)]
     fn biased(&self, moments: [f32; 4]) -> Vec4 {
-        // One by one, and not four at once, so that a loop over receivers becomes one of vector instructions.
+        // One by one, and not four at once, so that a loop over receivers becomes one of vector
+        // instructions.
         let mut out = [0.0; 4];
         for (i, out) in out.iter_mut().enumerate() {
             *out = moments[i] + (BIAS_MOMENTS[i] - moments[i]) * self.moment_bias;
@@ -249,10 +260,11 @@ impl MsmUniforms {
     }
 }
 
-/// Returns the standard deviation of the depths of a plane within the filter, in units of the plane's slope a texel.
+/// Returns the standard deviation of the depths of a plane within the filter, in units of the
+/// plane's slope a texel.
 ///
-/// Among the n texels of a box their places have a variance of (n² - 1) / 12 texels² along each axis, and a blend of two neighbours
-/// adds up to 1/4.
+/// Among the n texels of a box their places have a variance of (n² - 1) / 12 texels² along each
+/// axis, and a blend of two neighbours adds up to 1/4.
 fn plane_deviation(blur: u32) -> f32 {
     let side = (2 * blur + 1) as f32;
     let variance = (side * side + 2.0) / 12.0;
@@ -260,12 +272,14 @@ fn plane_deviation(blur: u32) -> f32 {
 }
 
 impl MsmUniforms {
-    /// Returns the clip depth that is asked about: nearer than the receiver by a standard deviation of its own plane's depths.
+    /// Returns the clip depth that is asked about: nearer than the receiver by a standard deviation
+    /// of its own plane's depths.
     ///
-    /// A plane's depths lie as far beyond their mean as before it. The distribution with their four moments and the least shadow has
-    /// depths nearer than the receiver until this is nearer than the mean by a standard deviation: there the plane starts to be lit,
-    /// where at the mean itself up to half of it is dark. (Orthogonal polynomials of a symmetric distribution: the second has its
-    /// zeros one deviation from the mean.)
+    /// A plane's depths lie as far beyond their mean as before it. The distribution with their four
+    /// moments and the least shadow has depths nearer than the receiver until this is nearer than
+    /// the mean by a standard deviation: there the plane starts to be lit, where at the mean itself
+    /// up to half of it is dark. (Orthogonal polynomials of a symmetric distribution: the second
+    /// has its zeros one deviation from the mean.)
     #[inline(always)]
     fn compared_depth(&self, l: &ShadowCoord, spread: f32) -> f32 {
         let slope = (l.gradient.x * l.gradient.x + l.gradient.y * l.gradient.y).sqrt();
@@ -273,7 +287,8 @@ impl MsmUniforms {
     }
 }
 
-/// Returns the standard deviation of a plane's depths where a coarser level adds `spread` to the variance of places, texels squared.
+/// Returns the standard deviation of a plane's depths where a coarser level adds `spread` to the
+/// variance of places, texels squared.
 #[inline(always)]
 fn spread_deviation(deviation: f32, spread: f32) -> f32 {
     if spread > 0.0 {

@@ -1,10 +1,12 @@
-//! Percentage-closer filtering on a grid: the mean of (2r + 1)² comparisons around the receiver's texel.
+//! Percentage-closer filtering on a grid: the mean of (2r + 1)² comparisons around the receiver's
+//! texel.
 //!
-//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps": compare first, then average; r = 1 is
-//! the textbooks' 3x3. Penumbrae have one width everywhere, in texels. Wide kernels need more bias: their outer taps
-//! see the receiver's own surface r texels away. Known failures: light leaks into contacts and under feet as far as the
-//! kernel reaches; the receiver's plane leads outer taps astray across creases (acne on stairs and hills); the penumbra's
-//! one width is wrong for every lamp; and those of every map: see [`shadow_map`](crate::shadow_map).
+//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps": compare first,
+//! then average; r = 1 is the textbooks' 3x3. Penumbrae have one width everywhere, in texels. Wide
+//! kernels need more bias: their outer taps see the receiver's own surface r texels away. Known
+//! failures: light leaks into contacts and under feet as far as the kernel reaches; the receiver's
+//! plane leads outer taps astray across creases (acne on stairs and hills); the penumbra's one
+//! width is wrong for every lamp; and those of every map: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     lanes::{
@@ -164,8 +166,8 @@ struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
 }
 
 impl<const SIDE: usize, const LANES: usize> BatchTaps for SquareOfTaps<'_, SIDE, LANES> {
-    /// As `visibility`, a row of texels at a time: 2.8 to 11 times as fast as one receiver after the other (3x3 to 9x9, 1280x720, `street`,
-    /// a map of 2048, AVX2).
+    /// As `visibility`, a row of texels at a time: 2.8 to 11 times as fast as one receiver after
+    /// the other (3x3 to 9x9, 1280x720, `street`, a map of 2048, AVX2).
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
         if SIDE == 0 || self.map.packed {

@@ -1,11 +1,12 @@
 //! Percentage-closer filtering over a disc: the mean of comparisons at the taps of a pattern.
 //!
-//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps", with taps spread over a disc instead of
-//! a square of texels: the radius need not be whole, the cost is the number of taps whatever the radius, and edges look
-//! alike from all sides. Turned by each pixel's noise, few taps give fine noise instead of bands. The blur is as wide
-//! everywhere and tells nothing of the light's size: see [`Pcss`](crate::Pcss). Fails like [`Pcf`](crate::Pcf) by acne
-//! that grows with the radius, by light that leaks into contacts, by one width for all penumbrae, and by noise where taps
-//! are few for it; and as every map does: see [`shadow_map`](crate::shadow_map).
+//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps", with taps spread
+//! over a disc instead of a square of texels: the radius need not be whole, the cost is the number
+//! of taps whatever the radius, and edges look alike from all sides. Turned by each pixel's noise,
+//! few taps give fine noise instead of bands. The blur is as wide everywhere and tells nothing of
+//! the light's size: see [`Pcss`](crate::Pcss). Fails like [`Pcf`](crate::Pcf) by acne that grows
+//! with the radius, by light that leaks into contacts, by one width for all penumbrae, and by noise
+//! where taps are few for it; and as every map does: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     filtering::{
@@ -211,7 +212,8 @@ impl SimdTask for DiscBatch<'_> {
 }
 
 impl DiscOfTaps<'_> {
-    /// Returns how the disc is laid over the map for the pixel `offset` in the span: turned by the pixel's noise.
+    /// Returns how the disc is laid over the map for the pixel `offset` in the span: turned by the
+    /// pixel's noise.
     #[inline(always)]
     fn placement(&self, offset: usize) -> KernelPlacement {
         let u = &self.kernel.uniforms;

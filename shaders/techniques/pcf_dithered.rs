@@ -1,10 +1,11 @@
 //! Dithered percentage-closer filtering: four comparisons, placed by the pixel's parity.
 //!
-//! Bunnell and Pellacini 2004, "Shadow map antialiasing" (GPU Gems, chapter 11): taps at (-1.5, .5), (.5, .5),
-//! (-1.5, -1.5) and (.5, -1.5) texels, moved by (0 or 1, 0 or 1) so that each block of 2x2 pixels covers sixteen texels.
-//! Cheap, at the price of a fine pattern in the penumbra; its levels are fourths. Known failures: single pixels of acne
-//! where light grazes curved or creased surfaces, as some taps are 2.5 texels away; light leaks into contacts as far;
-//! and those of every map: see [`shadow_map`](crate::shadow_map).
+//! Bunnell and Pellacini 2004, "Shadow map antialiasing" (GPU Gems, chapter 11): taps at (-1.5,
+//! .5), (.5, .5), (-1.5, -1.5) and (.5, -1.5) texels, moved by (0 or 1, 0 or 1) so that each block
+//! of 2x2 pixels covers sixteen texels. Cheap, at the price of a fine pattern in the penumbra; its
+//! levels are fourths. Known failures: single pixels of acne where light grazes curved or creased
+//! surfaces, as some taps are 2.5 texels away; light leaks into contacts as far; and those of every
+//! map: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     lanes::{
@@ -78,8 +79,8 @@ struct DitheredTaps<'a> {
 }
 
 impl DitheredTaps<'_> {
-    /// Returns the visibility of a receiver that the map covers, at the pixel `offset` in the span. Twin of `visibility` in
-    /// pcf_dithered.wgsl.
+    /// Returns the visibility of a receiver that the map covers, at the pixel `offset` in the span.
+    /// Twin of `visibility` in pcf_dithered.wgsl.
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32 {
         let shift = self.shift(offset);
@@ -94,8 +95,8 @@ impl DitheredTaps<'_> {
         lit * 0.25
     }
 
-    /// Returns by how many texels a pixel moves its taps: in a block of 2x2 each by its own one of (0 or 1, 0 or 1). `offset` is its
-    /// place in the span.
+    /// Returns by how many texels a pixel moves its taps: in a block of 2x2 each by its own one of
+    /// (0 or 1, 0 or 1). `offset` is its place in the span.
     #[inline(always)]
     fn shift(&self, offset: usize) -> Vec2 {
         let pixel_x = self.first.x.wrapping_add(offset as u32);
@@ -115,7 +116,8 @@ impl DitheredTaps<'_> {
 const TAPS: [f32; 2] = [-1.5, 0.5];
 
 impl BatchTaps for DitheredTaps<'_> {
-    /// The same in vector lanes: 2.5 and 2.9 times as fast as one receiver after the other (1280x720, `street`, a map of 2048, AVX2).
+    /// The same in vector lanes: 2.5 and 2.9 times as fast as one receiver after the other
+    /// (1280x720, `street`, a map of 2048, AVX2).
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
         if self.map.packed {
@@ -187,7 +189,8 @@ mod tests {
         lit * 0.25
     }
 
-    /// At both kinds of edges, from odd pixels and even ones on, in batches that are full and in one that isn't.
+    /// At both kinds of edges, from odd pixels and even ones on, in batches that are full and in
+    /// one that isn't.
     #[test]
     fn batches_are_as_single_receivers() {
         let texels = texels();

@@ -1,16 +1,19 @@
-//! Percentage-closer filtering by the comparison sampler: the mean of n² samples, a texel apart, each of which blends four
-//! comparisons by where it lies between their texels.
+//! Percentage-closer filtering by the comparison sampler: the mean of n² samples, a texel apart,
+//! each of which blends four comparisons by where it lies between their texels.
 //!
-//! One sample is what "hardware shadow maps" mean; n² of them make a tent-edged square of (n + 1)² texels, without the
-//! steps of [`Pcf`](crate::Pcf): visibility is continuous, as the filter follows the receiver within a texel (Reeves,
-//! Salesin and Cook 1987, "Rendering antialiased shadows with depth maps", in the form that graphics chips have).
-//! Depth less than or equal to the stored one is lit. Beside the map all is lit, as a sampler with a border of depth 1
-//! would find, blended at the rim; or [`Border::Clamp`](crate::Border) repeats the edge, as `CLAMP_TO_EDGE` does.
+//! One sample is what "hardware shadow maps" mean; n² of them make a tent-edged square of (n + 1)²
+//! texels, without the steps of [`Pcf`](crate::Pcf): visibility is continuous, as the filter
+//! follows the receiver within a texel (Reeves, Salesin and Cook 1987, "Rendering antialiased
+//! shadows with depth maps", in the form that graphics chips have). Depth less than or equal to the
+//! stored one is lit. Beside the map all is lit, as a sampler with a border of depth 1 would find,
+//! blended at the rim; or [`Border::Clamp`](crate::Border) repeats the edge, as `CLAMP_TO_EDGE`
+//! does.
 //!
-//! Known failures: graphics chips hold the weights in 8 bits, so that masks of two devices may differ by
-//! [`WEIGHT_ERROR`](crate::WEIGHT_ERROR). Four texels share one depth, so the receiver's plane is followed from sample to
-//! sample only, and the bias for the rest grows with the slope. Depth must be stored as depth: neither packed nor averaged.
-//! Light leaks into contacts as far as the samples reach; and every map's: see [`shadow_map`](crate::shadow_map).
+//! Known failures: graphics chips hold the weights in 8 bits, so that masks of two devices may
+//! differ by [`WEIGHT_ERROR`](crate::WEIGHT_ERROR). Four texels share one depth, so the receiver's
+//! plane is followed from sample to sample only, and the bias for the rest grows with the slope.
+//! Depth must be stored as depth: neither packed nor averaged. Light leaks into contacts as far as
+//! the samples reach; and every map's: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     filtering::comparison_sampler::{self, Axis, LANES, Samples},
@@ -45,8 +48,10 @@ impl Default for PcfHardware {
 }
 
 impl PcfHardware {
-    /// How far the samples' texels reach beyond what [`Bias::normal_offset`](crate::Bias::normal_offset) and
-    /// [`Bias::polygon_offset`](crate::Bias::polygon_offset) take for the receiver's own, in texels.
+    /// How far the samples' texels reach beyond what
+    /// [`Bias::normal_offset`](crate::Bias::normal_offset) and
+    /// [`Bias::polygon_offset`](crate::Bias::polygon_offset) take for the receiver's own, in
+    /// texels.
     pub const fn reach(samples: u32) -> f32 {
         samples as f32 * 0.5
     }

@@ -1,13 +1,15 @@
-//! Percentage-closer filtering with a smooth filter, four texels merged into each sample of the comparison sampler: (r + 1)²
-//! samples for a filter of (2r + 1)² texels.
+//! Percentage-closer filtering with a smooth filter, four texels merged into each sample of the
+//! comparison sampler: (r + 1)² samples for a filter of (2r + 1)² texels.
 //!
-//! Castaño 2013, "Shadow mapping summary, part 1" (The Witness): 3x3 in four samples, 5x5 in nine; 7x7 takes sixteen. The
-//! filter and how it is merged: see [`bilinear_weights`](crate::filtering::bilinear_weights). The merged sum is the filter's own to
-//! the rounding of texel coordinates. Smoother than the square of [`PcfHardware`](crate::PcfHardware) at the same count of samples, since
-//! the filter falls off to its edge.
+//! Castaño 2013, "Shadow mapping summary, part 1" (The Witness): 3x3 in four samples, 5x5 in nine;
+//! 7x7 takes sixteen. The filter and how it is merged: see
+//! [`bilinear_weights`](crate::filtering::bilinear_weights). The merged sum is the filter's own to
+//! the rounding of texel coordinates. Smoother than the square of
+//! [`PcfHardware`](crate::PcfHardware) at the same count of samples, since the filter falls off to
+//! its edge.
 //!
-//! Known failures: those of [`PcfHardware`](crate::PcfHardware); samples lie between texels, where chips round the place to
-//! 1/256 texel, so the filter is off by as much.
+//! Known failures: those of [`PcfHardware`](crate::PcfHardware); samples lie between texels, where
+//! chips round the place to 1/256 texel, so the filter is off by as much.
 
 use crate::{
     filtering::{

@@ -1,46 +1,59 @@
-//! Percentage-closer soft shadows: look for blockers, conclude how wide the penumbra is, filter that widely.
+//! Percentage-closer soft shadows: look for blockers, conclude how wide the penumbra is, filter
+//! that widely.
 //!
-//! Fernando 2005, "Percentage-closer soft shadows". A light of width w over a blocker at distance d_b throws on a receiver
-//! at distance d_r a penumbra of width w (d_r - d_b) / d_b. Seen from the light, that is w (1/d_b - 1/d_r) in tangents;
-//! and clip depth with perspective is linear in 1/d (without, in d, as the penumbra then is). So all steps follow from
-//! differences of clip depth z, with the light's half axes U and V in texels per unit of it ([`LightExtent`]): **through the
-//! texel at z (x U + y V) from its own, a receiver that is deeper by z sees the light's point (x, y).**
+//! Fernando 2005, "Percentage-closer soft shadows". A light of width w over a blocker at distance
+//! d_b throws on a receiver at distance d_r a penumbra of width w (d_r - d_b) / d_b. Seen from the
+//! light, that is w (1/d_b - 1/d_r) in tangents; and clip depth with perspective is linear in 1/d
+//! (without, in d, as the penumbra then is). So all steps follow from differences of clip depth z,
+//! with the light's half axes U and V in texels per unit of it ([`LightExtent`]): **through the
+//! texel at z (x U + y V) from its own, a receiver that is deeper by z sees the light's point (x,
+//! y).**
 //!
-//! 1. **Bound** z by the nearest caster that may hide some of the light, from a coarse grid over the map
-//!    ([`DepthInReachKernel`](crate::DepthInReachKernel)). None is: lit. So the search is as wide as the blockers there ask for,
-//!    wherever the map's near plane lies, and most of what is lit needs no search.
-//! 2. **Search** the taps of a pattern over that z times (U, V), closer together towards the middle: where blockers near the
-//!    receiver must lie. A tap counts if what it finds hides some of the light: if it lies before the receiver's plane, is
-//!    nearer to the light than the receiver, and by so much that the light's point through it is within the light.
-//! 3. **Penumbra**: the mean of z_r - z_b over them, each weighed by how much of the light it hides. If no tap counts, the
-//!    search's own z: then what the search missed hides little of the light, and the filter's taps, which are spread evenly
-//!    over the light and more, tell how much. Where the receiver's plane is followed, z_r is the plane's depth at the tap.
-//! 4. **Filter**: the share of lit taps over that mean times (U, V), which is a texel at least. A tap that finds something too
-//!    low to be in the ray's way looks again where the ray is as low: a wall beside the receiver rises under the rays, a solid
-//!    caster, wide below, does not let them through. (The wall is known by lying less than half as high there.)
-//! 5. **Horizon**: taps at points of the light below the receiver's plane do not count, and the answer is multiplied by the
-//!    share of the light above it, which is known without error ([`Horizon`]).
+//! 1. **Bound** z by the nearest caster that may hide some of the light, from a coarse grid over
+//!    the map ([`DepthInReachKernel`](crate::DepthInReachKernel)). None is: lit. So the search is
+//!    as wide as the blockers there ask for, wherever the map's near plane lies, and most of what
+//!    is lit needs no search.
+//! 2. **Search** the taps of a pattern over that z times (U, V), closer together towards the
+//!    middle: where blockers near the receiver must lie. A tap counts if what it finds hides some
+//!    of the light: if it lies before the receiver's plane, is nearer to the light than the
+//!    receiver, and by so much that the light's point through it is within the light.
+//! 3. **Penumbra**: the mean of z_r - z_b over them, each weighed by how much of the light it
+//!    hides. If no tap counts, the search's own z: then what the search missed hides little of the
+//!    light, and the filter's taps, which are spread evenly over the light and more, tell how much.
+//!    Where the receiver's plane is followed, z_r is the plane's depth at the tap.
+//! 4. **Filter**: the share of lit taps over that mean times (U, V), which is a texel at least. A
+//!    tap that finds something too low to be in the ray's way looks again where the ray is as low:
+//!    a wall beside the receiver rises under the rays, a solid caster, wide below, does not let
+//!    them through. (The wall is known by lying less than half as high there.)
+//! 5. **Horizon**: taps at points of the light below the receiver's plane do not count, and the
+//!    answer is multiplied by the share of the light above it, which is known without error
+//!    ([`Horizon`]).
 //!
-//! That only blockers count that hide some of the light is backprojection's rule (Guennebaud, Barthe and Paulin 2006, "Real-time
-//! soft shadow mapping by backprojection"). Rectangles are sampled over the parallelogram and discs over the ellipse that the
-//! light makes on the map, so with all blockers in one plane the answer is exact up to texels and taps, if that plane is
-//! parallel to the map, or to the receiver whose plane is followed: on a slanting map, blockers on one side of an edge are
-//! otherwise nearer in the mean than the edge. Ideal lights have no width: there this is one hard comparison, the recipe of
-//! [`Hard`].
+//! That only blockers count that hide some of the light is backprojection's rule (Guennebaud,
+//! Barthe and Paulin 2006, "Real-time soft shadow mapping by backprojection"). Rectangles are
+//! sampled over the parallelogram and discs over the ellipse that the light makes on the map, so
+//! with all blockers in one plane the answer is exact up to texels and taps, if that plane is
+//! parallel to the map, or to the receiver whose plane is followed: on a slanting map, blockers on
+//! one side of an edge are otherwise nearer in the mean than the edge. Ideal lights have no width:
+//! there this is one hard comparison, the recipe of [`Hard`].
 //!
-//! Known failures, all of them from speaking of *the* blocker: blockers at several depths are merged into a mean that fits
-//! none of them (where a pole's shadow crosses a wall's, the pole's grows sharp and the wall's soft); an outline seen against
-//! nearer parts of the same caster has too wide a penumbra (around a pot's shadow); what lies behind the nearest surface is not
-//! in the map, so shadows of two casters under one another do not add up as they should. With few taps a blocker that
-//! hides little of the light is missed by the search; where nearer ones are in reach, the filter then takes it for less than it
-//! hides, and light leaks through leaves: more taps help. Lights so wide or casters so near to them that the search would
-//! leave the map are followed only half a map far, and cube faces are never left: their outermost receivers are then too
-//! bright. Under a ball as wide as a seventh of a room, a few hundredths of the light differ between two faces of a cube. Under
-//! ideal lights it fails as [`Hard`] does, and as every map: see [`shadow_map`](crate::shadow_map).
+//! Known failures, all of them from speaking of *the* blocker: blockers at several depths are
+//! merged into a mean that fits none of them (where a pole's shadow crosses a wall's, the pole's
+//! grows sharp and the wall's soft); an outline seen against nearer parts of the same caster has
+//! too wide a penumbra (around a pot's shadow); what lies behind the nearest surface is not in the
+//! map, so shadows of two casters under one another do not add up as they should. With few taps a
+//! blocker that hides little of the light is missed by the search; where nearer ones are in reach,
+//! the filter then takes it for less than it hides, and light leaks through leaves: more taps help.
+//! Lights so wide or casters so near to them that the search would leave the map are followed only
+//! half a map far, and cube faces are never left: their outermost receivers are then too bright.
+//! Under a ball as wide as a seventh of a room, a few hundredths of the light differ between two
+//! faces of a cube. Under ideal lights it fails as [`Hard`] does, and as every map: see
+//! [`shadow_map`](crate::shadow_map).
 //!
-//! Bias: taps wander far from the receiver, so anything constant is too little for wide lights or too much for narrow
-//! ones. [`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) compares each tap with the receiver's plane there, which is exact on planes
-//! of any width, and is the default. Biases also shift z_r in the steps above, by themselves.
+//! Bias: taps wander far from the receiver, so anything constant is too little for wide lights or
+//! too much for narrow ones. [`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) compares each tap with the
+//! receiver's plane there, which is exact on planes of any width, and is the default. Biases also
+//! shift z_r in the steps above, by themselves.
 
 mod lanes;
 
@@ -79,7 +92,8 @@ use umbrage_core::{
     serde(default, deny_unknown_fields)
 )]
 pub struct Pcss {
-    /// Taps of the search, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS). Ideal lights take none.
+    /// Taps of the search, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS). Ideal
+    /// lights take none.
     pub blocker_taps: u32,
     /// Taps of the filter, likewise. Ideal lights take one.
     pub filter_taps: u32,
@@ -112,8 +126,9 @@ impl MapFilter for Pcss {
         let size = map.size;
         let spaces = light_extent::spaces(map, view)?;
         let extent = LightExtent::new(view.light, &spaces, size);
-        // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any slope under a plate that
-        // is parallel to it. Only its plane tells those from the receiver's own surface.
+        // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any
+        // slope under a plate that is parallel to it. Only its plane tells those from the
+        // receiver's own surface.
         let mut lookup = ShadowMapUniforms::new(map, view, &spaces);
         for layer in &mut lookup.layers {
             layer.deepest_tap = 1.0;
@@ -187,7 +202,8 @@ uniforms! {
     }
 }
 
-/// The receive kernel: it bounds the search, searches blockers, estimates the penumbra, and filters.
+/// The receive kernel: it bounds the search, searches blockers, estimates the penumbra, and
+/// filters.
 #[derive(Clone, Debug)]
 pub struct PcssKernel {
     /// Uniforms.
@@ -196,9 +212,10 @@ pub struct PcssKernel {
 }
 
 impl PcssKernel {
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
-    /// own texel: as far as a search could go, or a filter, which may be wider where the receiver's plane lies deeper under a
-    /// blocker than under the receiver, and is a texel wide at least.
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
+    /// unit `normal` goes beyond its own texel: as far as a search could go, or a filter, which may
+    /// be wider where the receiver's plane lies deeper under a blocker than under the receiver, and
+    /// is a texel wide at least.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> f32 {
         let u = &self.uniforms;
         let l = shadow_coord(&u.lookup, position, normal);
@@ -254,7 +271,8 @@ struct Search<'a> {
     kernel: &'a PcssKernel,
     simd: Simd,
     comparisons: Comparisons<'a>,
-    /// The least depth in reach of each cell: see [`DepthInReachKernel`](crate::DepthInReachKernel).
+    /// The least depth in reach of each cell: see
+    /// [`DepthInReachKernel`](crate::DepthInReachKernel).
     in_reach: &'a ImageView<'a>,
     span: &'a Span<'a>,
 }
@@ -335,8 +353,8 @@ impl Search<'_> {
         )
     }
 
-    /// Returns how the pattern is laid over the map for a receiver at `l`, and its bounds; `None` where nothing may hide any of the
-    /// `share` of the light above the horizon.
+    /// Returns how the pattern is laid over the map for a receiver at `l`, and its bounds; `None`
+    /// where nothing may hide any of the `share` of the light above the horizon.
     #[inline(always)]
     fn placement(
         &self,
@@ -359,7 +377,8 @@ impl Search<'_> {
         let cos_sin = rotation.cos_sin;
         let axes = turned(light_axes(half_axis_u, half_axis_v, from_middle), cos_sin);
         let texel = texel_depth(reach_along(u.square, axes));
-        // Where all of the light is above the horizon, all of its points have the height 1, so that every tap counts.
+        // Where all of the light is above the horizon, all of its points have the height 1, so that
+        // every tap counts.
         let heights = if share < 1.0 {
             turned_heights(self.heights(layer, offset, from_middle), cos_sin)
         } else {
@@ -378,7 +397,8 @@ impl Search<'_> {
         Some((placement, bounds))
     }
 
-    /// Returns [`Horizon::heights`] of the pixel `offset` in the span, `from_middle` texels from the middle of its layer.
+    /// Returns [`Horizon::heights`] of the pixel `offset` in the span, `from_middle` texels from
+    /// the middle of its layer.
     #[inline(always)]
     fn heights(&self, layer: usize, offset: usize, from_middle: Vec2) -> Vec3 {
         let u = &self.kernel.uniforms;
@@ -395,7 +415,8 @@ impl Search<'_> {
         )
     }
 
-    /// Returns the least clip depth at which something may hide some of the light from a receiver at `l`.
+    /// Returns the least clip depth at which something may hide some of the light from a receiver
+    /// at `l`.
     #[inline(always)]
     fn depth_in_reach(&self, l: &ShadowCoord) -> f32 {
         let last = (self.comparisons.map.size - 1) as f32;

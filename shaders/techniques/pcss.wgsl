@@ -1,4 +1,5 @@
-// Twin of pcss.rs: bounds the search, searches for blockers, estimates the penumbra's width, and filters that widely.
+// Twin of pcss.rs: bounds the search, searches for blockers, estimates the penumbra's width, and
+// filters that widely.
 
 struct PcssUniforms {
     lookup: ShadowMapUniforms,
@@ -11,8 +12,9 @@ struct PcssUniforms {
     cell: u32,
 }
 
-// A receiver's place on the map, the light's half axes there (turned), the bounds of differences of clip depth (`most` is the
-// greatest that is followed, `texel` the one that moves the light's rim by a texel), and the heights of the light's points.
+// A receiver's place on the map, the light's half axes there (turned), the bounds of differences of
+// clip depth (`most` is the greatest that is followed, `texel` the one that moves the light's rim
+// by a texel), and the heights of the light's points.
 struct Soft {
     l: ShadowCoord,
     size: i32,
@@ -53,8 +55,8 @@ fn mean_nearer(s: Soft, widest: f32) -> f32 {
     return widest;
 }
 
-// Whether something hides the light's point at the tap: what is found there, or, if that is too low to be in the way, what the
-// ray passes where it is as low.
+// Whether something hides the light's point at the tap: what is found there, or, if that is too low
+// to be in the way, what the ray passes where it is as low.
 fn hides(s: Soft, q: vec3f, axes: vec4f, mean: f32) -> bool {
     let d = place_depths(s.l, s.size, place(s.l.texel, axes, q.xy));
     if d.y <= d.x {

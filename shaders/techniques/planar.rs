@@ -1,14 +1,16 @@
 //! Planar projected shadows: casters flattened onto each flat receiver, seen from the camera.
 //!
 //! Blinn 1988, "Me and my (fake) shadow": [`planar_shadow_matrix`] maps a caster to its
-//! shadow on a plane. Each plane that the camera sees lit has a layer as large as the camera's image, into which the
-//! flattened casters are drawn; a pixel is dark if its own plane's layer is covered there. So shadows end where their
-//! receiver does, and its neighbours keep their own. Casters are cut to the slab between plane and light first:
-//! without that, those behind the light throw anti-shadows, and those below the plane are projected up to it.
+//! shadow on a plane. Each plane that the camera sees lit has a layer as large as the camera's
+//! image, into which the flattened casters are drawn; a pixel is dark if its own plane's layer is
+//! covered there. So shadows end where their receiver does, and its neighbours keep their own.
+//! Casters are cut to the slab between plane and light first: without that, those behind the light
+//! throw anti-shadows, and those below the plane are projected up to it.
 //!
-//! Exact on flat receivers, without bias. Lights with an extent count as their middle. Known failures: receivers that
-//! are curved, which need a plane a triangle (not supported beyond [`Planar::planes`]); casters with holes that
-//! alpha textures cut out are refused; every plane draws all casters again.
+//! Exact on flat receivers, without bias. Lights with an extent count as their middle. Known
+//! failures: receivers that are curved, which need a plane a triangle (not supported beyond
+//! [`Planar::planes`]); casters with holes that alpha textures cut out are refused; every plane
+//! draws all casters again.
 
 mod flatten;
 mod matrix;
@@ -47,7 +49,8 @@ pub const MAX_PLANES: u32 = 256;
     serde(default, deny_unknown_fields)
 )]
 pub struct Planar {
-    /// Most planes that may be seen lit, 1 to [`MAX_PLANES`]; each takes a layer of the camera's size.
+    /// Most planes that may be seen lit, 1 to [`MAX_PLANES`]; each takes a layer of the camera's
+    /// size.
     pub planes: u32,
 }
 

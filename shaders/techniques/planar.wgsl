@@ -1,4 +1,5 @@
-// Twin of planar.rs: dark where the layer of the pixel's plane (table_0, four triangles a row) is covered.
+// Twin of planar.rs: dark where the layer of the pixel's plane (table_0, four triangles a row) is
+// covered.
 
 struct PlanarUniforms {
     light: vec4f,

@@ -1,11 +1,12 @@
-//! Second-depth shadow mapping: only faces turned away from the light are drawn into the map, so the depth compared with
-//! lies on the far side of each caster and the lit side needs no bias.
+//! Second-depth shadow mapping: only faces turned away from the light are drawn into the map, so
+//! the depth compared with lies on the far side of each caster and the lit side needs no bias.
 //!
-//! Wang and Molnar 1994, "Second-depth shadow mapping" (technical report UNC TR94-019). It is a map with
-//! [`Cull::Front`] and no other bias; the lookup is [`Pcf`]'s. Known failures: open casters turned to the light
-//! vanish; light leaks in at the base of a caster that stands on its receiver, whose far side touches it; walls thinner
-//! than a texel's depth span leak; the far sides themselves get acne, which hides in their own shadow only as long as
-//! shading darkens faces turned away. Meshes with holes, or with a side that winds the wrong way, leak there. And every
+//! Wang and Molnar 1994, "Second-depth shadow mapping" (technical report UNC TR94-019). It is a map
+//! with [`Cull::Front`] and no other bias; the lookup is [`Pcf`]'s. Known failures: open casters
+//! turned to the light vanish; light leaks in at the base of a caster that stands on its receiver,
+//! whose far side touches it; walls thinner than a texel's depth span leak; the far sides
+//! themselves get acne, which hides in their own shadow only as long as shading darkens faces
+//! turned away. Meshes with holes, or with a side that winds the wrong way, leak there. And every
 //! map's: see [`shadow_map`](crate::shadow_map).
 
 use crate::{

@@ -1,27 +1,34 @@
-//! The fraction of a light that a receiver sees, from one search for all that may hide any of it, with a stated error.
+//! The fraction of a light that a receiver sees, from one search for all that may hide any of it,
+//! with a stated error.
 //!
-//! All rays from a receiver to a light lie within a shaft (Haines and Wallace 1991, "Shaft Culling for Efficient Ray-Traced
-//! Radiosity"). One walk through the hierarchy finds the casters that reach into it: none, and the receiver is lit; one that covers the
-//! light alone, and it is in the umbra; both are certain, and take no sample. Else each caster hides a run of points in each row of a lattice
-//! over the light: bits, set row by row (`soft/hidden.rs`). So hundreds of points cost about as much as a few rays.
-//! On the CPU neighbours share the walk. The set of conservative blockers, then samples, is what Wang et al. 2014, "GEARS: A General and
-//! Efficient Algorithm for Rendering Shadows", and Laine et al. 2005, "Soft Shadow Volumes for Ray Tracing", do; bit masks for
-//! sampling lights are those of Schwarz and Stamminger 2007, "Bitmask Soft Shadows", and Kalbertodt 2023.
+//! All rays from a receiver to a light lie within a shaft (Haines and Wallace 1991, "Shaft Culling
+//! for Efficient Ray-Traced Radiosity"). One walk through the hierarchy finds the casters that
+//! reach into it: none, and the receiver is lit; one that covers the light alone, and it is in the
+//! umbra; both are certain, and take no sample. Else each caster hides a run of points in each row
+//! of a lattice over the light: bits, set row by row (`soft/hidden.rs`). So hundreds of points cost
+//! about as much as a few rays. On the CPU neighbours share the walk. The set of conservative
+//! blockers, then samples, is what Wang et al. 2014, "GEARS: A General and Efficient Algorithm for
+//! Rendering Shadows", and Laine et al. 2005, "Soft Shadow Volumes for Ray Tracing", do; bit masks
+//! for sampling lights are those of Schwarz and Stamminger 2007, "Bitmask Soft Shadows", and
+//! Kalbertodt 2023.
 //!
-//! **Error.** [`Soft::error`] asks for a root mean square error at straight edges, and the number of points follows. Each edge
-//! crosses at most 2 k - 1 of the cells around the points in k rows, and only there can an answer be wrong: [`Soft::bound`]. Where
-//! several edges cross a light, the errors add up as noise does.
+//! **Error.** [`Soft::error`] asks for a root mean square error at straight edges, and the number
+//! of points follows. Each edge crosses at most 2 k - 1 of the cells around the points in k rows,
+//! and only there can an answer be wrong: [`Soft::bound`]. Where several edges cross a light, the
+//! errors add up as noise does.
 //!
-//! Surfaces are opaque and two-sided, as with [`Traced`](crate::Traced). Under ideal lights the one point decides.
+//! Surfaces are opaque and two-sided, as with [`Traced`](crate::Traced). Under ideal lights the one
+//! point decides.
 //!
-//! Where alpha textures cut holes into casters, the points that such a triangle's outline covers are asked one by one (`soft/holes.rs`), and what
-//! is slow about rays is slow again.
+//! Where alpha textures cut holes into casters, the points that such a triangle's outline covers
+//! are asked one by one (`soft/holes.rs`), and what is slow about rays is slow again.
 //!
-//! Known failures: suns more than [`MAX_SUN_DEGREES`] wide are refused. Their points are spread evenly over a plane instead of over
-//! the sky, at the rim by up to a tenth more thinly.
+//! Known failures: suns more than [`MAX_SUN_DEGREES`] wide are refused. Their points are spread
+//! evenly over a plane instead of over the sky, at the rim by up to a tenth more thinly.
 //!
-//! In `soft/`: `lattice.rs` (the points, in rows), `light_plane.rs` (the light as a receiver sees it), `hidden.rs` (which points a triangle
-//! hides), `footprint.rs` (which rows a box or a triangle can touch), `holes.rs` (points that pass through holes), `search.rs` (the CPU half: eight
+//! In `soft/`: `lattice.rs` (the points, in rows), `light_plane.rs` (the light as a receiver sees
+//! it), `hidden.rs` (which points a triangle hides), `footprint.rs` (which rows a box or a triangle
+//! can touch), `holes.rs` (points that pass through holes), `search.rs` (the CPU half: eight
 //! neighbours walk through the hierarchy together).
 
 mod footprint;
@@ -66,7 +73,8 @@ pub const SOFT_ERRORS: [f32; 2] = [0.002, 0.2];
     serde(default, deny_unknown_fields)
 )]
 pub struct Soft {
-    /// The root mean square error at straight edges, as a part of the light, within [`SOFT_ERRORS`]: it chooses the number of points.
+    /// The root mean square error at straight edges, as a part of the light, within
+    /// [`SOFT_ERRORS`]: it chooses the number of points.
     pub error: f32,
 }
 
@@ -83,7 +91,8 @@ impl Soft {
         lattices.of_noise(0).points
     }
 
-    /// Returns the greatest error that one straight edge can make, as a part of the light: it crosses at most 2 k - 1 of the cells around the points in k rows.
+    /// Returns the greatest error that one straight edge can make, as a part of the light: it
+    /// crosses at most 2 k - 1 of the cells around the points in k rows.
     pub fn bound(&self, light: &Light) -> f32 {
         self.lattices(&LightSampler::new(light)).bound()
     }
@@ -164,7 +173,8 @@ impl ShadowTechnique for Soft {
 /// Rows of four words.
 type Rows = Arc<[[u32; 4]]>;
 
-/// The hierarchy's triangles, the corners of each in the order in which functions of edges take them.
+/// The hierarchy's triangles, the corners of each in the order in which functions of edges take
+/// them.
 struct SortedTriangles(Rows);
 
 impl SortedTriangles {
@@ -233,8 +243,8 @@ uniforms! {
         pub light: LightSampler,
         /// The camera's position; w is unused.
         pub eye: Vec4,
-        /// How far the light reaches from its middle along each axis: metres, for suns as a part of the way. Fourth: the tangent of
-        /// half a sun's angular diameter.
+        /// How far the light reaches from its middle along each axis: metres, for suns as a part of
+        /// the way. Fourth: the tangent of half a sun's angular diameter.
         pub spread: Vec4,
         /// Greatest extent of a receiving triangle, metres.
         pub extent: f32,
@@ -270,8 +280,8 @@ impl SoftKernel {
         }
     }
 
-    /// Returns by how much the share of the light above a receiver's horizon may be wrong, 0..=1: points of the light are counted,
-    /// and the horizon is one straight edge.
+    /// Returns by how much the share of the light above a receiver's horizon may be wrong, 0..=1:
+    /// points of the light are counted, and the horizon is one straight edge.
     pub fn share_error(&self) -> f32 {
         if self.uniforms.light.is_ideal() {
             0.0

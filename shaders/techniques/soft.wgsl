@@ -1,5 +1,6 @@
-// Twin of soft.rs: finds the casters in a receiver's shaft through a two-way hierarchy (table_0) over triangles with sorted corners
-// (table_1), and hides points of a lattice over the light (table_2) behind them.
+// Twin of soft.rs: finds the casters in a receiver's shaft through a two-way hierarchy (table_0)
+// over triangles with sorted corners (table_1), and hides points of a lattice over the light
+// (table_2) behind them.
 
 struct SoftUniforms {
     light: LightSampler,

@@ -1,9 +1,12 @@
-//! Ray-traced shadows: the fraction of the light that a receiver sees, by any-hit rays. No map, no bias.
+//! Ray-traced shadows: the fraction of the light that a receiver sees, by any-hit rays. No map, no
+//! bias.
 //!
-//! Whitted 1980, "An improved illumination model for shaded display"; Cook, Porter and Carpenter 1984, "Distributed ray
-//! tracing" for lights with an extent. Surfaces are two-sided, and opaque but for holes that alpha textures cut out, behind which rays
-//! go on; a light point below the receiver's tangent plane is not seen. Exact for ideal lights; noisy with few samples of wide ones: four rays miss what passes for smooth
-//! in penumbrae (the noise of 16 independent rays) where many casters overlap. Costs one traversal a sample.
+//! Whitted 1980, "An improved illumination model for shaded display"; Cook, Porter and Carpenter
+//! 1984, "Distributed ray tracing" for lights with an extent. Surfaces are two-sided, and opaque
+//! but for holes that alpha textures cut out, behind which rays go on; a light point below the
+//! receiver's tangent plane is not seen. Exact for ideal lights; noisy with few samples of wide
+//! ones: four rays miss what passes for smooth in penumbrae (the noise of 16 independent rays)
+//! where many casters overlap. Costs one traversal a sample.
 
 use crate::{listing::ListedTechnique, techniques::exact::longest_ray};
 use std::sync::Arc;
@@ -21,7 +24,8 @@ use umbrage_core::{
 /// Most samples accepted a receiver.
 pub const MAX_SAMPLES: u32 = 65_536;
 
-/// Nodes that shaders can keep for later: `STACK` in traced.wgsl and soft.wgsl. Each level of the hierarchy leaves one.
+/// Nodes that shaders can keep for later: `STACK` in traced.wgsl and soft.wgsl. Each level of the
+/// hierarchy leaves one.
 const STACK: usize = 64;
 
 /// Any-hit rays.
@@ -32,7 +36,8 @@ const STACK: usize = 64;
     serde(default, deny_unknown_fields)
 )]
 pub struct Traced {
-    /// Rays a receiver for lights with an extent, 1 to [`MAX_SAMPLES`]; powers of two are best. Ideal lights take one.
+    /// Rays a receiver for lights with an extent, 1 to [`MAX_SAMPLES`]; powers of two are best.
+    /// Ideal lights take one.
     pub samples: u32,
 }
 

@@ -1,5 +1,5 @@
-// Twin of traced.rs: walks a two-way hierarchy (table_0) over triangles (table_1), any hit will do. Which hits count is said in
-// leaf_opaque.wgsl or leaf_cut_out.wgsl.
+// Twin of traced.rs: walks a two-way hierarchy (table_0) over triangles (table_1), any hit will do.
+// Which hits count is said in leaf_opaque.wgsl or leaf_cut_out.wgsl.
 
 struct TracedUniforms {
     light: LightSampler,

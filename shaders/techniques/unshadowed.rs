@@ -1,8 +1,8 @@
 //! No shadows: all is lit but what faces away from the light.
 //!
-//! Known failures: every shadow. Where nothing casts onto what is seen it is exact and costs next to nothing, so it is
-//! what all others are measured against: a shadow that nobody misses need not be made. Lights with an extent count as
-//! their middle.
+//! Known failures: every shadow. Where nothing casts onto what is seen it is exact and costs next
+//! to nothing, so it is what all others are measured against: a shadow that nobody misses need not
+//! be made. Lights with an extent count as their middle.
 
 use crate::{
     listing::ListedTechnique,

@@ -1,24 +1,28 @@
-//! Shadow volumes: what each caster hides from the light is a solid, and a seen point is lit if it lies in none.
+//! Shadow volumes: what each caster hides from the light is a solid, and a seen point is lit if it
+//! lies in none.
 //!
-//! Crow 1977, "Shadow algorithms for computer graphics"; counted by depth-fail, which takes no notice of where the eye
-//! is: Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes for hardware-accelerated rendering";
-//! McGuire et al. 2003, "Fast, practical and robust shadows". Along a pixel's ray, the volumes' back faces less their
-//! front faces that are not before the seen surface are the volumes that it lies in. Volumes reach beyond all there is, and the
-//! view has no far plane to cut them.
+//! Crow 1977, "Shadow algorithms for computer graphics"; counted by depth-fail, which takes no
+//! notice of where the eye is: Everitt and Kilgard 2002, "Practical and robust stenciled shadow
+//! volumes for hardware-accelerated rendering"; McGuire et al. 2003, "Fast, practical and robust
+//! shadows". Along a pixel's ray, the volumes' back faces less their front faces that are not
+//! before the seen surface are the volumes that it lies in. Volumes reach beyond all there is, and
+//! the view has no far plane to cut them.
 //!
-//! * Closed casters extrude the edges between faces turned to the light and faces turned away; all others, and those
-//!   with the light inside their bounds, extrude each triangle, and edges that two of these share cancel (Bergeron
-//!   1986, "A general version of Crow's shadow volumes"). Triangles are split where a corner of one lies on another's
-//!   edge.
-//! * A lit surface is its own volume's cap. The depth image holds every cap as it is drawn, so none ever lies before
-//!   what is seen, and no bias is needed.
+//! * Closed casters extrude the edges between faces turned to the light and faces turned away; all
+//!   others, and those with the light inside their bounds, extrude each triangle, and edges that
+//!   two of these share cancel (Bergeron 1986, "A general version of Crow's shadow volumes").
+//!   Triangles are split where a corner of one lies on another's edge.
+//! * A lit surface is its own volume's cap. The depth image holds every cap as it is drawn, so none
+//!   ever lies before what is seen, and no bias is needed.
 //! * Edges are as sharp as pixels; there is no map. Lights with an extent count as their middle.
 //!
-//! Known failures: the time goes into filling the volumes' faces, which often cover the image many times over; casters
-//! with holes that alpha textures cut out are refused, since outlines know nothing of textures; counts wrap, so a point under exactly 256 surfaces (or 512, ..)
-//! is lit; where light grazes a surface the volume's side lies within depth's rounding of it, about 2^-23 w^2 / near
-//! metres at distance w, and pixels there are noise (light that grazes whole planes is lifted off them, and refused where that
-//! is not enough: `grazing.rs`); a closed mesh that is turned inside out in one part is lit inside that part.
+//! Known failures: the time goes into filling the volumes' faces, which often cover the image many
+//! times over; casters with holes that alpha textures cut out are refused, since outlines know
+//! nothing of textures; counts wrap, so a point under exactly 256 surfaces (or 512, ..) is lit;
+//! where light grazes a surface the volume's side lies within depth's rounding of it, about 2^-23
+//! w^2 / near metres at distance w, and pixels there are noise (light that grazes whole planes is
+//! lifted off them, and refused where that is not enough: `grazing.rs`); a closed mesh that is
+//! turned inside out in one part is lit inside that part.
 
 mod clip_window;
 mod depth_clamp;
@@ -50,9 +54,10 @@ use umbrage_core::{
     uniforms,
 };
 
-/// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen surface has the surface's depth
-/// there, and must not come to lie before it by rounding: pixel centres lie on edges often on devices that move vertices to a
-/// coarse grid. A slope of 1/1024 moves faces as 1/1024 pixel on the image would, 4 units are their own rounding.
+/// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen
+/// surface has the surface's depth there, and must not come to lie before it by rounding: pixel
+/// centres lie on edges often on devices that move vertices to a coarse grid. A slope of 1/1024
+/// moves faces as 1/1024 pixel on the image would, 4 units are their own rounding.
 const BEHIND: RasterBias = RasterBias {
     constant: 4,
     slope: 1.0 / 1024.0,
@@ -122,8 +127,8 @@ impl ListedTechnique for ShadowVolumes {
     }
 }
 
-/// Returns the recipe that counts `faces` behind what the camera sees. Image 0 holds the nearest depths of all there is and of
-/// `missing_caps`, image 1 the counts.
+/// Returns the recipe that counts `faces` behind what the camera sees. Image 0 holds the nearest
+/// depths of all there is and of `missing_caps`, image 1 the counts.
 fn recipe(
     view: &View<'_>,
     infinite_far: &InfiniteFarView,

@@ -1,14 +1,20 @@
-//! Variance shadow maps: the mean of depth and of its square, blurred once, and Chebyshev's bound of what lies beyond the receiver.
+//! Variance shadow maps: the mean of depth and of its square, blurred once, and Chebyshev's bound
+//! of what lies beyond the receiver.
 //!
-//! Donnelly and Lauritzen 2006, "Variance shadow maps". Means of depth can be averaged further, which comparisons with depth can't:
-//! so a filter as wide as wanted is two passes over the map, whatever the number of receivers, and each receiver looks up one blend
-//! of four texels. With one blocker before one receiver the bound is exact: visibility is what filtering all comparisons gives.
+//! Donnelly and Lauritzen 2006, "Variance shadow maps". Means of depth can be averaged further,
+//! which comparisons with depth can't: so a filter as wide as wanted is two passes over the map,
+//! whatever the number of receivers, and each receiver looks up one blend of four texels. With one
+//! blocker before one receiver the bound is exact: visibility is what filtering all comparisons
+//! gives.
 //!
-//! Known failures: where blockers of several depths meet in the filter, light bleeds into what they darken together: around the outline
-//! of a near blocker within the shadow of a far one, under stacks of thin slices, and through a hedge. `bleeding_reduction` darkens
-//! it, and narrows all penumbrae with it. Like any filter of depths it has one width for all penumbrae, and lets light into contacts
-//! as far as the blur reaches. Squares of depth have 24 bits: what is nearer to its blocker than `least_deviation` is lit in part. Every
-//! map's failures: see [`shadow_map`](crate::shadow_map). Maps take 16 bytes a texel while they are blurred, with 16 bits a moment 8.
+//! Known failures: where blockers of several depths meet in the filter, light bleeds into what they
+//! darken together: around the outline of a near blocker within the shadow of a far one, under
+//! stacks of thin slices, and through a hedge. `bleeding_reduction` darkens it, and narrows all
+//! penumbrae with it. Like any filter of depths it has one width for all penumbrae, and lets light
+//! into contacts as far as the blur reaches. Squares of depth have 24 bits: what is nearer to its
+//! blocker than `least_deviation` is lit in part. Every map's failures: see
+//! [`shadow_map`](crate::shadow_map). Maps take 16 bytes a texel while they are blurred, with 16
+//! bits a moment 8.
 
 use crate::{
     filtering::moments::{
@@ -38,15 +44,18 @@ use umbrage_core::{
 pub struct Vsm {
     /// Texels to each side that are averaged, 0 to [`MAX_BLUR`](crate::MAX_BLUR).
     pub blur: u32,
-    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as far as these are 16 texels wide. They answer
-    /// pixels that span several texels, which else is as noisy under a moving camera as one texel is.
+    /// Levels of coarser texels beyond the map's own, 0 to [`MAX_MIPMAPS`](crate::MAX_MIPMAPS), as
+    /// far as these are 16 texels wide. They answer pixels that span several texels, which else is
+    /// as noisy under a moving camera as one texel is.
     pub mipmaps: u32,
     /// Bits of each moment.
     pub precision: MomentPrecision,
-    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on even surfaces. Where it is left out, it
-    /// is what the precision needs: 0.0003 with 32 bits, 0.001 with 16.
+    /// Least standard deviation of depth, clip depth, 0 to 0.5: hides what rounding leaves of it on
+    /// even surfaces. Where it is left out, it is what the precision needs: 0.0003 with 32 bits,
+    /// 0.001 with 16.
     pub least_deviation: Option<f32>,
-    /// Light up to this much counts as none, 0 to [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
+    /// Light up to this much counts as none, 0 to
+    /// [`MAX_BLEEDING_REDUCTION`](crate::MAX_BLEEDING_REDUCTION); the rest is stretched.
     pub bleeding_reduction: f32,
 }
 
@@ -117,7 +126,8 @@ impl Vsm {
 
 /// Least deviation of 32-bit moments, clip depth.
 const LEAST_DEVIATION_32: f32 = 3e-4;
-/// Of 16-bit ones: their means of depth are off by some 2e-5, which is to leave a thousandth of the light dark at most.
+/// Of 16-bit ones: their means of depth are off by some 2e-5, which is to leave a thousandth of the
+/// light dark at most.
 const LEAST_DEVIATION_16: f32 = 1e-3;
 
 /// What keeps a division by a variance of 0 finite.
@@ -156,8 +166,8 @@ impl VsmKernel {
         }
     }
 
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond its
-    /// own texel; `None` where it is the same for all.
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
+    /// unit `normal` goes beyond its own texel; `None` where it is the same for all.
     pub fn lookup_reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         self.moment_map().reach(position, normal)
     }

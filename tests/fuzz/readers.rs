@@ -1,9 +1,11 @@
-//! What is done with each kind of file that a fuzzer makes: it is read, and what was read is used. An error is an answer; a panic, a
-//! hang or a wrong number is a fault. The tests play the kept corpus with the same functions (`tests/suite/fuzz_corpus.rs`).
+//! What is done with each kind of file that a fuzzer makes: it is read, and what was read is used.
+//! An error is an answer; a panic, a hang or a wrong number is a fault. The tests play the kept
+//! corpus with the same functions (`tests/suite/fuzz_corpus.rs`).
 //!
-//! Scene files, models, pictures, presets and results come from anywhere. `tests/fuzz` is a workspace of its own with a libFuzzer target for each
-//! kind of file; `tests/fuzz/run.sh` continues from the kept corpus. Of glTF no file is kept: `umbrage-scenes`' `gltf/tests/model.rs` makes the
-//! first inputs. Sanitizers of memory are off, since the workspace forbids unsafe code.
+//! Scene files, models, pictures, presets and results come from anywhere. `tests/fuzz` is a
+//! workspace of its own with a libFuzzer target for each kind of file; `tests/fuzz/run.sh`
+//! continues from the kept corpus. Of glTF no file is kept: `umbrage-scenes`' `gltf/tests/model.rs`
+//! makes the first inputs. Sanitizers of memory are off, since the workspace forbids unsafe code.
 
 #[path = "../../crates/umbrage-scenes/src/gltf/tests/model.rs"]
 #[expect(dead_code, reason = "the reader's own tests use more of it")]
@@ -108,8 +110,8 @@ fn render(view: &View<'_>, technique: &dyn ShadowTechnique) {
     );
 }
 
-/// A scene file, beside the models that it may name; and cameras of a path. All that a scene file names is looked for in memory, so
-/// none leads to the machine's files.
+/// A scene file, beside the models that it may name; and cameras of a path. All that a scene file
+/// names is looked for in memory, so none leads to the machine's files.
 pub(super) fn scene_file(bytes: &[u8]) {
     let mut files = models();
     files.insert("scene.toml", bytes);
@@ -147,7 +149,8 @@ pub(super) fn model(bytes: &[u8]) {
     }
 }
 
-/// A glTF model: a whole `.glb` file; or a document and, after [`PART`], the bytes that it names, as files of their own and as one file.
+/// A glTF model: a whole `.glb` file; or a document and, after [`PART`], the bytes that it names,
+/// as files of their own and as one file.
 pub(super) fn gltf(bytes: &[u8]) {
     if bytes.starts_with(b"glTF") {
         return gltf_of([("model.glb", bytes.to_vec())], "model.glb");

@@ -1,4 +1,5 @@
-//! Absurd numbers anywhere in the public interface: an error that says so, or an answer, and never a panic or a hang.
+//! Absurd numbers anywhere in the public interface: an error that says so, or an answer, and never
+//! a panic or a hang.
 
 use proptest::{prelude::*, test_runner::RngSeed};
 use std::cell::{Cell, RefCell};
@@ -73,7 +74,8 @@ fn anchors_boxes_and_lights_answer_or_refuse() {
     });
 }
 
-/// What may be asked of a planner: errors, times, bytes, samples and picture sizes, sensible or not.
+/// What may be asked of a planner: errors, times, bytes, samples and picture sizes, sensible or
+/// not.
 fn bounds() -> impl Strategy<Value = Bounds> {
     let maybe = || {
         prop_oneof![
@@ -105,7 +107,8 @@ fn planners_answer_or_refuse() {
             refused.set(refused.get() + 1);
             return Ok(());
         };
-        // Techniques without maps: trying maps of all sizes takes seconds a plan, and what is tested is the planner.
+        // Techniques without maps: trying maps of all sizes takes seconds a plan, and what is
+        // tested is the planner.
         let few = |name: &str| ["none", "exact", "soft", "traced"].contains(&name);
         let options = PlanOptions {
             catalogue: Catalogue::built_in().retain(few),

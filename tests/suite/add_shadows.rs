@@ -1,4 +1,5 @@
-//! The programs of the page "Add shadows to my renderer" draw shadows. (`pages.rs` compares the page with them.)
+//! The programs of the page "Add shadows to my renderer" draw shadows. (`pages.rs` compares the
+//! page with them.)
 
 #[allow(dead_code, reason = "a program, of which the test needs a part")]
 #[path = "../../examples/add_shadows/deferred.rs"]
@@ -22,7 +23,8 @@ fn brightness(scene: &BoxScene, pixels: &[u8], point: Vec3) -> u8 {
     pixels[4 * (y as usize * scene.camera.size.x as usize + x as usize)]
 }
 
-/// The sun's shadows of some boxes lie on the floor where they should in both programs, and the two see the same everywhere.
+/// The sun's shadows of some boxes lie on the floor where they should in both programs, and the two
+/// see the same everywhere.
 #[test]
 fn both_programs_draw_the_same_shadows() {
     let technique: Arc<dyn ShadowTechnique> = Arc::new(MapTechnique::<Pcf>::default());
@@ -34,7 +36,8 @@ fn both_programs_draw_the_same_shadows() {
     let boxes: Vec<Affine3A> = scene.placements(1.0);
     for place in &boxes[21..25] {
         let middle = Vec3::from(place.translation);
-        // Boxes reach twice as high as their middle. The ray from here to the sun meets their axis a little below the top.
+        // Boxes reach twice as high as their middle. The ray from here to the sun meets their axis
+        // a little below the top.
         let below_top = middle.with_y(1.7 * middle.y);
         let shadowed = below_top - sun * (below_top.y / sun.y);
         let lit = middle.with_y(0.0) + Vec3::X;
@@ -49,8 +52,8 @@ fn both_programs_draw_the_same_shadows() {
             );
         }
     }
-    // Masks are stored in steps of 1/255, and normals in 11 bits: so colours differ by a step here and there, and the receivers of
-    // a few pixels at edges lie on another side of a comparison.
+    // Masks are stored in steps of 1/255, and normals in 11 bits: so colours differ by a step here
+    // and there, and the receivers of a few pixels at edges lie on another side of a comparison.
     let differing = pictures[0]
         .iter()
         .zip(&pictures[1])

@@ -141,7 +141,8 @@ struct Played {
     agreement: Agreement,
 }
 
-/// Plays a case on both backends, which must agree; none if the technique doesn't support the scene.
+/// Plays a case on both backends, which must agree; none if the technique doesn't support the
+/// scene.
 fn agree(case: &Case) -> Result<Option<Played>, String> {
     let geometry = Geometry::bake(&case.scene).map_err(|e| e.to_string())?;
     let (camera, light) = (&case.scene.cameras[0], &case.scene.lights[0]);

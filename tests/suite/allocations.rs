@@ -1,4 +1,5 @@
-//! What a frame of a light set allocates: nothing while all stands still, and only what wgpu's own writes allocate while casters move.
+//! What a frame of a light set allocates: nothing while all stands still, and only what wgpu's own
+//! writes allocate while casters move.
 
 use dhat::HeapStats;
 use glam::{Mat4, UVec2};
@@ -24,8 +25,8 @@ fn blocks(work: impl FnOnce()) -> u64 {
     HeapStats::get().total_blocks - before
 }
 
-/// Calls `work` from a depth of so many calls more. wgpu captures a backtrace at each write in debug builds, and the list of frames
-/// that it allocates grows with the depth.
+/// Calls `work` from a depth of so many calls more. wgpu captures a backtrace at each write in
+/// debug builds, and the list of frames that it allocates grows with the depth.
 #[inline(never)]
 fn from_below(depth: u32, work: &mut dyn FnMut()) {
     if depth == 0 {
@@ -66,8 +67,8 @@ fn steady_frames_allocate_nothing() {
     // Without `black_box` the compiler may leave the block out.
     let counted = blocks(|| drop(black_box(Box::new(1_u8))));
     assert_eq!(counted, 1, "the counter counts");
-    // wgpu allocates for each write, and now and then for many; a frame with a moved caster writes twice: its placement, and the
-    // matrix of the layer in which it shows.
+    // wgpu allocates for each write, and now and then for many; a frame with a moved caster writes
+    // twice: its placement, and the matrix of the layer in which it shows.
     let buffer =
         |usage| umbrage_tests::foreign::buffer(d, usage | BufferUsages::COPY_DST, &[0; 1024]);
     let placements = buffer(BufferUsages::VERTEX);

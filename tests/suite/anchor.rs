@@ -1,4 +1,5 @@
-//! What stands far from the origin has the shadows that it has at the origin, bit for bit, where positions are relative to an anchor.
+//! What stands far from the origin has the shadows that it has at the origin, bit for bit, where
+//! positions are relative to an anchor.
 
 use glam::{DAffine3, DVec3, Vec3, Vec3A};
 use proptest::{
@@ -15,7 +16,8 @@ use umbrage_tests::{gpu::gpu, random_scene::scenes};
 const TECHNIQUES: [&str; 6] = ["hard", "pcf", "pcss", "exact", "traced", "soft"];
 /// Random scenes of each test.
 const SCENES: u32 = 24;
-/// Positions of the scenes are multiples of this, metres: 32 bits hold them around the origin, 64 bits hold them 8,000 km away.
+/// Positions of the scenes are multiples of this, metres: 32 bits hold them around the origin, 64
+/// bits hold them 8,000 km away.
 const GRID: f32 = 1.0 / (1 << 20) as f32;
 /// Steps between anchors from the origin: 1,000,448 m along an axis.
 const FAR: i32 = 977;
@@ -48,7 +50,8 @@ fn snapped(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Returns a scene that stands `away` from where it is, relative to an anchor; without one, relative to the world's origin.
+/// Returns a scene that stands `away` from where it is, relative to an anchor; without one,
+/// relative to the world's origin.
 fn moved(scene: &Scene, away: DVec3, anchor: Anchor) -> Scene {
     let mut out = scene.clone();
     let place = |world_from_local: &mut glam::Affine3A| {
@@ -77,7 +80,8 @@ fn eye(scene: &Scene, away: DVec3) -> DVec3 {
     scene.cameras[0].eye().as_dvec3() + away
 }
 
-/// Returns the masks that both backends make of a scene's first light and camera; none if the technique refuses.
+/// Returns the masks that both backends make of a scene's first light and camera; none if the
+/// technique refuses.
 fn masks(scene: &Scene, technique: &dyn ShadowTechnique) -> Result<Option<[Vec<f32>; 2]>, String> {
     let geometry = Geometry::bake(scene).map_err(|e| e.to_string())?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
@@ -108,7 +112,8 @@ struct Seen {
     others: [u32; 2],
 }
 
-/// Plays random scenes at the origin and far from it, relative to the anchor that `anchor` gives for an eye.
+/// Plays random scenes at the origin and far from it, relative to the anchor that `anchor` gives
+/// for an eye.
 fn compare(
     seed: u64,
     away: impl Strategy<Value = [i32; 3]>,

@@ -31,7 +31,8 @@ fn naga_accepts_every_text() {
     assert!(validate("fn f() -> f32 { return 1; } fn f() {}").is_err());
 }
 
-/// Two lights of different techniques in one shader, which has names of its own that the texts use, too.
+/// Two lights of different techniques in one shader, which has names of its own that the texts use,
+/// too.
 #[test]
 fn several_lights_fit_into_one_shader() {
     let sun = assemble(&MapTechnique::<Pcf>::default(), "sun_");

@@ -1,5 +1,5 @@
-//! Cascades: both halves pick the same layers, every seen receiver is held by one of them, and what moves with the camera moves in
-//! whole texels.
+//! Cascades: both halves pick the same layers, every seen receiver is held by one of them, and what
+//! moves with the camera moves in whole texels.
 
 use glam::{UVec2, Vec2, Vec3};
 use proptest::prelude::*;
@@ -69,7 +69,8 @@ fn agreed_mask(view: &View<'_>, recipe: &Recipe, label: &str) -> Result<Vec<f32>
     Ok(of_cpu.mask)
 }
 
-/// Every technique with a map, every split, both fits, with and without blending: the two halves agree.
+/// Every technique with a map, every split, both fits, with and without blending: the two halves
+/// agree.
 #[test]
 fn both_halves_agree() {
     let place = place("far-range", UVec2::new(96, 60));
@@ -229,7 +230,8 @@ fn masks(view: &View<'_>, recipe: &Recipe) -> [Vec<f32>; 2] {
     [of_cpu.mask, of_gpu.mask]
 }
 
-/// Several equal cascades give the bits of a single map, whichever is picked; one that lies elsewhere is seen.
+/// Several equal cascades give the bits of a single map, whichever is picked; one that lies
+/// elsewhere is seen.
 #[test]
 fn equal_cascades_give_the_bits_of_a_single_map() {
     let place = place("far-range", UVec2::new(96, 60));
@@ -423,8 +425,8 @@ fn not_held(seen: &Receivers, spaces: &LightSpaces, size: u32) -> Vec<usize> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
-    /// Over random cameras, suns, splits and fits: a receiver that no cascade holds is lit in truth, or lies beyond the stable
-    /// fit's range. And with a hard comparison both halves agree.
+    /// Over random cameras, suns, splits and fits: a receiver that no cascade holds is lit in
+    /// truth, or lies beyond the stable fit's range. And with a hard comparison both halves agree.
     #[test]
     fn what_is_seen_is_held(walk in walks(), light in suns(), (cascades, fit) in random_cascades(), known in any::<bool>()) {
         let place = place("far-range", UVec2::new(64, 40));
@@ -459,7 +461,8 @@ proptest! {
     }
 }
 
-/// The negative control of the test above: cascades that lie elsewhere leave receivers in shadow that none holds.
+/// The negative control of the test above: cascades that lie elsewhere leave receivers in shadow
+/// that none holds.
 #[test]
 fn cascades_that_lie_elsewhere_hold_too_little() {
     let place = place("far-range", UVec2::new(64, 40));
@@ -488,7 +491,8 @@ fn cascades_that_lie_elsewhere_hold_too_little() {
     assert!(shadowed_outside(&spaces) > 0);
 }
 
-/// However the camera pans and turns, points of the world keep their place within the texels of every stable cascade.
+/// However the camera pans and turns, points of the world keep their place within the texels of
+/// every stable cascade.
 #[test]
 fn stable_cascades_move_by_whole_texels() {
     let place = place("far-range", UVec2::new(64, 40));

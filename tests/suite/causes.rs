@@ -1,4 +1,5 @@
-//! Each cause of error on a scene in which nothing else can be wrong, and nothing at all where truth is played.
+//! Each cause of error on a scene in which nothing else can be wrong, and nothing at all where
+//! truth is played.
 
 use umbrage_core::{
     Backend, Camera, Geometry, ShadowTechnique, View,
@@ -108,7 +109,8 @@ fn truth_played_has_no_cause() {
     }
 }
 
-/// A gap is as long as the bias says: at 45 degrees a constant's depth is the distance from the blocker.
+/// A gap is as long as the bias says: at 45 degrees a constant's depth is the distance from the
+/// blocker.
 #[test]
 fn a_gap_has_the_biases_length() {
     let stage = Stage::new("cause-gap");

@@ -87,7 +87,8 @@ fn devices() -> Vec<CpuOptions> {
     [&clipping[..], &sums].concat()
 }
 
-/// Returns the recipe of shadow volumes with their far ends moved to infinity, where Everitt and Kilgard 2002 have them.
+/// Returns the recipe of shadow volumes with their far ends moved to infinity, where Everitt and
+/// Kilgard 2002 have them.
 fn ends_at_infinity(recipe: &Recipe, lamp: Vec3) -> Recipe {
     let mut out = recipe.clone();
     for cast in &mut out.casts {
@@ -112,7 +113,8 @@ fn with_far_ends_at_infinity(faces: &Faces, lamp: Vec3) -> Faces {
     out
 }
 
-/// The cause of the false shadows that an H200 drew: corners at clip w = 0, on the side of 0 to which rounding took them.
+/// The cause of the false shadows that an H200 drew: corners at clip w = 0, on the side of 0 to
+/// which rounding took them.
 #[test]
 fn faces_at_zero_w_are_drawn_wrongly_as_on_a_card() {
     for (name, false_on_card) in FALSE_ON_CARD {
@@ -208,7 +210,8 @@ fn techniques() -> Vec<TechniquePreset> {
     out
 }
 
-/// Decided pixels of each technique are the same: in a sun's maps, cubes around a lamp, and cascades.
+/// Decided pixels of each technique are the same: in a sun's maps, cubes around a lamp, and
+/// cascades.
 #[test]
 fn no_decided_pixel_changes() {
     let mut maps = 0;

@@ -1,4 +1,5 @@
-//! Shadows known from formulas: truth and the traced technique must reproduce them, through the lab's own entrance.
+//! Shadows known from formulas: truth and the traced technique must reproduce them, through the
+//! lab's own entrance.
 
 use umbrage_core::{Geometry, Light};
 use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};

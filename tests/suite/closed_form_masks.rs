@@ -1,5 +1,6 @@
-//! Every technique with a map at the points of the closed forms, on both backends: away from shadow edges by more than
-//! its kernel reaches, its answer must be the formula's. (Volumes and planar shadows need a camera's pixels: `exact.rs`.)
+//! Every technique with a map at the points of the closed forms, on both backends: away from shadow
+//! edges by more than its kernel reaches, its answer must be the formula's. (Volumes and planar
+//! shadows need a camera's pixels: `exact.rs`.)
 
 use glam::{Mat2, UVec2, Vec2, Vec3};
 use umbrage_core::{
@@ -14,7 +15,8 @@ use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 use umbrage_tests::gpu::gpu;
 use umbrage_wgpu::Gpu;
 
-/// What each technique says that closed forms demand of it. Those that need a camera's pixels (`exact.rs`) say nothing.
+/// What each technique says that closed forms demand of it. Those that need a camera's pixels
+/// (`exact.rs`) say nothing.
 fn demands() -> Vec<ClosedFormDemand<TechniquePreset>> {
     let map = ShadowMap {
         size: 2048,
@@ -131,7 +133,8 @@ impl Case {
     }
 }
 
-/// Faces that the light meets at less than half a degree show only how maps round; those turned away are left to shading.
+/// Faces that the light meets at less than half a degree show only how maps round; those turned
+/// away are left to shading.
 const LEAST_COSINE: f32 = 0.01;
 
 fn cosine(light: &Light, s: &Sample) -> f32 {
@@ -142,12 +145,13 @@ fn cosine(light: &Light, s: &Sample) -> f32 {
     to_light.normalize().dot(s.normal)
 }
 
-/// Distance between the points at which truth is asked around a sample, texels: less than the narrowest slit of the scenes, which is 1.2 texels
-/// wide on a map of 2048.
+/// Distance between the points at which truth is asked around a sample, texels: less than the
+/// narrowest slit of the scenes, which is 1.2 texels wide on a map of 2048.
 const SPACING: f32 = 0.75;
 
-/// Returns the points of a sample's plane on which a kernel's taps may lie: a grid over the square of texels that it reaches, and the receiver's
-/// own texel. A narrow light within that square counts, too, and not its rim alone. None where the light meets the plane at too low an angle.
+/// Returns the points of a sample's plane on which a kernel's taps may lie: a grid over the square
+/// of texels that it reaches, and the receiver's own texel. A narrow light within that square
+/// counts, too, and not its rim alone. None where the light meets the plane at too low an angle.
 fn around(sample: &Sample, recipe: &Recipe, reach: f32) -> Option<Vec<Vec3>> {
     let (u, v) = sample.normal.any_orthonormal_pair();
     let p = sample.point;
@@ -260,7 +264,8 @@ fn wrong_formulas_are_noticed() {
     assert_eq!(answers.wrong.len(), answers.decided.iter().sum::<usize>());
 }
 
-/// A slit that is narrower than the kernel's reach lies between two dark points of its rim: points beside it are undecided all the same.
+/// A slit that is narrower than the kernel's reach lies between two dark points of its rim: points
+/// beside it are undecided all the same.
 #[test]
 fn light_within_reach_is_seen() {
     let cases = cases();

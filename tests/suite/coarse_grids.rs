@@ -1,5 +1,6 @@
-//! The default biases hold on rasterisers that this project has no device of: the CPU's, told to move vertices to coarser grids and
-//! to lay depth planes through them, makes maps that are no farther from truth.
+//! The default biases hold on rasterisers that this project has no device of: the CPU's, told to
+//! move vertices to coarser grids and to lay depth planes through them, makes maps that are no
+//! farther from truth.
 
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
@@ -24,8 +25,8 @@ const MOST_TRIANGLES: usize = 20_000;
 
 /// The coarsest grid that graphics APIs allow, which every scene and light is played on.
 const COARSEST: Snapping = Snapping::COARSEST;
-/// One of these, too, by turns: grids up to what most hardware has, with planes through moved vertices, and the coarsest with exact
-/// planes.
+/// One of these, too, by turns: grids up to what most hardware has, with planes through moved
+/// vertices, and the coarsest with exact planes.
 const BY_TURNS: [Snapping; 4] = [
     Snapping {
         sub_pixel_bits: 4,
@@ -115,7 +116,8 @@ impl Stage {
         }
     }
 
-    /// By how much a technique's RMSE is greater by these rules than by the CPU's own; none where it isn't supported.
+    /// By how much a technique's RMSE is greater by these rules than by the CPU's own; none where
+    /// it isn't supported.
     fn excess(&self, technique: &dyn ShadowTechnique, rules: [Snapping; 2]) -> Option<[f64; 2]> {
         let view = View::new(&self.camera, &self.light, &self.geometry)
             .with_receivers(&self.truth.receivers);
@@ -136,20 +138,24 @@ impl Stage {
 /// What no bias can help, and the excess that it comes to. Both are as they are on devices.
 fn most_excess(scene: &str, light: &Light, technique: &str) -> f64 {
     match (scene, light.kind(), technique) {
-        // Walls without thickness: the far sides that are compared with are the receivers themselves, without a bias. Half of
-        // the pixels are lit that way, and which ones hangs on every rounding.
+        // Walls without thickness: the far sides that are compared with are the receivers
+        // themselves, without a bias. Half of the pixels are lit that way, and which ones hangs on
+        // every rounding.
         ("c7-closed-room", _, "second_depth") => 0.01,
-        // The shadow's edge lies on a row of texels' centres, so that a grid's step moves all of it by a texel.
+        // The shadow's edge lies on a row of texels' centres, so that a grid's step moves all of it
+        // by a texel.
         ("stairs-lamp", "point", "pcf_dithered") => 0.01,
         // Three pixels of 6,934, on an edge: 5 are wrong instead of 2.
         ("textbook-room", "spot", "second_depth" | "midpoint") => 0.01,
-        // Leaf cards cross each other, and their holes are finer than texels: which leaf is the second from the light hangs on roundings.
+        // Leaf cards cross each other, and their holes are finer than texels: which leaf is the
+        // second from the light hangs on roundings.
         ("foliage", _, "midpoint") => 0.01,
         _ => MAX_EXCESS_RMSE,
     }
 }
 
-/// What is farther from truth than allowed, in words; and how many masks were compared. `turn` says which rules have their turn.
+/// What is farther from truth than allowed, in words; and how many masks were compared. `turn` says
+/// which rules have their turn.
 fn faults(scene: &Scene, turn: usize, techniques: &[TechniquePreset]) -> (String, usize) {
     let geometry = Geometry::bake(scene).expect("a built-in scene");
     let mut out = String::new();
@@ -200,13 +206,15 @@ fn default_biases_hold_on_coarse_grids() {
     assert!(compared > 1_000, "only {compared} masks were compared");
 }
 
-/// The net must catch what it is for: a bias that leaves no room for moved vertices, but is right where none is moved.
+/// The net must catch what it is for: a bias that leaves no room for moved vertices, but is right
+/// where none is moved.
 #[test]
 fn a_bias_without_margin_is_caught() {
     let scene = (umbrage_scenes::find("cubes")
         .expect("a built-in scene")
         .build)();
-    // Takes back what the bias moves casters by: on flat ground the receiver's plane alone is exact.
+    // Takes back what the bias moves casters by: on flat ground the receiver's plane alone is
+    // exact.
     let bias = Bias {
         raster: RasterBias {
             slope: -0.5,

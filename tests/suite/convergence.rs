@@ -1,8 +1,9 @@
-//! Finer maps are better without end: with the default bias, what is wrong falls at least like a texel's side.
+//! Finer maps are better without end: with the default bias, what is wrong falls at least like a
+//! texel's side.
 //!
-//! A hard shadow's map is wrong in a band along shadow edges that is about a texel wide, so the number of wrong pixels falls
-//! like 1 / side and the root mean square error like its root. Acne, shadows that come loose and leaks that don't shrink with the
-//! texel would end that.
+//! A hard shadow's map is wrong in a band along shadow edges that is about a texel wide, so the
+//! number of wrong pixels falls like 1 / side and the root mean square error like its root. Acne,
+//! shadows that come loose and leaks that don't shrink with the texel would end that.
 
 use glam::UVec2;
 use umbrage_core::{
@@ -28,7 +29,8 @@ const MODELS: [&str; 8] = [
 const COARSE: u32 = 512;
 const FINE: u32 = 8192;
 const SIZE: UVec2 = UVec2::new(320, 240);
-/// Mean signed error allowed at the finest map: shadows are neither wider nor narrower than they should be.
+/// Mean signed error allowed at the finest map: shadows are neither wider nor narrower than they
+/// should be.
 const MOST_SIGNED: f64 = 1e-3;
 
 /// What stands on the floor: the bounds of all that is not flat.
@@ -118,7 +120,8 @@ fn converges(what: &str, camera: &Camera, light: &Light, geometry: &Geometry) {
         let [before, after] =
             [&coarse, &fine].map(|technique| errors(&view, &**technique, &reference));
         let expected = wrong(&before) / f64::from(FINE / COARSE);
-        // As many pixels are wrong by chance as a Poisson distribution of that mean allows in one of 1,000 cases.
+        // As many pixels are wrong by chance as a Poisson distribution of that mean allows in one
+        // of 1,000 cases.
         let most = expected + 3.1 * expected.sqrt() + 3.1;
         let name = coarse.name();
         println!(

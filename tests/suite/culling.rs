@@ -1,7 +1,8 @@
 //! Culling to need changes no shadow.
 //!
-//! In one light space, casters that are called irrelevant are left out: masks stay bit-equal. And the culled fit's mask is
-//! the whole fit's wherever both are decided. Random scenes, lights, techniques; both comparators are fed spoilt culling.
+//! In one light space, casters that are called irrelevant are left out: masks stay bit-equal. And
+//! the culled fit's mask is the whole fit's wherever both are decided. Random scenes, lights,
+//! techniques; both comparators are fed spoilt culling.
 
 use glam::{UVec2, Vec2};
 use proptest::{
@@ -30,7 +31,8 @@ struct Case {
     reach: f32,
 }
 
-/// Tests a property on random values, the same ones in every run. Panics with the first counterexample.
+/// Tests a property on random values, the same ones in every run. Panics with the first
+/// counterexample.
 fn run<T: std::fmt::Debug>(
     cases: u32,
     strategy: impl Strategy<Value = T>,
@@ -285,8 +287,9 @@ const SHIFTS: [(f32, f32); 9] = [
     (0.0, 0.5),
     (0.0, -0.5),
 ];
-/// Clip depth. Its metres differ between fits, as their ranges do: so the depths that [`DEPTHS`] leaves of it reach from a
-/// twelfth to twice as much, and what is decided in both fits is so for a bias of equal metres, if [`depth_ratio`] is less.
+/// Clip depth. Its metres differ between fits, as their ranges do: so the depths that [`DEPTHS`]
+/// leaves of it reach from a twelfth to twice as much, and what is decided in both fits is so for a
+/// bias of equal metres, if [`depth_ratio`] is less.
 const CONSTANT: Bias = Bias {
     constant: 0.03,
     ..Bias::NONE
@@ -314,8 +317,8 @@ fn depth_ratio(a: &Recipe, b: &Recipe) -> f32 {
     longest / shortest
 }
 
-/// Returns a mask, NaN where it is not decided: where the answer changes when the map moves by up to `texels` of its texels
-/// sideways, or in depth by [`DEPTHS`].
+/// Returns a mask, NaN where it is not decided: where the answer changes when the map moves by up
+/// to `texels` of its texels sideways, or in depth by [`DEPTHS`].
 fn decided(seen: &Seen, recipe: &Recipe, texels: f32) -> Result<Vec<f32>, String> {
     let mut out = seen.mask(recipe)?;
     for depth in DEPTHS {
@@ -351,7 +354,8 @@ fn texel(recipe: &Recipe) -> f32 {
     2.0 / (p.x_axis.x.min(p.y_axis.y) * recipe.images[0].size.x as f32)
 }
 
-/// At how many pixels both masks are decided, and dark; and at how many of the decided ones they differ.
+/// At how many pixels both masks are decided, and dark; and at how many of the decided ones they
+/// differ.
 #[derive(Debug, Default, Clone, Copy)]
 struct Decided {
     pixels: usize,
@@ -360,7 +364,8 @@ struct Decided {
     differing: usize,
 }
 
-/// Returns whether a point lies in the light's cone: elsewhere, shading darkens it anyway, and fits take no notice.
+/// Returns whether a point lies in the light's cone: elsewhere, shading darkens it anyway, and fits
+/// take no notice.
 fn shone_on(light: &Light, p: Vec3) -> bool {
     match *light {
         Light::Spot {

@@ -1,4 +1,5 @@
-//! Holes that alpha textures cut into casters and receivers, against scenes whose answer is known without any texture.
+//! Holes that alpha textures cut into casters and receivers, against scenes whose answer is known
+//! without any texture.
 
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 use std::ops::Range;
@@ -126,7 +127,8 @@ fn rendered(backend: &mut dyn Backend, recipe: &Recipe, view: &View<'_>) -> Shad
     backend.render(view, recipe).expect("a good view")
 }
 
-/// Calls `check` with the masks and receivers of both scenes, for all default techniques that know holes, lights, and backends.
+/// Calls `check` with the masks and receivers of both scenes, for all default techniques that know
+/// holes, lights, and backends.
 fn for_each_pair(a: &Scene, b: &Scene, mut check: impl FnMut(&str, &Shadows, &Shadows)) {
     let camera = camera();
     let [a, b] = [a, b].map(|scene| Geometry::bake(scene).expect("a good scene"));
@@ -164,7 +166,8 @@ fn for_each_pair(a: &Scene, b: &Scene, mut check: impl FnMut(&str, &Shadows, &Sh
     assert!(played >= 30, "only {played} pairs were played");
 }
 
-/// An alpha texture whose one hole lies beside the mesh's part of it changes no bit, though all is asked whether it is a hole.
+/// An alpha texture whose one hole lies beside the mesh's part of it changes no bit, though all is
+/// asked whether it is a hole.
 #[test]
 fn what_shows_no_holes_is_as_without_alpha() {
     let mut full = card(Some(|x, y| x + y < 2 * (SIDE - 1)));
@@ -180,8 +183,8 @@ fn what_shows_no_holes_is_as_without_alpha() {
     });
 }
 
-/// An alpha texture without any hole is not asked: the geometry has no cut-outs, and every technique serves it, those that know no holes,
-/// too.
+/// An alpha texture without any hole is not asked: the geometry has no cut-outs, and every
+/// technique serves it, those that know no holes, too.
 #[test]
 fn what_has_no_holes_is_served_by_all() {
     let full = Geometry::bake(&card(Some(|_, _| true))).expect("a good scene");
@@ -208,8 +211,9 @@ fn what_is_all_holes_is_not_there() {
     let mut nothing = card(None);
     nothing.instances.truncate(1);
     for_each_pair(&clear, &nothing, |what, clear, nothing| {
-        // An empty map is dark by its moments' bias: 1.71e-5 with rounding, wherever a receiver lies, as the unit test
-        // `maps_of_one_depth_err_by_their_bias_alone` of `umbrage-techniques` derives. Cutting off a tenth of the light stretches that by 1 / .9.
+        // An empty map is dark by its moments' bias: 1.71e-5 with rounding, wherever a receiver
+        // lies, as the unit test `maps_of_one_depth_err_by_their_bias_alone` of
+        // `umbrage-techniques` derives. Cutting off a tenth of the light stretches that by 1 / .9.
         let least = if what.starts_with("msm") {
             1.0 - 1.95e-5
         } else {
@@ -231,8 +235,8 @@ fn what_is_all_holes_is_not_there() {
     });
 }
 
-/// A chequered card throws the shadow of its squares, and is seen as they are, but where a pixel, a ray or a map's texel lies on
-/// their edges.
+/// A chequered card throws the shadow of its squares, and is seen as they are, but where a pixel, a
+/// ray or a map's texel lies on their edges.
 #[test]
 fn a_chequered_card_is_its_squares() {
     for_each_pair(
@@ -327,7 +331,8 @@ fn techniques_without_holes_refuse_them() {
     }
 }
 
-/// Returns the default techniques, and maps of other kinds: cascades, fits around the camera, 16 bits, peeled layers in 16 bits.
+/// Returns the default techniques, and maps of other kinds: cascades, fits around the camera, 16
+/// bits, peeled layers in 16 bits.
 fn techniques() -> Vec<TechniquePreset> {
     let mut out = TechniquePreset::defaults();
     let cascades = ShadowMap {
@@ -387,8 +392,8 @@ fn both_backends_agree_on_holes() {
     assert!(told >= 20, "only {told} masks tell holes");
 }
 
-/// Returns a scene whose holes are fine: a card with a texture of which two thirds are there, and so many repeats of it that several texels lie
-/// in a pixel of the camera and in one of a map.
+/// Returns a scene whose holes are fine: a card with a texture of which two thirds are there, and
+/// so many repeats of it that several texels lie in a pixel of the camera and in one of a map.
 fn fine_holes(filter: AlphaFilter) -> Scene {
     const FINE: u32 = 180;
     const REPEATS: f32 = 20.0;
@@ -411,8 +416,8 @@ fn fine_holes(filter: AlphaFilter) -> Scene {
     scene
 }
 
-/// Hashed holes are the same to the last bit on both backends, in the camera's image and in all layouts of maps; they are others than those
-/// of the nearest texel, and rays know nothing of them.
+/// Hashed holes are the same to the last bit on both backends, in the camera's image and in all
+/// layouts of maps; they are others than those of the nearest texel, and rays know nothing of them.
 #[test]
 fn both_backends_agree_on_hashed_holes() {
     let filters = [AlphaFilter::Hashed, AlphaFilter::Nearest];

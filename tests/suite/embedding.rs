@@ -1,4 +1,5 @@
-//! The wgpu player inside someone else's program: a foreign device, foreign vertex buffers, a foreign encoder.
+//! The wgpu player inside someone else's program: a foreign device, foreign vertex buffers, a
+//! foreign encoder.
 
 use bytemuck::cast_slice;
 use umbrage::{Backend, Geometry, Receivers, Recipe, ShadowTechnique, View, techniques::Pcf};

@@ -1,8 +1,10 @@
-//! Techniques without a rasteriser in their answer: the same bits on every device that rounds sums and products to nearest.
+//! Techniques without a rasteriser in their answer: the same bits on every device that rounds sums
+//! and products to nearest.
 //!
-//! `none`, `traced`, `exact` and `soft` are functions of the receivers alone. Where both backends see the same triangle, receivers and
-//! masks are equal to the last bit, even if the driver fuses products with sums, or misses quotients and roots. Only a driver that
-//! re-associates sums may change pixels, and these are undecided.
+//! `none`, `traced`, `exact` and `soft` are functions of the receivers alone. Where both backends
+//! see the same triangle, receivers and masks are equal to the last bit, even if the driver fuses
+//! products with sums, or misses quotients and roots. Only a driver that re-associates sums may
+//! change pixels, and these are undecided.
 
 use umbrage_core::{Backend, Geometry, ShadowTechnique, View};
 use umbrage_cpu::Cpu;

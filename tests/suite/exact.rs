@@ -1,4 +1,5 @@
-//! Techniques without error: shadow volumes and planar shadows against ray-traced truth, on both backends.
+//! Techniques without error: shadow volumes and planar shadows against ray-traced truth, on both
+//! backends.
 //!
 //! Every pixel that is not numerically ambiguous to truth itself must have truth's answer.
 
@@ -13,7 +14,8 @@ use umbrage_tests::{
     gpu::gpu,
 };
 
-/// Scenes whose failure rows or closed forms ask for exact shadows, beside those that all techniques meet.
+/// Scenes whose failure rows or closed forms ask for exact shadows, beside those that all
+/// techniques meet.
 const VOLUMES: &[&str] = &[
     "c1-box-sun",
     "c2-sphere-sun",
@@ -75,8 +77,9 @@ const PLANAR: &[&str] = &[
     "tower-out-of-view",
 ];
 
-/// Greatest width, pixels. Larger images have more pixels so close to a silhouette that rounding in the rasteriser
-/// decides: of the 574,207 that `ten-thousand-boxes` has at 1280 x 720, volumes get 6 wrong.
+/// Greatest width, pixels. Larger images have more pixels so close to a silhouette that rounding in
+/// the rasteriser decides: of the 574,207 that `ten-thousand-boxes` has at 1280 x 720, volumes get
+/// 6 wrong.
 const WIDTH: u32 = 480;
 
 fn built_in(name: &str) -> Scene {
@@ -221,7 +224,8 @@ fn a_missing_triangle_is_noticed() {
     }
 }
 
-/// A floor of 10 m under a sun this far (sine) above its plane, with a box that stands on it and a ball that floats.
+/// A floor of 10 m under a sun this far (sine) above its plane, with a box that stands on it and a
+/// ball that floats.
 fn low_sun(sine: f32) -> Scene {
     let text = format!(
         "[camera]\neye = [3, 2.5, 6]\ntarget = [0, 0.2, 0]\nsize = [320, 240]\n\
@@ -233,8 +237,9 @@ fn low_sun(sine: f32) -> Scene {
     umbrage_scenes::parse(&text, "low-sun.toml", ".").expect("valid")
 }
 
-/// Whether the box of [`low_sun`] hides the sun from a point on the floor, none within 2 mm of the shadow's edge. The sun is so
-/// low that what counts is the way across the floor; the ball hangs above all rays that reach it.
+/// Whether the box of [`low_sun`] hides the sun from a point on the floor, none within 2 mm of the
+/// shadow's edge. The sun is so low that what counts is the way across the floor; the ball hangs
+/// above all rays that reach it.
 fn is_behind_the_box(p: Vec3) -> Option<bool> {
     let to_sun = Vec2::new(-1.0, -0.3);
     let enters = |half: f32| {
@@ -247,8 +252,9 @@ fn is_behind_the_box(p: Vec3) -> Option<bool> {
     (answer == enters(0.502)).then_some(answer)
 }
 
-/// The sides of volumes lie within a micrometre of the floor: lifted off it, they leave it lit. What is left are pixels on the
-/// floor's very edge, where its own volume begins. (Truth's own rays start too high above a floor to tell.)
+/// The sides of volumes lie within a micrometre of the floor: lifted off it, they leave it lit.
+/// What is left are pixels on the floor's very edge, where its own volume begins. (Truth's own rays
+/// start too high above a floor to tell.)
 #[test]
 fn volumes_do_not_fight_with_floors_that_the_sun_grazes() {
     for sine in [1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4] {
@@ -281,7 +287,8 @@ fn volumes_do_not_fight_with_floors_that_the_sun_grazes() {
                 compared.dark > 500 && compared.pixels > 30_000,
                 "{sine}: {compared:?}"
             );
-            // One in ten thousand; without the lift it is one in nine at 1e-7, and every other at 1e-8.
+            // One in ten thousand; without the lift it is one in nine at 1e-7, and every other at
+            // 1e-8.
             assert!(
                 compared.wrong * 10_000 <= compared.pixels,
                 "{sine}: {compared:?}"

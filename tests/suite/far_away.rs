@@ -1,4 +1,5 @@
-//! Far from the origin positions are rounded: biases that move the receiver cover that under directional light.
+//! Far from the origin positions are rounded: biases that move the receiver cover that under
+//! directional light.
 
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use umbrage_core::{
@@ -14,7 +15,8 @@ const SUN: Light = Light::Directional {
 /// Not along one axis, nor along the sun's way.
 const AWAY: Vec3 = Vec3::new(0.8, 0.0, -0.6);
 
-/// A tilted square of 6 m that nothing shadows but itself, and a camera above it, so far from the origin.
+/// A tilted square of 6 m that nothing shadows but itself, and a camera above it, so far from the
+/// origin.
 fn square(metres: f32) -> (Geometry, Camera) {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     let corners = vec![

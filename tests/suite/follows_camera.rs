@@ -1,10 +1,12 @@
-//! What techniques say of their maps and the camera, against maps that were made for another camera.
+//! What techniques say of their maps and the camera, against maps that were made for another
+//! camera.
 
 use umbrage_core::{Fit, Geometry, View};
 use umbrage_plan::motion;
 use umbrage_techniques::ShadowMap;
 
-/// A technique that says it doesn't follow the camera makes the same recipe for a camera that moved.
+/// A technique that says it doesn't follow the camera makes the same recipe for a camera that
+/// moved.
 #[test]
 fn what_does_not_follow_the_camera_stays() {
     let fits = [Fit::Tight, Fit::Whole, Fit::Stable { range: 10.0 }];

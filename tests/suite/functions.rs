@@ -59,7 +59,8 @@ fn decides(twin: &Twin) -> bool {
     DECIDING.contains(&twin.module.name) || twin.name == "height_over_plane"
 }
 
-/// Drivers may fuse products with sums, and miss quotients and roots: what decides is the same, and some of the rest is not.
+/// Drivers may fuse products with sums, and miss quotients and roots: what decides is the same, and
+/// some of the rest is not.
 #[test]
 fn what_decides_gives_the_same_bits_on_every_driver() {
     let promised = gpu().promises_bits();
@@ -141,7 +142,8 @@ impl Caught {
             });
             match verdict {
                 Err(Fault::Differs { .. }) => self.differing += 1,
-                // Some slips don't compile (a matrix column plus a scalar): those are caught as well.
+                // Some slips don't compile (a matrix column plus a scalar): those are caught as
+                // well.
                 Err(Fault::Wgsl { .. }) => {}
                 verdict => self
                     .missed

@@ -1,4 +1,5 @@
-//! Shaders that decide whether a point is lit leave nothing to drivers, but for what a list allows with reasons.
+//! Shaders that decide whether a point is lit leave nothing to drivers, but for what a list allows
+//! with reasons.
 
 use glam::UVec2;
 use umbrage_core::{Cascades, Geometry, Layout, Scene, ShadowTechnique, View};
@@ -117,7 +118,8 @@ fn every_technique_guards_its_products_from_the_start() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// Entry points that color, and passes whose bounds have margins (`exact/on_device`), need no guard.
+/// Entry points that color, and passes whose bounds have margins (`exact/on_device`), need no
+/// guard.
 #[test]
 fn shaders_that_place_guard_their_products_from_the_start() {
     for (name, text) in umbrage_wgpu::placing_shaders() {

@@ -1,4 +1,5 @@
-//! Plays the kept corpus of the fuzzers (`tests/fuzz`): what once was an interesting input, or a fault, is read on every run.
+//! Plays the kept corpus of the fuzzers (`tests/fuzz`): what once was an interesting input, or a
+//! fault, is read on every run.
 
 #[path = "../fuzz/readers.rs"]
 mod readers;
@@ -61,7 +62,8 @@ fn models() {
     play("model", readers::model);
 }
 
-/// The corpus is made in code, and each of its inputs is also played in damaged copies: cut off, and with a byte replaced.
+/// The corpus is made in code, and each of its inputs is also played in damaged copies: cut off,
+/// and with a byte replaced.
 #[test]
 fn gltf_models() {
     let inputs = readers::first_gltf_inputs();

@@ -1,5 +1,5 @@
-//! The map layer is the unit: a map of several equal layers gives the bits of a single map, whichever layer a receiver is looked up
-//! in; and a layer draws no fewer casters than show in it.
+//! The map layer is the unit: a map of several equal layers gives the bits of a single map,
+//! whichever layer a receiver is looked up in; and a layer draws no fewer casters than show in it.
 
 use glam::{UVec2, Vec2};
 use umbrage_core::{
@@ -89,7 +89,8 @@ fn several_equal_layers_give_the_bits_of_a_single_map() {
         let single = map.spaces(&view, REACH).expect("one map holds all casters");
         let space = single.spaces[0];
         let several = LightSpaces::with_all_casters(vec![space; CUBE_FACES]);
-        // The negative control: a layer that lies elsewhere is seen. By part of a texel, since map and lookup move alike.
+        // The negative control: a layer that lies elsewhere is seen. By part of a texel, since map
+        // and lookup move alike.
         let mut spoilt = several.clone();
         for space in &mut spoilt.spaces[1..] {
             *space = space.nudged(Vec2::splat(0.4), 0.0, UVec2::splat(map.size));

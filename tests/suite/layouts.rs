@@ -128,7 +128,8 @@ fn every_field_is_read() {
         let of_map = [ShadowMapUniforms::layout(), MapLayer::layout()];
         for layout in of_map.into_iter().chain(layout) {
             for (field, _) in layout.fields {
-                // The map's own words are read as `kernel.lookup.NAME` or by `m`, the parameter that it is passed as.
+                // The map's own words are read as `kernel.lookup.NAME` or by `m`, the parameter
+                // that it is passed as.
                 let patterns = match layout.name {
                     "ShadowMapUniforms" => vec![format!("lookup.{field}"), format!("m.{field}")],
                     _ => vec![format!(".{field}")],
@@ -152,7 +153,8 @@ fn every_field_is_read() {
 /// Techniques none of whose shaders branches on a uniform: theirs may begin with the light.
 const WITHOUT_BRANCHES: [&str; 3] = ["none", "planar", "volumes"];
 
-/// Moving lights would be slow on the driver of [`STEADY_FIRST_WORD`](umbrage_wgpu::STEADY_FIRST_WORD).
+/// Moving lights would be slow on the driver of
+/// [`STEADY_FIRST_WORD`](umbrage_wgpu::STEADY_FIRST_WORD).
 #[test]
 fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
     let geometry = stage::geometry(1.0, Vec3::ZERO);

@@ -1,4 +1,5 @@
-//! Light-space matrices, printed: every kind of light, fitted and by hand, at all scales, in awkward directions.
+//! Light-space matrices, printed: every kind of light, fitted and by hand, at all scales, in
+//! awkward directions.
 
 use std::fmt::Write as _;
 use umbrage_core::{
@@ -40,7 +41,8 @@ fn print(name: &str, space: &Result<LightSpace, RecipeError>) -> String {
     out + "\n"
 }
 
-/// Numbers that are rounding errors beside the others of their row, or beside the map's width, count as zero.
+/// Numbers that are rounding errors beside the others of their row, or beside the map's width,
+/// count as zero.
 fn row(r: Vec4) -> String {
     const ROUNDING: f32 = 2e-7;
     let linear = r.truncate().abs().max_element() * ROUNDING;
@@ -189,8 +191,8 @@ fn fitted() {
     insta::assert_snapshot!("fitted_far_away", suite(1.0, FAR_AWAY));
 }
 
-/// Seen from the camera up to 20 m, and from one that is moved with the scene: parallel light gets matrices of their own,
-/// lamps those of the whole scene.
+/// Seen from the camera up to 20 m, and from one that is moved with the scene: parallel light gets
+/// matrices of their own, lamps those of the whole scene.
 #[test]
 fn stable() {
     let suite = |offset: Vec3| -> String {
@@ -236,7 +238,8 @@ fn cube() {
     insta::assert_snapshot!(text);
 }
 
-/// Four cascades of a sun that shines along the view and of one across it: stable, tight around what may be seen, and cut by what is.
+/// Four cascades of a sun that shines along the view and of one across it: stable, tight around
+/// what may be seen, and cut by what is.
 #[test]
 fn cascades() {
     let geometry = geometry(1.0, Vec3::ZERO);

@@ -1,4 +1,5 @@
-//! `exact` has the bits of `traced` with one ray, with lists and without: on random scenes, built-in ones, around lamps amid triangles, and far from the origin.
+//! `exact` has the bits of `traced` with one ray, with lists and without: on random scenes,
+//! built-in ones, around lamps amid triangles, and far from the origin.
 
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
@@ -31,7 +32,8 @@ struct Told {
     lit: usize,
 }
 
-/// Compares the lists' answers with those of rays: on the CPU, and, if it is asked, on the adapter. Errors with the first pixel that differs.
+/// Compares the lists' answers with those of rays: on the CPU, and, if it is asked, on the adapter.
+/// Errors with the first pixel that differs.
 fn compare(
     camera: &Camera,
     light: &Light,
@@ -228,8 +230,9 @@ fn built_in_scenes_have_the_answers_of_rays() {
     assert!(played > 50, "only {played} lights were played");
 }
 
-/// A floor under triangles of all sizes around the origin, from a tenth of a millimetre to ten metres away from it, some of them without area;
-/// moved by `shift`. If there are holes, every second triangle but the floor's has some.
+/// A floor under triangles of all sizes around the origin, from a tenth of a millimetre to ten
+/// metres away from it, some of them without area; moved by `shift`. If there are holes, every
+/// second triangle but the floor's has some.
 fn soup(seed: u32, shift: Vec3, has_holes: bool) -> Scene {
     let state = Cell::new(hash(seed));
     let unit = || {
@@ -310,7 +313,8 @@ fn soup_with_holes(mut mesh: Mesh) -> Scene {
     }
 }
 
-/// Lamps amid triangles, some of them nearer than a ray's end, and suns along planes, up to 1e6 m from the origin.
+/// Lamps amid triangles, some of them nearer than a ray's end, and suns along planes, up to 1e6 m
+/// from the origin.
 #[test]
 fn lamps_amid_triangles_have_the_answers_of_rays() {
     let mut shadowed = 0;
@@ -351,7 +355,8 @@ fn lamps_amid_triangles_have_the_answers_of_rays() {
     assert!(shadowed > least, "only {shadowed} pictures have shadows");
 }
 
-/// Many casters that the CPU was not asked for lately are answered without lists; for those that stay, lists are made.
+/// Many casters that the CPU was not asked for lately are answered without lists; for those that
+/// stay, lists are made.
 #[test]
 fn lists_are_made_for_casters_that_stay() {
     let scene = (umbrage_scenes::find("town")
@@ -414,7 +419,8 @@ fn spoilt_lists_are_found_out() {
     assert!(no_lists > 100, "{no_lists} pixels tell");
 }
 
-/// Lists are kept for the lights that were asked for last, whatever the camera, and are the same however many threads make them.
+/// Lists are kept for the lights that were asked for last, whatever the camera, and are the same
+/// however many threads make them.
 #[test]
 fn lists_are_kept_and_do_not_depend_on_threads() {
     let scene = (umbrage_scenes::find("figure")

@@ -1,5 +1,6 @@
-//! Any-hit rays have one answer, whoever asks the triangles and in which order: the CPU's eight-way hierarchy, the
-//! shader's two-way one, and all triangles one after the other, shuffled; up to 1e6 m from the origin.
+//! Any-hit rays have one answer, whoever asks the triangles and in which order: the CPU's eight-way
+//! hierarchy, the shader's two-way one, and all triangles one after the other, shuffled; up to 1e6
+//! m from the origin.
 
 use std::fmt::Write as _;
 use umbrage_core::{
@@ -12,8 +13,9 @@ use umbrage_cpu::Cpu;
 use umbrage_techniques::Traced;
 use umbrage_tests::gpu::gpu;
 
-/// Spheres over a floor, so far from the origin along x and z. At 1e6 m positions lie on a grid of 6 cm, and most of the
-/// triangles lose their area: one was hit from anywhere in its plane, unless a hierarchy happened to skip it.
+/// Spheres over a floor, so far from the origin along x and z. At 1e6 m positions lie on a grid of
+/// 6 cm, and most of the triangles lose their area: one was hit from anywhere in its plane, unless
+/// a hierarchy happened to skip it.
 fn far_scene(metres: f64, light: &str) -> Scene {
     let at = |x: f64, y: f64, z: f64| format!("[{}, {y:?}, {}]", metres + x, metres + z);
     let mut text = format!(

@@ -85,7 +85,8 @@ fn coloured_shadows_come_near_rays_through_the_panes_and_agree_on_both_backends(
 fn check_coloured_shadows(judged: &JudgedScene) {
     let scene = &judged.scene;
     let through = |glass| transmitted(scene, &judged.truth.receivers, glass).expect("valid");
-    // Rays through panes that let nothing through are those of the truth that all other techniques are compared with.
+    // Rays through panes that let nothing through are those of the truth that all other techniques
+    // are compared with.
     let of_opaque = GLASS.map(|glass| Glass {
         transmittance: Vec3::ZERO,
         ..glass

@@ -123,7 +123,8 @@ fn fault_of_query(query: &str) -> Option<String> {
     None
 }
 
-/// The site's links to the viewer name scenes and techniques that there are: the viewer itself would show others with a message.
+/// The site's links to the viewer name scenes and techniques that there are: the viewer itself
+/// would show others with a message.
 #[test]
 fn links_to_the_viewer_name_what_there_is() {
     let mut links = 0;
@@ -151,7 +152,8 @@ fn links_to_the_viewer_name_what_there_is() {
     }
 }
 
-/// Each fault of the page has a heading, its pictures, its settings in words, the row that looks for it, and a link to its scene.
+/// Each fault of the page has a heading, its pictures, its settings in words, the row that looks
+/// for it, and a link to its scene.
 #[test]
 fn the_page_of_failures_shows_each_of_them() {
     let page = read("docs/failures.md");
@@ -179,7 +181,8 @@ fn the_page_of_failures_shows_each_of_them() {
     }
 }
 
-/// In every example the cure is far less wrong than the fault, and the page's table says by how much.
+/// In every example the cure is far less wrong than the fault, and the page's table says by how
+/// much.
 #[test]
 fn cures_are_better_than_faults() {
     let page = read("docs/failures.md");
@@ -188,7 +191,8 @@ fn cures_are_better_than_faults() {
         let name = failure.name;
         assert!(page.contains(&format!("| `{}` |", failure.scene)), "{name}");
         let scene = umbrage::scenes::by_argument(failure.scene).expect("built in");
-        // Truth of wide lights takes long; their figures are those of the command that writes the page.
+        // Truth of wide lights takes long; their figures are those of the command that writes the
+        // page.
         if !scene.lights[0].is_ideal() {
             continue;
         }
@@ -198,7 +202,8 @@ fn cures_are_better_than_faults() {
     }
 }
 
-/// The page of graphics cards is what `cargo xtask card --page` writes, and figures are never filled in.
+/// The page of graphics cards is what `cargo xtask card --page` writes, and figures are never
+/// filled in.
 #[test]
 fn the_page_of_cards_shows_what_is_committed() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");

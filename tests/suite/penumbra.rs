@@ -1,4 +1,5 @@
-//! The widths of PCSS's penumbrae against those known from formulas: c4 and c4b, an edge under a square lamp.
+//! The widths of PCSS's penumbrae against those known from formulas: c4 and c4b, an edge under a
+//! square lamp.
 
 use umbrage_core::{Backend, Geometry, Layout, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
@@ -17,8 +18,8 @@ const RAMPS: [(&str, f64, f64); 2] = [
     ("c4b-low-edge-square", 0.042_857, 0.142_857),
 ];
 
-/// Penumbra's width over the true one. Of the floor's pixels whose true visibility is .25 to .75, a line is fitted to
-/// visibility against x; a ramp of its slope is as wide as the slope's inverse.
+/// Penumbra's width over the true one. Of the floor's pixels whose true visibility is .25 to .75, a
+/// line is fitted to visibility against x; a ramp of its slope is as wide as the slope's inverse.
 fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f64 {
     // Each pixel's true and measured visibility.
     let mut middle: Vec<(f64, f64)> = Vec::new();
@@ -121,7 +122,8 @@ fn a_lamp_too_large_is_caught() {
     }
 }
 
-/// Under an ideal light every tap is the receiver's own: the mask is the hard one's, bit for bit, and nothing is NaN.
+/// Under an ideal light every tap is the receiver's own: the mask is the hard one's, bit for bit,
+/// and nothing is NaN.
 #[test]
 fn ideal_lights_throw_hard_shadows() {
     for (name, layout) in [

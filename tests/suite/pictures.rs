@@ -1,8 +1,9 @@
-//! Colour pictures: Blinn-Phong by both backends, with textures, normal maps, every kind of light, and a marker.
+//! Colour pictures: Blinn-Phong by both backends, with textures, normal maps, every kind of light,
+//! and a marker.
 //!
-//! The kernel uses no transcendental function and writes every sum out, so on the pinned software driver linear colours
-//! are bit-equal. On any other driver they are, once encoded, within [`BOUND`] wherever the same triangle and the same
-//! shadow are seen.
+//! The kernel uses no transcendental function and writes every sum out, so on the pinned software
+//! driver linear colours are bit-equal. On any other driver they are, once encoded, within
+//! [`BOUND`] wherever the same triangle and the same shadow are seen.
 
 use std::sync::Arc;
 use umbrage_core::{
@@ -15,7 +16,8 @@ use umbrage_techniques::{
 };
 use umbrage_tests::{gpu::gpu, layouts, painted};
 
-/// One step of an 8-bit picture: two encoders may round a value on the border between bytes either way.
+/// One step of an 8-bit picture: two encoders may round a value on the border between bytes either
+/// way.
 const BOUND: u8 = 1;
 
 /// Both backends' answers, and whether the driver is the one whose every bit is known.
@@ -76,7 +78,8 @@ fn same_seen(pair: &Pair, i: usize) -> bool {
     triangle(&pair.cpu) == triangle(&pair.gpu) && pair.cpu.mask[i] == pair.gpu.mask[i]
 }
 
-/// Calls `check` with a name, the view and a recipe that shades, for every light, camera and technique.
+/// Calls `check` with a name, the view and a recipe that shades, for every light, camera and
+/// technique.
 fn each_case(mut check: impl FnMut(&str, &View<'_>, &Recipe)) {
     let map = ShadowMap {
         size: 256,
@@ -120,7 +123,8 @@ fn both_backends_paint_the_same_picture() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Shadow, light, highlights, the marker and the background must all be in the picture, and many colours.
+/// Shadow, light, highlights, the marker and the background must all be in the picture, and many
+/// colours.
 fn proves_something(name: &str, shadows: &Shadows) {
     let picture = shadows.picture.as_deref().unwrap_or_default();
     let count = |what: &dyn Fn(usize, [f32; 4]) -> bool| {

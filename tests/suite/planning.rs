@@ -15,7 +15,8 @@ fn drawn(recipe: &Recipe, geometry: &Geometry) -> usize {
         .sum()
 }
 
-/// Lamps without a cone of their own are left out: the axis of the cone around all casters is a sum over all of them.
+/// Lamps without a cone of their own are left out: the axis of the cone around all casters is a sum
+/// over all of them.
 #[test]
 fn plans_look_at_a_quarter_of_what_is_drawn_at_most() {
     for name in ["street-soft", "dancer-soft"] {

@@ -1,5 +1,5 @@
-//! Cameras of other renderers: reversed depth, no far plane, left-handed views. Whatever their matrices, the light's maps,
-//! the rays and the shadows are those of the usual camera.
+//! Cameras of other renderers: reversed depth, no far plane, left-handed views. Whatever their
+//! matrices, the light's maps, the rays and the shadows are those of the usual camera.
 
 use glam::{DMat4, DVec4, UVec2, Vec3, Vec4};
 use proptest::{
@@ -36,7 +36,8 @@ fn kinds(perspective: bool) -> impl Iterator<Item = Kind> {
     bits.filter(move |k| perspective || !(k.endless || k.reversed && k.left))
 }
 
-/// The camera with the matrices of another kind, each computed in `f64` and rounded once. `near_far` are the camera's.
+/// The camera with the matrices of another kind, each computed in `f64` and rounded once.
+/// `near_far` are the camera's.
 fn as_kind(camera: &Camera, kind: Kind, near_far: [f32; 2]) -> Camera {
     let [near, far] = near_far.map(f64::from);
     let rows = camera.clip_from_view.as_dmat4().transpose();
@@ -138,7 +139,8 @@ fn setups() -> impl Strategy<Value = Setup> {
     )
 }
 
-/// The map of 1024 texels around what a camera sees up to `range`, where neither casters nor receivers are known.
+/// The map of 1024 texels around what a camera sees up to `range`, where neither casters nor
+/// receivers are known.
 fn stable(camera: &Camera, sun: Vec3, range: f32) -> LightSpace {
     let light = Light::Directional {
         direction: sun,
@@ -189,7 +191,8 @@ fn each(
         .unwrap_or_else(|e| panic!("{e}"));
 }
 
-/// 24 bits hold near and far: near to 1e-7 of itself, far (a small difference of two entries) to 1e-7 far / near.
+/// 24 bits hold near and far: near to 1e-7 of itself, far (a small difference of two entries) to
+/// 1e-7 far / near.
 #[test]
 fn stable_maps_hold_as_much_and_no_more() {
     each(setups(), |setup| {
@@ -235,7 +238,8 @@ fn stable_maps_end_at_the_range_without_a_far_plane() {
             for kind in kinds(true).filter(|k| k.endless) {
                 let camera = as_kind(&usual, kind, setup.near_far);
                 let side = 2.0 / stable(&camera, setup.sun, range).clip_from_view.x_axis.x;
-                // No smaller than what is seen there is wide, and no larger than the sphere around the eye through its corners.
+                // No smaller than what is seen there is wide, and no larger than the sphere around
+                // the eye through its corners.
                 let [a, b, _, d] = corners(&camera, range);
                 prop_assert!(
                     side >= a.distance(b) * 0.999,
@@ -260,7 +264,8 @@ fn rays_are_those_of_the_usual_camera() {
             let camera = as_kind(&usual, kind, setup.near_far);
             let expected = usual.rays();
             let found = camera.rays();
-            // Entries of the projection are rounded, and near without perspective is a quotient of two.
+            // Entries of the projection are rounded, and near without perspective is a quotient of
+            // two.
             let near = |a: Vec4, b: Vec4| a.distance(b) <= 1e-5 * (1.0 + a.length());
             prop_assert!(
                 near(expected.dir, found.dir) && near(expected.dir_dx, found.dir_dx),
@@ -296,8 +301,8 @@ fn techniques() -> [Box<dyn ShadowTechnique>; 5] {
     ]
 }
 
-/// Same ids, and the same answer at every pixel: clip x, y and w have the same bits for every kind, and no two surfaces of
-/// the scene are as near to each other as depth is rounded.
+/// Same ids, and the same answer at every pixel: clip x, y and w have the same bits for every kind,
+/// and no two surfaces of the scene are as near to each other as depth is rounded.
 #[test]
 fn pictures_are_those_of_the_usual_camera() {
     let (geometry, light) = scene();

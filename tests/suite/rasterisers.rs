@@ -25,7 +25,8 @@ const CLASSES: [&str; 6] = [
 /// How far guard bands of hardware reach, pixels.
 const FARTHEST_GUARD_BAND: f64 = 32_768.0;
 
-/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on every run.
+/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on
+/// every run.
 struct Random(u64);
 
 impl Random {
@@ -113,10 +114,11 @@ fn layers(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe) -> Vec<Ve
         .collect()
 }
 
-/// By how much two drivers' depths of a triangle may differ: each evaluates the plane through the corners in 32 bits,
-/// from an origin of its choice. Over 100,000 random triangles, the measured error of each was below 4 times this sum:
-/// of 1, of the plane's changes up to the origin, and of those across the image times the condition of the area (a
-/// difference of two products). Changes are a pixel's.
+/// By how much two drivers' depths of a triangle may differ: each evaluates the plane through the
+/// corners in 32 bits, from an origin of its choice. Over 100,000 random triangles, the measured
+/// error of each was below 4 times this sum: of 1, of the plane's changes up to the origin, and of
+/// those across the image times the condition of the area (a difference of two products). Changes
+/// are a pixel's.
 fn depth_bound(triangle: &[Vec4; 3]) -> f32 {
     let plane = DepthPlane::new(triangle);
     let across = SIDE as f64 * plane.slope;
@@ -124,9 +126,9 @@ fn depth_bound(triangle: &[Vec4; 3]) -> f32 {
     (2.0 * 4.0 * rounding * (1.0 + across + plane.condition * across)) as f32
 }
 
-/// As [`depth_bound`], for triangles that are clipped. Clipping makes new corners, as far away as the guard band, whose positions are rounded
-/// some three times and then to the grid. Where a device clips decides which; so depths are off by the slope times that, for each of two
-/// devices.
+/// As [`depth_bound`], for triangles that are clipped. Clipping makes new corners, as far away as
+/// the guard band, whose positions are rounded some three times and then to the grid. Where a
+/// device clips decides which; so depths are off by the slope times that, for each of two devices.
 fn clipped_depth_bound(snapping: Snapping, triangle: &[Vec4; 3]) -> f32 {
     let corner_error =
         0.5 * f64::from(snapping.step()) + 3.0 * 2.0_f64.powi(-24) * FARTHEST_GUARD_BAND;
@@ -205,7 +207,8 @@ fn compare_within(
     sum
 }
 
-/// Returns a scene whose camera has few pixels: recipes here bring faces of their own, and look nothing up.
+/// Returns a scene whose camera has few pixels: recipes here bring faces of their own, and look
+/// nothing up.
 fn small_scene() -> (Scene, Geometry) {
     let entry = umbrage_scenes::find("cubes").expect("a built-in scene");
     let mut scene = (entry.build)();
@@ -271,8 +274,9 @@ fn the_cpu_draws_what_the_device_draws() {
     assert!(covered > 1_000_000, "only {covered} pixels were covered");
 }
 
-/// An NVIDIA H200 covered 22 of 933,542 pixels otherwise than the CPU, all of triangles across the edges of the picture. Where triangles are
-/// clipped explains them: at a guard band such triangles keep their own corners, and at the edges they get new ones, on the grid.
+/// An NVIDIA H200 covered 22 of 933,542 pixels otherwise than the CPU, all of triangles across the
+/// edges of the picture. Where triangles are clipped explains them: at a guard band such triangles
+/// keep their own corners, and at the edges they get new ones, on the grid.
 #[test]
 fn a_guard_band_changes_few_pixels_across_edges_and_no_others() {
     let of_h200 = Snapping {
@@ -322,7 +326,8 @@ fn another_rounding_is_noticed() {
     });
 }
 
-/// A triangle thinner than a step of the grid, along a line through a pixel's centre, that reaches beyond the window.
+/// A triangle thinner than a step of the grid, along a line through a pixel's centre, that reaches
+/// beyond the window.
 fn sliver(random: &mut Random) -> [Vec4; 3] {
     let pixel = || SIDE as f32 / 2.0;
     let mut centre = || (random.range(-pixel(), pixel()).floor() + 0.5) / pixel();
@@ -339,12 +344,13 @@ fn sliver(random: &mut Random) -> [Vec4; 3] {
             1.0,
         )
     };
-    // Two corners beyond the window, one within: moved to the grid, it may come to lie on the other side of the line between them.
+    // Two corners beyond the window, one within: moved to the grid, it may come to lie on the other
+    // side of the line between them.
     [along(-3.0), along(3.0), along(0.125)]
 }
 
-/// Which faces are left out is asked of slivers as clipping leaves them and again on the grid. So some show neither of their
-/// faces; on the CPU they are the same ones.
+/// Which faces are left out is asked of slivers as clipping leaves them and again on the grid. So
+/// some show neither of their faces; on the CPU they are the same ones.
 #[test]
 fn slivers_that_are_clipped_are_culled_alike() {
     if !gpu().promises_bits() {

@@ -1,5 +1,5 @@
-//! The nets for a driver that rounds otherwise than the CPU does by itself. `cargo xtask test` runs them on SwiftShader; by hand
-//! they run on the adapter that `WGPU_ADAPTER_NAME` names.
+//! The nets for a driver that rounds otherwise than the CPU does by itself. `cargo xtask test` runs
+//! them on SwiftShader; by hand they run on the adapter that `WGPU_ADAPTER_NAME` names.
 
 use glam::UVec2;
 use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
@@ -24,7 +24,8 @@ fn backends() -> Backends {
     Backends::both(&adapter).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// Small enough for all of the suite to take seconds, and large enough for single pixels to weigh little in RMSE.
+/// Small enough for all of the suite to take seconds, and large enough for single pixels to weigh
+/// little in RMSE.
 fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
     let wanted = |e: &&umbrage_scenes::SceneEntry| {
         if scenes.is_empty() {
@@ -59,7 +60,8 @@ fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
     compare(&inputs, &options, backends, &mut |_, _| Ok(()), &|_| {}).expect("comparable")
 }
 
-/// No decided pixel differs, hardly any is undecided, and no mask is farther from truth than the CPU's and .005.
+/// No decided pixel differs, hardly any is undecided, and no mask is farther from truth than the
+/// CPU's and .005.
 #[test]
 fn the_suite_agrees_on_the_second_driver() {
     let mut backends = backends();
@@ -80,8 +82,9 @@ fn the_suite_agrees_on_the_second_driver() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// In a room whose walls have no thickness, the far sides that second depths compare with are the receivers themselves, without a
-/// bias: half of the pixels are lit that way, and which ones hangs on every rounding.
+/// In a room whose walls have no thickness, the far sides that second depths compare with are the
+/// receivers themselves, without a bias: half of the pixels are lit that way, and which ones hangs
+/// on every rounding.
 fn is_known(fault: &str) -> bool {
     fault.starts_with("c7-closed-room: second_depth") && fault.contains("RMSE is 0.00")
 }
@@ -153,7 +156,8 @@ fn a_wrong_grid_is_noticed_on_the_second_driver() {
         Box::new(MisreportingBackend(gpu)),
     ]);
     let faults = compared(&["cubes"], &mut backends).faults();
-    // A finer grid than the driver has: decided pixels differ. A coarser one: too many pixels are undecided.
+    // A finer grid than the driver has: decided pixels differ. A coarser one: too many pixels are
+    // undecided.
     let is_of_grid = |fault: &String| {
         fault.contains("decided pixels differ") || fault.contains("rounding alone")
     };

@@ -1,5 +1,6 @@
-//! PCSS on every built-in scene under a light with an extent. At its defaults it is no worse than any kernel of one width; the
-//! map's fit changes little; more taps and finer maps help; and where the faces of a cube meet, there is no step.
+//! PCSS on every built-in scene under a light with an extent. At its defaults it is no worse than
+//! any kernel of one width; the map's fit changes little; more taps and finer maps help; and where
+//! the faces of a cube meet, there is no step.
 
 use glam::{UVec2, Vec3};
 use std::{collections::BTreeMap, sync::LazyLock};
@@ -21,15 +22,16 @@ const SIZE: UVec2 = UVec2::new(160, 120);
 const LEAST_SCENES: usize = 12;
 /// By how much the errors under two fits may differ: fits place other texels under the same edges.
 const FITS_DIFFER: f64 = 0.005;
-/// What is left of the error with four times the taps on a map four times as fine, at most. What speaking of one blocker a
-/// receiver costs stays: without that it would be less than a half.
+/// What is left of the error with four times the taps on a map four times as fine, at most. What
+/// speaking of one blocker a receiver costs stays: without that it would be less than a half.
 const FINEST_LEFT: f64 = 0.9;
-/// The mean step allowed where two faces of a cube meet on a surface. Most groups of pixels know their mean to .005.
+/// The mean step allowed where two faces of a cube meet on a surface. Most groups of pixels know
+/// their mean to .005.
 const MOST_STEP: f64 = 0.01;
 /// Lit pixels that are darker than this show a smudge; one in 1,000 may.
 const DARK: f64 = 0.9;
-/// The mean darkness of lit pixels allowed. Where taps count that are not in the light's way, it is twice as much under a
-/// teapot and five times as much between two blockers.
+/// The mean darkness of lit pixels allowed. Where taps count that are not in the light's way, it is
+/// twice as much under a teapot and five times as much between two blockers.
 const MOST_DARKENED: f64 = 0.002;
 /// Pixels that a group needs so that its mean says something.
 const LEAST_PAIRS: usize = 30;
@@ -136,7 +138,8 @@ fn pcss(map: ShadowMap, times: u32) -> MapTechnique<Pcss> {
     .on(map)
 }
 
-/// Kernels of one width: squares with every tap in them, and discs with as many taps as PCSS filters with.
+/// Kernels of one width: squares with every tap in them, and discs with as many taps as PCSS
+/// filters with.
 fn rivals(map: ShadowMap) -> Vec<TechniquePreset> {
     let taps = Pcss::default().filter_taps;
     let mut out: Vec<TechniquePreset> = Vec::new();
@@ -258,8 +261,8 @@ fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
     }
 }
 
-/// Of neighbouring pixels that lie on one plane but on two faces: the mean step of the error from the first face to the
-/// second, for each pair of places.
+/// Of neighbouring pixels that lie on one plane but on two faces: the mean step of the error from
+/// the first face to the second, for each pair of places.
 fn steps(case: &Case, mask: &[f32]) -> BTreeMap<[Place; 2], f64> {
     let lamp = case.scene.lights[0].position().expect("a lamp");
     let error = |i: usize| f64::from(mask[i] - case.truth.visibility[i]);
@@ -349,11 +352,12 @@ fn a_darker_face_is_caught() {
 /// A scene whose lamp is smaller than a texel of the map.
 const HARD_EDGES: &str = "small-lamp";
 
-/// Surfaces that the whole lamp shines on stay lit, also in corners, where the map shows one wall nearer to the light than the
-/// other.
+/// Surfaces that the whole lamp shines on stay lit, also in corners, where the map shows one wall
+/// nearer to the light than the other.
 #[test]
 fn lit_corners_stay_lit() {
-    // Under the smallest lamp edges are hard, and lie wherever the map's texels do: lit pixels beside them are dark.
+    // Under the smallest lamp edges are hard, and lie wherever the map's texels do: lit pixels
+    // beside them are dark.
     assert!(cases().iter().any(|case| case.name == HARD_EDGES));
     for case in cases().iter().filter(|case| case.name != HARD_EDGES) {
         let mask = case.mask(&MapTechnique::<Pcss>::default());
@@ -384,7 +388,8 @@ fn lit_corners_stay_lit() {
     }
 }
 
-/// On the measured driver to the bit, as everywhere; random scenes seldom have such lights amid such casters.
+/// On the measured driver to the bit, as everywhere; random scenes seldom have such lights amid
+/// such casters.
 #[test]
 fn both_halves_agree() {
     for (_, case) in cases().iter().enumerate().filter(|(i, _)| is_chosen(*i)) {

@@ -11,7 +11,8 @@ use umbrage_techniques::{Bias, Hard, MapFilter as _, MapTechnique, ShadowMap};
 const SIZE: u32 = 512;
 const RANGE: f32 = 40.0;
 const FRAMES: i32 = 30;
-/// 45 m of ground are seen around the sphere's middle: a texel is some 10 cm, and the camera goes 1.7 cm a frame.
+/// 45 m of ground are seen around the sphere's middle: a texel is some 10 cm, and the camera goes
+/// 1.7 cm a frame.
 const STEP: Vec3 = Vec3::new(0.013, 0.0, -0.011);
 const SUN: Light = Light::Directional {
     direction: Vec3::new(0.7, -1.0, 0.45),
@@ -40,7 +41,8 @@ fn camera(frame: i32, offset: Vec3) -> Camera {
     .expect("a good camera")
 }
 
-/// Boxes of half a metre to three on 400 m of ground that casts nothing, and one that hangs 300 m up towards the sun.
+/// Boxes of half a metre to three on 400 m of ground that casts nothing, and one that hangs 300 m
+/// up towards the sun.
 fn town(offset: Vec3) -> Geometry {
     let corner =
         |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
@@ -169,8 +171,8 @@ fn fitted(fit: Fit, frame: i32, offset: Vec3, geometry: &Geometry, cpu: &mut Cpu
     space.clip_from_world()
 }
 
-/// Near the origin, coordinates of some 10 half sides leave 2^-20 of a map's side, .0005 texels; farther out the sums are
-/// exact, since both sides of them are whole numbers of a coarse unit.
+/// Near the origin, coordinates of some 10 half sides leave 2^-20 of a map's side, .0005 texels;
+/// farther out the sums are exact, since both sides of them are whole numbers of a coarse unit.
 const ROUNDING: f32 = 2e-3;
 
 #[test]
@@ -246,7 +248,8 @@ fn stable_shadows_do_not_shimmer() {
     }
 }
 
-/// What is seen is on the map, with all that may throw a shadow onto it; with room for a kernel, too.
+/// What is seen is on the map, with all that may throw a shadow onto it; with room for a kernel,
+/// too.
 #[test]
 fn all_that_matters_is_on_the_map() {
     let geometry = town(Vec3::ZERO);
@@ -312,7 +315,8 @@ fn turned(eye: Vec3, yaw: f32, pitch: f32) -> Camera {
     .expect("a good camera")
 }
 
-/// Maps around the camera stay where they are while it turns, whatever 32-bit floats make of its place; others move.
+/// Maps around the camera stay where they are while it turns, whatever 32-bit floats make of its
+/// place; others move.
 #[test]
 fn a_camera_that_turns_moves_no_map_around_it() {
     let geometry = town(Vec3::ZERO);
@@ -328,7 +332,8 @@ fn a_camera_that_turns_moves_no_map_around_it() {
             0 => (SUN, Vec3::new(n, 3.0, -n)),
             1 => (SUN, Vec3::new(0.37 * n, 1.7 + 0.01 * n, 3.1 * n - 50.0)),
             2 => (SUN, Vec3::new(1e4 + n, 2.5, -3e4 - 0.77 * n)),
-            // Just between two steps of the near plane, so that the last bits of the camera's place decide.
+            // Just between two steps of the near plane, so that the last bits of the camera's place
+            // decide.
             _ => (LEVEL_SUN, Vec3::new(0.37 * n + 1.3, 1.7, 0.0)),
         };
         for layout in [Layout::Single, cascades] {

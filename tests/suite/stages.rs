@@ -1,5 +1,5 @@
-//! The third net: single stages, the GPU's fed with the CPU's images, so that differences can't pass from one stage to
-//! the next and a red test names the stage.
+//! The third net: single stages, the GPU's fed with the CPU's images, so that differences can't
+//! pass from one stage to the next and a red test names the stage.
 
 use glam::UVec2;
 use umbrage_core::{Backend, Geometry, Image, Receivers, Recipe, ShadowTechnique, View};
@@ -63,8 +63,8 @@ fn for_each_recipe(check: impl Fn(&View<'_>, Played, &str)) {
     assert!(played > 60, "only {played} recipes were played");
 }
 
-/// On drivers other than the measured one, this share of values may differ by more than a step of an 8-bit image: the
-/// design's cap on pixels whose answer hangs on rounding.
+/// On drivers other than the measured one, this share of values may differ by more than a step of
+/// an 8-bit image: the design's cap on pixels whose answer hangs on rounding.
 const LOOSE_SHARE: f64 = 1e-3;
 
 fn equal(what: &str, label: &str, cpu: &[f32], gpu: &[f32]) {

@@ -1,4 +1,5 @@
-//! Threads change no result: the CPU backend's own, vector instructions, and a program's that polls the device.
+//! Threads change no result: the CPU backend's own, vector instructions, and a program's that polls
+//! the device.
 
 use glam::UVec2;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -49,7 +50,8 @@ fn threads_and_vectors_change_nothing() {
     }
 }
 
-/// A program may poll the device in a thread of its own, which then calls what a read-back waits for.
+/// A program may poll the device in a thread of its own, which then calls what a read-back waits
+/// for.
 #[test]
 fn read_backs_wait_for_callbacks_of_other_threads() {
     let scene = (umbrage_scenes::find("cubes")

@@ -19,8 +19,8 @@ pub const COUNT: usize = 65_536;
 /// Inputs that were drawn, by the types of their parameters.
 type Drawn = HashMap<Vec<&'static str>, Arc<[u32]>>;
 
-/// Returns the words of [`COUNT`] inputs, one after the other. Twins of the same parameters get the same inputs in every run; they are drawn
-/// once, as that takes a second.
+/// Returns the words of [`COUNT`] inputs, one after the other. Twins of the same parameters get the
+/// same inputs in every run; they are drawn once, as that takes a second.
 pub fn draw(twin: &Twin) -> Arc<[u32]> {
     static DRAWN: LazyLock<Mutex<Drawn>> = LazyLock::new(Mutex::default);
     // A test that failed while it held the lock says so itself.
@@ -55,7 +55,8 @@ fn draw_anew(twin: &Twin) -> Arc<[u32]> {
         .collect()
 }
 
-/// What the numbers of one input have in common. Independent wild numbers seldom meet: a ray among them hits nothing.
+/// What the numbers of one input have in common. Independent wild numbers seldom meet: a ray among
+/// them hits nothing.
 #[derive(Clone, Copy)]
 enum Mood {
     /// Like positions in a unit cube.

@@ -26,8 +26,9 @@ const SLIPS: [(&str, &str); 15] = [
 /// A spoilt twin, and the line that was spoilt.
 pub type Mutant = (Twin, String);
 
-/// Returns the twin with one operator of its WGSL half changed: once for every operator of its function, and of those that it calls in the
-/// same module and that are not `others`, twins with mutants of their own.
+/// Returns the twin with one operator of its WGSL half changed: once for every operator of its
+/// function, and of those that it calls in the same module and that are not `others`, twins with
+/// mutants of their own.
 pub fn mutants(twin: &Twin, others: &[&str]) -> Vec<Mutant> {
     let text = twin.module.text;
     let mut out = Vec::new();
@@ -78,7 +79,8 @@ fn reached(text: &str, function: &str, others: &[&str]) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Every function's name, and its range from the opening brace on. A closing brace in the first column ends it.
+/// Every function's name, and its range from the opening brace on. A closing brace in the first
+/// column ends it.
 fn bodies(text: &str) -> Vec<(&str, Range<usize>)> {
     let functions = text.match_indices("\nfn ").filter_map(|(at, _)| {
         let name = &text[at + 4..][..text[at + 4..].find('(')?];

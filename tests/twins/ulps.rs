@@ -56,7 +56,8 @@ fn spell(words: &[u32], floats: &[bool]) -> String {
     )
 }
 
-/// How far two words are apart: floats in ulps, where all that are no numbers count as equal; integers as such.
+/// How far two words are apart: floats in ulps, where all that are no numbers count as equal;
+/// integers as such.
 pub fn difference(a: u32, b: u32, float: bool) -> u64 {
     if !float {
         return u64::from(a.abs_diff(b));
@@ -68,7 +69,8 @@ pub fn difference(a: u32, b: u32, float: bool) -> u64 {
     }
 }
 
-/// Floats in order of value. Both zeros count as one: WGSL leaves open which of them `min` and `max` return.
+/// Floats in order of value. Both zeros count as one: WGSL leaves open which of them `min` and
+/// `max` return.
 fn ordered(bits: u32) -> i64 {
     let magnitude = i64::from(bits & 0x7fff_ffff);
     if bits >> 31 == 1 {

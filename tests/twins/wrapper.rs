@@ -34,7 +34,8 @@ pub(super) fn scalar(wgsl: &str) -> &'static str {
 /// The whole shader: what the half needs, the half, and the wrapper.
 ///
 /// # Errors
-/// Errors if the half doesn't compile by itself, is missing, or has another signature than the Rust half.
+/// Errors if the half doesn't compile by itself, is missing, or has another signature than the Rust
+/// half.
 pub fn shader(twin: &Twin) -> Result<String, Fault> {
     let modules = join(&modules(twin));
     let naga = naga::front::wgsl::parse_str(&modules).map_err(|e| Fault::Wgsl {
@@ -58,7 +59,8 @@ fn modules(twin: &Twin) -> Vec<Module> {
     out
 }
 
-/// The types of a function's parameters and result, as WGSL spells them for short; nothing if it is missing.
+/// The types of a function's parameters and result, as WGSL spells them for short; nothing if it is
+/// missing.
 pub fn wgsl_types(naga: &Naga, function: &str) -> Option<(Vec<String>, String)> {
     let (_, f) = naga
         .functions

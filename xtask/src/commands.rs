@@ -48,7 +48,8 @@ impl Program {
 }
 
 impl Command {
-    /// Returns the command with the program that these arguments are for: `card --pack` builds, and so is part of the other program.
+    /// Returns the command with the program that these arguments are for: `card --pack` builds, and
+    /// so is part of the other program.
     pub(crate) fn for_arguments(&self, arguments: &[OsString]) -> Self {
         let is_pack = |argument: &OsString| {
             let text = argument.to_string_lossy();

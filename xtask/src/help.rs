@@ -34,8 +34,8 @@ pub(crate) fn unknown(name: &str) -> String {
     )
 }
 
-/// Answers a call for help, and one with an option that the command doesn't have. Returns the exit code, or nothing where the
-/// program itself has to answer.
+/// Answers a call for help, and one with an option that the command doesn't have. Returns the exit
+/// code, or nothing where the program itself has to answer.
 pub(crate) fn before_building(command: &Command, arguments: &[OsString]) -> Option<ExitCode> {
     let help = text_of(command.help?);
     let words: Vec<&str> = arguments
@@ -60,7 +60,8 @@ fn text_of(snapshot: &str) -> &str {
     }
 }
 
-/// Returns whether a word is an option (`--size`, `--size=640x480`) that does not occur in the command's help.
+/// Returns whether a word is an option (`--size`, `--size=640x480`) that does not occur in the
+/// command's help.
 fn is_unknown_option(word: &str, help: &str) -> bool {
     let option = word.split('=').next().unwrap_or(word);
     if !option.starts_with("--") || option == "--" {

@@ -1,5 +1,5 @@
-//! Starts the project's own commands. Each is part of one of two programs, which are built when they are first asked for:
-//! `xtask-measure` (optimised) and `xtask-upkeep`.
+//! Starts the project's own commands. Each is part of one of two programs, which are built when
+//! they are first asked for: `xtask-measure` (optimised) and `xtask-upkeep`.
 
 #[path = "../../crates/umbrage-lab/src/print.rs"]
 #[macro_use]
@@ -75,8 +75,8 @@ fn repository() -> &'static Path {
     package.parent().unwrap_or(package)
 }
 
-/// Returns whether the program has been built before. Cargo puts it into a folder beside the one that this program is in, or into
-/// the same.
+/// Returns whether the program has been built before. Cargo puts it into a folder beside the one
+/// that this program is in, or into the same.
 fn is_built(program: Program) -> bool {
     let file = format!("{}{}", program.package(), env::consts::EXE_SUFFIX);
     target_folder().is_some_and(|target| target.join(program.folder()).join(file).is_file())

@@ -35,7 +35,8 @@ pub trait Backend {
 pub struct Shadows {
     /// Image size, pixels.
     pub size: UVec2,
-    /// Visibility of the light, 0..=1, rows from the top; 1 where nothing is seen or nothing receives.
+    /// Visibility of the light, 0..=1, rows from the top; 1 where nothing is seen or nothing
+    /// receives.
     pub mask: Vec<f32>,
     /// The receivers that the backend made, if the view had none.
     pub receivers: Option<Receivers>,
@@ -59,7 +60,8 @@ impl Shadows {
     }
 }
 
-/// How long the stages took, without compilation, upload and read-back. `None`: not played, or not measurable here.
+/// How long the stages took, without compilation, upload and read-back. `None`: not played, or not
+/// measurable here.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timings {
     /// Finding the receivers.

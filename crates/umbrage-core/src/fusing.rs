@@ -14,8 +14,9 @@ pub struct Fusing {
     pub product_and_sum: bool,
     /// Whether `fma(a, b, c)` is rounded once.
     pub fma: bool,
-    /// Whether the sum of `product(a, b)` of `math.wgsl` and `c` is rounded once. This must be false: what decides whether a point is
-    /// lit relies on it. `None` if unknown: older files of cards lack it.
+    /// Whether the sum of `product(a, b)` of `math.wgsl` and `c` is rounded once. This must be
+    /// false: what decides whether a point is lit relies on it. `None` if unknown: older files of
+    /// cards lack it.
     #[cfg_attr(feature = "serde", serde(default))]
     pub guarded_product: Option<bool>,
 }

@@ -1,9 +1,10 @@
-//! The vocabulary of umbrage, a shadow library: scenes, light-space math, recipes, kernels, and the two traits that
-//! techniques and backends implement. No GPU and no file access here.
+//! The vocabulary of umbrage, a shadow library: scenes, light-space math, recipes, kernels, and the
+//! two traits that techniques and backends implement. No GPU and no file access here.
 //!
-//! Every shadow algorithm **casts** geometry into images, **filters** images, and **receives**: asks, for a visible
-//! point, how much light arrives. A [`ShadowTechnique`] turns a [`View`] into a [`Recipe`] that says so as plain data; a
-//! [`Backend`] plays recipes and knows no technique by name.
+//! Every shadow algorithm **casts** geometry into images, **filters** images, and **receives**:
+//! asks, for a visible point, how much light arrives. A [`ShadowTechnique`] turns a [`View`] into a
+//! [`Recipe`] that says so as plain data; a [`Backend`] plays recipes and knows no technique by
+//! name.
 
 mod backend;
 mod fusing;

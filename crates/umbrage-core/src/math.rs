@@ -1,6 +1,7 @@
-//! Arithmetic in a fixed order: each function has a twin in `math.wgsl`, bit-equal on every device that rounds sums and
-//! products to nearest and does not reorder them. Products of matrices and vectors, `dot` and `normalize` of shading languages
-//! leave the order to the driver, `a * b + c` may be fused, and quotients and roots may be off: so kernels use these.
+//! Arithmetic in a fixed order: each function has a twin in `math.wgsl`, bit-equal on every device
+//! that rounds sums and products to nearest and does not reorder them. Products of matrices and
+//! vectors, `dot` and `normalize` of shading languages leave the order to the driver, `a * b + c`
+//! may be fused, and quotients and roots may be off: so kernels use these.
 
 use crate::recipe::shader::Module;
 use glam::{Mat4, Vec3, Vec4};
@@ -30,8 +31,9 @@ pub fn cross3(a: Vec3, b: Vec3) -> Vec3 {
     )
 }
 
-/// Returns the greater of two numbers as vector instructions have it: the second where one is not a number. Loops with it become such
-/// instructions, where `f32::max`, which has another rule, takes several.
+/// Returns the greater of two numbers as vector instructions have it: the second where one is not a
+/// number. Loops with it become such instructions, where `f32::max`, which has another rule, takes
+/// several.
 #[inline(always)]
 pub fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

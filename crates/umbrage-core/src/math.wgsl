@@ -2,8 +2,8 @@
 //
 // WGSL lets drivers fuse a product with the sum that it goes into, and miss quotients and roots by
 // some units in the last place. What decides whether a point is lit is written with the functions
-// below. Every driver that keeps the order of sums rounds them alike, unless an operand or the result
-// is not a normal number.
+// below. Every driver that keeps the order of sums rounds them alike, unless an operand or the
+// result is not a normal number.
 
 // Always 0, but no compiler knows. What decides sets it first, from a bit that is never set: of its
 // uniforms, or of a vertex's or triangle's number. Before that, product() does not prevent fusing.

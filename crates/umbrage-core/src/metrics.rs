@@ -1,7 +1,7 @@
 //! Image metrics: how far a mask is from the truth, and how well two masks agree.
 //!
-//! Masks hold visibility 0..=1, rows from the top. Every comparator refuses masks of the wrong size and masks that hold
-//! NaN or anything else outside 0..=1, rather than averaging it away.
+//! Masks hold visibility 0..=1, rows from the top. Every comparator refuses masks of the wrong size
+//! and masks that hold NaN or anything else outside 0..=1, rather than averaging it away.
 
 mod causes;
 
@@ -10,12 +10,13 @@ pub use crate::metrics::causes::{CONTACT, Cause, Causes, TruthImage, attribute, 
 use crate::invalid::Invalid;
 use glam::UVec2;
 
-/// A pixel is a **false shadow** when the mask is darker than truth by more than this, **false light** when it is lighter
-/// by more: a quarter of the light, a step that anyone sees. (For hard masks and ideal lights any threshold in 0..1 gives
-/// the same figures.)
+/// A pixel is a **false shadow** when the mask is darker than truth by more than this, **false
+/// light** when it is lighter by more: a quarter of the light, a step that anyone sees. (For hard
+/// masks and ideal lights any threshold in 0..1 gives the same figures.)
 pub const ERROR_THRESHOLD: f32 = 0.25;
 
-/// A false shadow is **acne** when it lies farther than this from any true shadow edge, in pixels between centres.
+/// A false shadow is **acne** when it lies farther than this from any true shadow edge, in pixels
+/// between centres.
 pub const ACNE_DISTANCE: u32 = 8;
 
 /// Truth counts as penumbra, and so as a shadow edge, from this value to one less it.
@@ -36,9 +37,11 @@ pub enum Pixel {
     Unlit,
     /// Truth itself is numerically ambiguous there.
     Ambiguous,
-    /// The mask's backend sees another triangle there than truth, as its device moves vertices to another grid.
+    /// The mask's backend sees another triangle there than truth, as its device moves vertices to
+    /// another grid.
     Elsewhere,
-    /// Would count, but only a sample of the pixels is judged, and this one is not in it. Truth is a preview there.
+    /// Would count, but only a sample of the pixels is judged, and this one is not in it. Truth is
+    /// a preview there.
     Unsampled,
 }
 
@@ -49,8 +52,8 @@ impl Pixel {
     }
 }
 
-/// How far a mask is from the truth. Shares are percentages of the counted pixels, 0..=100; all figures are 0 when no
-/// pixel counts.
+/// How far a mask is from the truth. Shares are percentages of the counted pixels, 0..=100; all
+/// figures are 0 when no pixel counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Errors {
@@ -80,8 +83,8 @@ pub struct Errors {
     /// Pixels left out: only a sample of the pixels is judged.
     #[cfg_attr(feature = "serde", serde(default))]
     pub unsampled: u64,
-    /// Standard error of `rmse`, as only a sample of the pixels is judged; 0 where all are. It is also 0, and bounds nothing, where
-    /// fewer than two pixels are judged or none of them is wrong.
+    /// Standard error of `rmse`, as only a sample of the pixels is judged; 0 where all are. It is
+    /// also 0, and bounds nothing, where fewer than two pixels are judged or none of them is wrong.
     #[cfg_attr(feature = "serde", serde(default))]
     pub rmse_error: f64,
 }
@@ -96,8 +99,9 @@ pub struct ReferenceMask<'a> {
 }
 
 impl<'a> ReferenceMask<'a> {
-    /// Finds truth's shadow edges, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or differs
-    /// from one of the four neighbours' by more than [`ERROR_THRESHOLD`]; pixels that are [`Pixel::Empty`] make no edges.
+    /// Finds truth's shadow edges, `pixels` telling what counts. A true shadow edge is where truth
+    /// is a penumbra or differs from one of the four neighbours' by more than [`ERROR_THRESHOLD`];
+    /// pixels that are [`Pixel::Empty`] make no edges.
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
@@ -176,9 +180,10 @@ impl Errors {
         ReferenceMask::new(size, truth, pixels)?.errors(mask)
     }
 
-    /// Returns the standard error of the root of `mean_square`, given the mean of the squares' squares: that of a mean of
-    /// `counted` out of a finite number of pixels (Cochran 1977, "Sampling techniques", 2.6), carried through the root to first
-    /// order. Pixels are drawn one from each block, which errs less than pixels drawn at random.
+    /// Returns the standard error of the root of `mean_square`, given the mean of the squares'
+    /// squares: that of a mean of `counted` out of a finite number of pixels (Cochran 1977,
+    /// "Sampling techniques", 2.6), carried through the root to first order. Pixels are drawn one
+    /// from each block, which errs less than pixels drawn at random.
     fn rmse_error_of(&self, mean_square: f64, mean_fourth_power: f64) -> f64 {
         if self.unsampled == 0 || self.counted < 2 || mean_square == 0.0 {
             return 0.0;
@@ -229,8 +234,8 @@ pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
     is_edge
 }
 
-/// Returns whether each pixel lies within `distance` (Euclidean, between centres, in pixels) of a set pixel: an exact distance
-/// transform cut off at `distance`, columns first, then rows.
+/// Returns whether each pixel lies within `distance` (Euclidean, between centres, in pixels) of a
+/// set pixel: an exact distance transform cut off at `distance`, columns first, then rows.
 pub fn near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
     let width = size.x as usize;
     let column_distance = distances_in_columns(size, set, distance);
@@ -251,7 +256,8 @@ pub fn near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
     near
 }
 
-/// Returns each pixel's distance to the nearest set pixel of its column, pixels; at most `distance + 1`.
+/// Returns each pixel's distance to the nearest set pixel of its column, pixels; at most
+/// `distance + 1`.
 fn distances_in_columns(size: UVec2, set: &[bool], distance: u32) -> Vec<u32> {
     let width = size.x as usize;
     let height = size.y as usize;
@@ -285,12 +291,14 @@ pub enum Doubt {
     Triangle,
 }
 
-/// The share of the pixels compared that may differ because of rounding. Rounding decides along the edges of texels and
-/// where a surface shadows itself; were it more, a fault of the bias or of the light space could hide in it.
+/// The share of the pixels compared that may differ because of rounding. Rounding decides along the
+/// edges of texels and where a surface shadows itself; were it more, a fault of the bias or of the
+/// light space could hide in it.
 pub const MAX_UNDECIDED_SHARE: f64 = 0.001;
 
-/// How much a device's rounding may add to a mask's RMSE against truth ([`Agreement::excess`]): a bias that is too small for it
-/// darkens whole surfaces, which adds tenths; edges that move by a part of a pixel add thousandths.
+/// How much a device's rounding may add to a mask's RMSE against truth ([`Agreement::excess`]): a
+/// bias that is too small for it darkens whole surfaces, which adds tenths; edges that move by a
+/// part of a pixel add thousandths.
 pub const MAX_EXCESS_RMSE: f64 = 0.005;
 
 /// How well a mask agrees with the CPU's of the same view.
@@ -309,19 +317,21 @@ pub struct Agreement {
     pub largest: f64,
     /// Decided pixels that differ by more than [`AGREEMENT_TOLERANCE`]: must be 0.
     pub violations: u64,
-    /// Pixels on which the CPU's own mask changes by more than is allowed once it rounds vertices as the other backend's
-    /// device does ([`Snapping`](crate::Snapping)). There the other backend must agree with the changed mask.
+    /// Pixels on which the CPU's own mask changes by more than is allowed once it rounds vertices
+    /// as the other backend's device does ([`Snapping`](crate::Snapping)). There the other backend
+    /// must agree with the changed mask.
     #[cfg_attr(feature = "serde", serde(default))]
     pub by_grid: u64,
-    /// How much greater the mask's RMSE against truth is than that of the CPU's mask over the same pixels; 0 if nobody
-    /// measured it.
+    /// How much greater the mask's RMSE against truth is than that of the CPU's mask over the same
+    /// pixels; 0 if nobody measured it.
     #[cfg_attr(feature = "serde", serde(default))]
     pub excess: f64,
 }
 
 impl Agreement {
-    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond
-    /// [`AGREEMENT_TOLERANCE`], 0..=1: comparison samplers' weights are left to devices, say.
+    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel
+    /// allows beyond [`AGREEMENT_TOLERANCE`], 0..=1: comparison samplers' weights are left to
+    /// devices, say.
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.

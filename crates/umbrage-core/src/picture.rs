@@ -1,7 +1,8 @@
-//! From linear colours to the bytes of a PNG file, and back: the one place that knows of sRGB. Kernels, players and
-//! textures are linear throughout.
+//! From linear colours to the bytes of a PNG file, and back: the one place that knows of sRGB.
+//! Kernels, players and textures are linear throughout.
 //!
-//! The transfer function is IEC 61966-2-1's: `12.92 l` up to .0031308, `1.055 l^(1/2.4) - .055` above.
+//! The transfer function is IEC 61966-2-1's: `12.92 l` up to .0031308, `1.055 l^(1/2.4) - .055`
+//! above.
 
 use crate::backend::Shadows;
 use std::sync::LazyLock;
@@ -16,13 +17,16 @@ pub fn decode_16(word: u16) -> f32 {
     linear(f64::from(word) / 257.0) as f32
 }
 
-/// The sRGB byte nearest to a linear value (nearest among encoded values). Below 0 and NaN give 0, above 1 gives 255.
+/// The sRGB byte nearest to a linear value (nearest among encoded values). Below 0 and NaN give 0,
+/// above 1 gives 255.
 pub fn encode(linear: f32) -> u8 {
-    // A search among the borders of bytes: exact, with no power function that differs between machines.
+    // A search among the borders of bytes: exact, with no power function that differs between
+    // machines.
     BORDERS.partition_point(|&border| border <= linear) as u8
 }
 
-/// Red, green and blue of linear colours as sRGB bytes, three a pixel; what lies beyond 0..=1 is cut off.
+/// Red, green and blue of linear colours as sRGB bytes, three a pixel; what lies beyond 0..=1 is
+/// cut off.
 pub fn rgb_bytes(picture: &[[f32; 4]]) -> Vec<u8> {
     picture
         .iter()
@@ -31,7 +35,8 @@ pub fn rgb_bytes(picture: &[[f32; 4]]) -> Vec<u8> {
 }
 
 impl Shadows {
-    /// The colour picture as sRGB bytes, three a pixel, rows from the top; none if the recipe didn't shade.
+    /// The colour picture as sRGB bytes, three a pixel, rows from the top; none if the recipe
+    /// didn't shade.
     pub fn picture_bytes(&self) -> Option<Vec<u8>> {
         self.picture.as_deref().map(rgb_bytes)
     }
@@ -55,7 +60,8 @@ static BORDERS: LazyLock<[f32; 255]> =
 mod tests {
     use super::*;
 
-    /// Values by the standard's formula, worked out by hand; 18 % grey is the photographer's, which is 118 of 255 in sRGB.
+    /// Values by the standard's formula, worked out by hand; 18 % grey is the photographer's, which
+    /// is 118 of 255 in sRGB.
     #[test]
     fn known_values() {
         for (linear, byte) in [
@@ -88,7 +94,8 @@ mod tests {
                 1.055 * l.powf(1.0 / 2.4) - 0.055
             };
             let away = (encoded * 255.0 - f64::from(encode(l as f32))).abs();
-            // Half a byte, and the rounding of a 32-bit float where the curve is steepest (12.92 * 255).
+            // Half a byte, and the rounding of a 32-bit float where the curve is steepest (12.92 *
+            // 255).
             assert!(away <= 0.5 + 1e-4, "{l}: {away}");
         }
     }

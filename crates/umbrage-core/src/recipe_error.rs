@@ -5,7 +5,8 @@ use crate::invalid::Invalid;
 /// Why there is no recipe.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RecipeError {
-    /// The technique is not made for this: a value rather than a fault. Reports print a dash and the reason.
+    /// The technique is not made for this: a value rather than a fault. Reports print a dash and
+    /// the reason.
     #[error("not supported: {0}")]
     Unsupported(String),
     /// A parameter or the view can't be used.

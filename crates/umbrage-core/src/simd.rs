@@ -1,10 +1,11 @@
 //! Run-time choice of vector instructions, without a second copy of any loop.
 
-/// Which instructions a loop is compiled for. Both give the same bits: nothing is reordered, and fused multiplications
-/// are fused in both (by hardware in one, in software in the other).
+/// Which instructions a loop is compiled for. Both give the same bits: nothing is reordered, and
+/// fused multiplications are fused in both (by hardware in one, in software in the other).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Simd {
-    /// The best that this processor has and `pulp` knows; without the feature `simd`, the same as [`Baseline`](Self::Baseline).
+    /// The best that this processor has and `pulp` knows; without the feature `simd`, the same as
+    /// [`Baseline`](Self::Baseline).
     #[default]
     Native,
     /// What the compiler may assume of every processor of this kind.
@@ -12,8 +13,8 @@ pub enum Simd {
 }
 
 impl Simd {
-    /// Does the work, compiled for the chosen instructions as far as it is inlined: mark what it calls
-    /// `#[inline(always)]`.
+    /// Does the work, compiled for the chosen instructions as far as it is inlined: mark what it
+    /// calls `#[inline(always)]`.
     #[inline]
     pub fn run_task<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(feature = "simd")]
@@ -22,7 +23,8 @@ impl Simd {
                 Self::Native => pulp::Arch::new(),
                 Self::Baseline => pulp::Arch::Scalar,
             };
-            // One dispatch for both, as each inlines the task once for every set of instructions, and long tasks take seconds to compile.
+            // One dispatch for both, as each inlines the task once for every set of instructions,
+            // and long tasks take seconds to compile.
             instructions.dispatch(Inlined(task))
         }
         #[cfg(not(feature = "simd"))]
@@ -30,8 +32,8 @@ impl Simd {
     }
 }
 
-/// Work that is compiled once for each set of instructions. A closure's body is inlined only as the compiler likes, and
-/// a long one isn't; a method can insist: mark `run` `#[inline(always)]`.
+/// Work that is compiled once for each set of instructions. A closure's body is inlined only as the
+/// compiler likes, and a long one isn't; a method can insist: mark `run` `#[inline(always)]`.
 pub trait SimdTask {
     /// What comes of it.
     type Output;

@@ -1,13 +1,15 @@
 //! How rasterisers round vertices.
 //!
-//! Rasterisers move vertices to a grid of 2^b steps a pixel before they decide which pixels a triangle covers. Vulkan and
-//! WebGPU ask for b >= 4; most hardware has 8. Some drivers also lay the triangle's depth plane through the moved vertices:
-//! depths then change by up to half a step times the plane's slope. What a unit of polygon offset is, APIs leave open, too.
+//! Rasterisers move vertices to a grid of 2^b steps a pixel before they decide which pixels a
+//! triangle covers. Vulkan and WebGPU ask for b >= 4; most hardware has 8. Some drivers also lay
+//! the triangle's depth plane through the moved vertices: depths then change by up to half a step
+//! times the plane's slope. What a unit of polygon offset is, APIs leave open, too.
 
 use crate::invalid::Invalid;
 use std::{fmt, ops::RangeInclusive};
 
-/// How a rasteriser rounds vertices, and what its unit of polygon offset is. The default is the rule of Mesa's software drivers, which the CPU backend follows.
+/// How a rasteriser rounds vertices, and what its unit of polygon offset is. The default is the
+/// rule of Mesa's software drivers, which the CPU backend follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -24,8 +26,8 @@ pub struct Snapping {
     pub offset_unit: OffsetUnit,
 }
 
-/// What a unit of polygon offset is in images of 16 bits: Vulkan leaves to devices what they take for the least difference that
-/// can be told ("minimum resolvable difference").
+/// What a unit of polygon offset is in images of 16 bits: Vulkan leaves to devices what they take
+/// for the least difference that can be told ("minimum resolvable difference").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -66,7 +68,8 @@ pub enum DepthPlanes {
 }
 
 impl Snapping {
-    /// Numbers of binary digits that the library knows: no graphics API allows fewer, and finer grids count as the finest.
+    /// Numbers of binary digits that the library knows: no graphics API allows fewer, and finer
+    /// grids count as the finest.
     pub const BITS: RangeInclusive<u32> = 4..=8;
 
     /// The coarsest rounding that graphics APIs allow, to be expected of unknown devices.
@@ -108,7 +111,8 @@ impl Default for Snapping {
     }
 }
 
-/// `8 sub-pixel bits, depth planes through unsnapped vertices, 16-bit polygon offsets in units of 2/65535`
+/// `8 sub-pixel bits, depth planes through unsnapped vertices, 16-bit polygon offsets in units of
+/// 2/65535`
 impl fmt::Display for Snapping {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let through = match self.planes {

@@ -21,7 +21,8 @@ pub struct View<'a> {
     pub geometry: Option<&'a Geometry>,
     /// What the camera sees, if it is known; else backends compute it from the geometry.
     pub receivers: Option<&'a Receivers>,
-    /// Remembers the fits that were found for this camera, light, geometry and these receivers; none to search each time.
+    /// Remembers the fits that were found for this camera, light, geometry and these receivers;
+    /// none to search each time.
     pub fits: Option<&'a FitMemory>,
 }
 
@@ -39,8 +40,8 @@ impl<'a> View<'a> {
     }
 
     /// # Errors
-    /// Errors if the camera or the light can't be used, or a number of the casters' box or the receivers is not finite: the first fault
-    /// found.
+    /// Errors if the camera or the light can't be used, or a number of the casters' box or the
+    /// receivers is not finite: the first fault found.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.camera.validate()?;
         self.light.validate()?;
@@ -53,7 +54,8 @@ impl<'a> View<'a> {
         self.receivers.map_or(Ok(()), Receivers::validate)
     }
 
-    /// Returns the same view with its receivers known. Fits that were found for other receivers are left out.
+    /// Returns the same view with its receivers known. Fits that were found for other receivers are
+    /// left out.
     #[must_use]
     pub fn with_receivers(self, receivers: &'a Receivers) -> Self {
         Self {
@@ -63,8 +65,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Returns the same view, whose fits are remembered in `fits`. A memory serves one view: one camera, light, geometry
-    /// and set of receivers.
+    /// Returns the same view, whose fits are remembered in `fits`. A memory serves one view: one
+    /// camera, light, geometry and set of receivers.
     #[must_use]
     pub fn with_fits(self, fits: &'a FitMemory) -> Self {
         Self {

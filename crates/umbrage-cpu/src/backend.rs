@@ -21,8 +21,8 @@ const LIMITS: BackendLimits = BackendLimits {
     table_bytes: 2 << 30,
 };
 
-/// The CPU player. Its images and working memory are kept from call to call, so rendering views of the same size again
-/// allocates nothing but what it hands out.
+/// The CPU player. Its images and working memory are kept from call to call, so rendering views of
+/// the same size again allocates nothing but what it hands out.
 #[derive(Debug)]
 pub struct Cpu {
     name: String,
@@ -49,7 +49,8 @@ impl Cpu {
     /// Returns a backend with threads, instructions and rounding of the caller's choice.
     ///
     /// # Errors
-    /// Errors if the number of threads is zero or absurd, if they can't be started, or if the rounding is not known.
+    /// Errors if the number of threads is zero or absurd, if they can't be started, or if the
+    /// rounding is not known.
     pub fn with_options(options: &CpuOptions) -> Result<Self, BackendError> {
         options.snapping.validate()?;
         Ok(Self {
@@ -99,8 +100,8 @@ impl Cpu {
         Ok(self.install(|cpu| gbuffer::find(&mut cpu.rasterizer, cpu.simd, camera, geometry)))
     }
 
-    /// Returns what [`Cpu::receivers`] does, with shading normals: interpolated between the vertices', unit, turned to the
-    /// camera.
+    /// Returns what [`Cpu::receivers`] does, with shading normals: interpolated between the
+    /// vertices', unit, turned to the camera.
     ///
     /// # Errors
     /// Errors if the camera is unusable.
@@ -176,7 +177,8 @@ impl Cpu {
         Ok(())
     }
 
-    /// Plays all that comes before the receive stage, then `play` with what the receive kernel reads.
+    /// Plays all that comes before the receive stage, then `play` with what the receive kernel
+    /// reads.
     pub(crate) fn with_inputs<R>(
         &mut self,
         view: &View<'_>,

@@ -30,7 +30,8 @@ pub(crate) fn is_first(recipe: &Recipe, index: usize) -> bool {
         .any(|earlier| earlier.image == cast.image && earlier.layer == cast.layer)
 }
 
-/// Returns whether casts use a layer, and the first that does draws there (and so clears it), rather than only reads it.
+/// Returns whether casts use a layer, and the first that does draws there (and so clears it),
+/// rather than only reads it.
 pub(crate) fn clears(recipe: &Recipe, image: ImageId, layer: u32) -> bool {
     for cast in &recipe.casts {
         if cast.layer != layer {
@@ -155,8 +156,8 @@ impl<'a, P> CastTriangles<'a, P> {
     }
 }
 
-/// Returns the triangles of some runs of a geometry. Several runs are copied one after the other, since the rasteriser shares out one
-/// list among threads.
+/// Returns the triangles of some runs of a geometry. Several runs are copied one after the other,
+/// since the rasteriser shares out one list among threads.
 fn joined<'a>(runs: &[Range<u32>], geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
     if let [run] = runs {
         return Cow::Borrowed(geometry.run(run));

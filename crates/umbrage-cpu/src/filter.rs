@@ -7,8 +7,8 @@ use umbrage_core::{
     glam::{UVec2, Vec4},
 };
 
-/// Runs all filters, and changes what they make by the fractions `shift`, a channel each: before it is
-/// stored, as sums round, and after that, as what reads it rounds.
+/// Runs all filters, and changes what they make by the fractions `shift`, a channel each: before it
+/// is stored, as sums round, and after that, as what reads it rounds.
 pub(crate) fn filter_all(images: &mut [Image], recipe: &Recipe, simd: Simd, shift: Vec4) {
     for f in &recipe.filters {
         // The output is taken out, since the others are read meanwhile; it isn't among them.
@@ -30,8 +30,8 @@ fn shift_channels(texels: &mut [f32], channels: usize, shift: Vec4) {
     }
 }
 
-/// Runs one filter into `texels`, row by row. `shift` changes what is stored by fractions, a channel
-/// each.
+/// Runs one filter into `texels`, row by row. `shift` changes what is stored by fractions, a
+/// channel each.
 pub(crate) fn filter(
     images: &[Image],
     filter: &Filter,
@@ -64,8 +64,8 @@ pub(crate) fn filter(
     });
 }
 
-/// Returns what shaders load from an 8-bit channel into which `v` was written, as Mesa's software rasterisers convert it; NaN
-/// becomes 0.
+/// Returns what shaders load from an 8-bit channel into which `v` was written, as Mesa's software
+/// rasterisers convert it; NaN becomes 0.
 fn stored8(v: f32) -> f32 {
     let v = if v > 0.0 { v.min(1.0) } else { 0.0 };
     (v * 255.0).round_ties_even() * (1.0 / 255.0)

@@ -1,4 +1,5 @@
-//! Finds receivers: triangle ids are rasterised from the camera, then each pixel's ray is met with its triangle's plane.
+//! Finds receivers: triangle ids are rasterised from the camera, then each pixel's ray is met with
+//! its triangle's plane.
 
 use crate::raster::{Draw, Holes, Mode, Rasterizer, Target};
 use rayon::prelude::*;
@@ -168,11 +169,13 @@ pub(crate) fn shade(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
     r.shading_normals = normals;
 }
 
-/// Returns the mean of a triangle's vertex normals, weighted by the barycentric coordinates of a point `p` of it.
+/// Returns the mean of a triangle's vertex normals, weighted by the barycentric coordinates of a
+/// point `p` of it.
 fn shading_normal(geometry: &Geometry, triangle: u32, p: Vec3) -> Vec3 {
     let [a, b, c] = geometry.corners(triangle);
     let n = (b - a).cross(c - a);
-    // A corner's weight is the area of the triangle that `p` makes with the other two; all share the factor |n|^2.
+    // A corner's weight is the area of the triangle that `p` makes with the other two; all share
+    // the factor |n|^2.
     let weight_a = n.dot((b - p).cross(c - p));
     let weight_b = n.dot((c - p).cross(a - p));
     let weight_c = n.dot((a - p).cross(b - p));

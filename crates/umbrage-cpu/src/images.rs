@@ -4,7 +4,8 @@ use crate::cast;
 use rayon::prelude::*;
 use umbrage_core::{Image, ImageId, ImageView, Recipe};
 
-/// Makes `images` fit a recipe, keeping what has the right size, and clears what isn't written before it is read.
+/// Makes `images` fit a recipe, keeping what has the right size, and clears what isn't written
+/// before it is read.
 pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
     images.truncate(recipe.images.len());
     for (i, desc) in recipe.images.iter().enumerate() {
@@ -23,7 +24,8 @@ pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
 /// Fills the layers of an image that may be read before a stage writes them with `start`.
 fn clear_unwritten(image: &mut Image, id: ImageId, recipe: &Recipe, start: f32) {
     for layer in 0..image.desc.layers {
-        // The first cast that uses a layer clears it, if it draws there; a filter writes every texel.
+        // The first cast that uses a layer clears it, if it draws there; a filter writes every
+        // texel.
         let first_filter = recipe
             .filters
             .iter()

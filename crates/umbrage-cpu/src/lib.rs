@@ -1,8 +1,9 @@
-//! Plays umbrage's shadow recipes on the CPU: the reference backend, and the one that is always there.
+//! Plays umbrage's shadow recipes on the CPU: the reference backend, and the one that is always
+//! there.
 //!
-//! It rasterises by rules that were measured on Mesa's software rasterisers (clipping, 8-bit sub-pixels, top-left rule,
-//! depth plane, polygon offset), so a wgpu backend on those gives the same bits. Results don't depend on the number of
-//! threads or on the instructions used.
+//! It rasterises by rules that were measured on Mesa's software rasterisers (clipping, 8-bit
+//! sub-pixels, top-left rule, depth plane, polygon offset), so a wgpu backend on those gives the
+//! same bits. Results don't depend on the number of threads or on the instructions used.
 //!
 //! ```
 //! # use umbrage_core::{Backend, Camera, Geometry, Mesh, Scene, Instance, glam::*};

@@ -5,15 +5,18 @@ use umbrage_core::{BackendError, Inputs, Invalid, Receivers, Recipe, View, glam:
 use web_time::Instant;
 
 impl Cpu {
-    /// Returns how long the lookup takes for each block of `block` pixels, nanoseconds for each of its pixels that receive shadows: the least
-    /// of `runs` runs, on one thread. Blocks go row by row from the top left; those at the right and the lower edge may be smaller. None
-    /// for blocks without a receiving pixel.
+    /// Returns how long the lookup takes for each block of `block` pixels, nanoseconds for each of
+    /// its pixels that receive shadows: the least of `runs` runs, on one thread. Blocks go row by
+    /// row from the top left; those at the right and the lower edge may be smaller. None for blocks
+    /// without a receiving pixel.
     ///
-    /// Casts and filters are played before, and don't count. Each block is looked up alone, in rows of its own width, and so a little
-    /// slower than within a whole mask. The view needs its receivers.
+    /// Casts and filters are played before, and don't count. Each block is looked up alone, in rows
+    /// of its own width, and so a little slower than within a whole mask. The view needs its
+    /// receivers.
     ///
     /// # Errors
-    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, if the view has no receivers, or if `block` or `runs` is 0.
+    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, if the view has no
+    /// receivers, or if `block` or `runs` is 0.
     pub fn lookup_times(
         &mut self,
         view: &View<'_>,

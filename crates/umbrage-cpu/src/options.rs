@@ -4,7 +4,8 @@ use crate::raster::{Clipping, PlaneShift, Rounding, VertexSums};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use umbrage_core::{BackendError, Invalid, Simd, Snapping, glam::Vec4};
 
-/// Options of [`Cpu::with_options`](crate::Cpu::with_options). Threads and instructions change no result.
+/// Options of [`Cpu::with_options`](crate::Cpu::with_options). Threads and instructions change no
+/// result.
 ///
 /// ```
 /// # use umbrage_cpu::{Cpu, CpuOptions};
@@ -17,17 +18,20 @@ pub struct CpuOptions {
     pub threads: Option<usize>,
     /// The instructions that loops are compiled for.
     pub simd: Simd,
-    /// How the rasteriser rounds vertices: another device's way instead of that of Mesa's software drivers, to find out
-    /// what becomes of a picture there.
+    /// How the rasteriser rounds vertices: another device's way instead of that of Mesa's software
+    /// drivers, to find out what becomes of a picture there.
     pub snapping: Snapping,
-    /// How far depths of triangles are moved: nowhere, but to find out which answers hang on rounding.
+    /// How far depths of triangles are moved: nowhere, but to find out which answers hang on
+    /// rounding.
     pub plane_shift: PlaneShift,
     /// Fractions by which the channels of filtered images change. Other values than 0 show which
     /// answers depend on rounding.
     pub filter_shift: Vec4,
-    /// Where the rasteriser clips triangles: at the view volume, or as hardware may do, to test techniques.
+    /// Where the rasteriser clips triangles: at the view volume, or as hardware may do, to test
+    /// techniques.
     pub clipping: Clipping,
-    /// Order of sums in the transform of a vertex: the written one, or another that devices may use.
+    /// Order of sums in the transform of a vertex: the written one, or another that devices may
+    /// use.
     pub vertex_sums: VertexSums,
 }
 

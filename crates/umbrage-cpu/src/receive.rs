@@ -4,8 +4,9 @@ use crate::images::views;
 use rayon::prelude::*;
 use umbrage_core::{Image, Inputs, Receivers, Recipe, Simd, Span};
 
-/// Width and height, pixels, of a block of receivers that is finished before the next one begins. Neighbours in both
-/// directions look up the same part of a map, and a block's part stays in the nearest cache.
+/// Width and height, pixels, of a block of receivers that is finished before the next one begins.
+/// Neighbours in both directions look up the same part of a map, and a block's part stays in the
+/// nearest cache.
 const BLOCK_WIDTH: usize = 128;
 const BLOCK_HEIGHT: usize = 16;
 
@@ -42,8 +43,8 @@ pub(crate) fn receive(
     mask
 }
 
-/// Runs the kernel for a part of one row, from its first receiving pixel to its last, then lights those between on which no
-/// shadow falls.
+/// Runs the kernel for a part of one row, from its first receiving pixel to its last, then lights
+/// those between on which no shadow falls.
 pub(crate) fn receive_span(
     inputs: &Inputs<'_>,
     recipe: &Recipe,

@@ -1,4 +1,5 @@
-//! Plays single stages from given images, so that tests of both backends can tell at which stage they differ.
+//! Plays single stages from given images, so that tests of both backends can tell at which stage
+//! they differ.
 
 use crate::{
     Cpu,
@@ -13,8 +14,8 @@ use umbrage_core::{
 };
 
 impl Cpu {
-    /// Draws a cast of the nearest depth into a new depth image of one layer; the image and layer that the cast names
-    /// play no part.
+    /// Draws a cast of the nearest depth into a new depth image of one layer; the image and layer
+    /// that the cast names play no part.
     ///
     /// # Errors
     /// Errors if the size is zero or too large, or the cast is of another mode.
@@ -42,11 +43,12 @@ impl Cpu {
         Ok(image)
     }
 
-    /// Clears a layer of a depth image and draws a cast of the nearest depth into it; the image that the cast names
-    /// plays no part.
+    /// Clears a layer of a depth image and draws a cast of the nearest depth into it; the image
+    /// that the cast names plays no part.
     ///
     /// # Errors
-    /// Errors if the image holds no depth, or doesn't have the cast's layer, or the cast is of another mode.
+    /// Errors if the image holds no depth, or doesn't have the cast's layer, or the cast is of
+    /// another mode.
     pub fn cast_into(
         &mut self,
         geometry: &Geometry,
@@ -75,8 +77,9 @@ impl Cpu {
         Ok(())
     }
 
-    /// Plays a recipe's cast number `index` onto the given images (all of the recipe's, in its order), and returns the image
-    /// that it draws into. The layer is cleared before if no earlier cast of the recipe draws into it.
+    /// Plays a recipe's cast number `index` onto the given images (all of the recipe's, in its
+    /// order), and returns the image that it draws into. The layer is cleared before if no earlier
+    /// cast of the recipe draws into it.
     ///
     /// # Errors
     /// Errors if the recipe is invalid or has no such cast, or the images are not the recipe's.
@@ -107,7 +110,8 @@ impl Cpu {
         Ok(images.swap_remove(cast.image))
     }
 
-    /// Plays a recipe's filter number `index` from the given images (all of the recipe's, in its order).
+    /// Plays a recipe's filter number `index` from the given images (all of the recipe's, in its
+    /// order).
     ///
     /// # Errors
     /// Errors if the recipe has no such filter, or the images are not the recipe's.
@@ -130,8 +134,8 @@ impl Cpu {
         Ok(out)
     }
 
-    /// Plays a recipe's receive stage from the given images (all of the recipe's, in its order), and returns the mask. The view
-    /// needs its receivers, or geometry.
+    /// Plays a recipe's receive stage from the given images (all of the recipe's, in its order),
+    /// and returns the mask. The view needs its receivers, or geometry.
     ///
     /// # Errors
     /// Errors if the view has neither, or the images are not the recipe's.
@@ -147,10 +151,12 @@ impl Cpu {
         })
     }
 
-    /// Plays a recipe's shading from a mask, and returns the picture. The view needs its receivers, or geometry.
+    /// Plays a recipe's shading from a mask, and returns the picture. The view needs its receivers,
+    /// or geometry.
     ///
     /// # Errors
-    /// Errors if the view has neither, the recipe does not shade, or the mask has not one entry a pixel.
+    /// Errors if the view has neither, the recipe does not shade, or the mask has not one entry a
+    /// pixel.
     pub fn replay_shade(
         &mut self,
         view: &View<'_>,

@@ -14,7 +14,8 @@ pub(crate) fn shade(shade: &Shade, receivers: &Receivers, mask: &[f32]) -> Vec<[
     picture
 }
 
-/// Colours one row, from its first pixel that shows a triangle to its last, then restores the background between.
+/// Colours one row, from its first pixel that shows a triangle to its last, then restores the
+/// background between.
 fn shade_row(
     shade: &Shade,
     receivers: &Receivers,

@@ -8,12 +8,13 @@ use umbrage_core::{BackendError, Inputs, Invalid, Receivers, Recipe, View};
 const CHUNK: usize = 64;
 
 impl Cpu {
-    /// Returns what the mask of [`Backend::render`](umbrage_core::Backend::render) would hold at some pixels, bit by bit, in the
-    /// order of `pixels`. Casts and filters are played as there; the receive kernel runs for these pixels only. The view needs
-    /// its receivers.
+    /// Returns what the mask of [`Backend::render`](umbrage_core::Backend::render) would hold at
+    /// some pixels, bit by bit, in the order of `pixels`. Casts and filters are played as there;
+    /// the receive kernel runs for these pixels only. The view needs its receivers.
     ///
     /// # Errors
-    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, or if the view has no receivers, or not that many.
+    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, or if the view has no
+    /// receivers, or not that many.
     pub fn render_pixels(
         &mut self,
         view: &View<'_>,
@@ -43,8 +44,8 @@ impl Cpu {
     }
 }
 
-/// Runs the receive kernel for one pixel, as a span of its own at its own place in the image: kernels' patterns are those of
-/// the whole mask.
+/// Runs the receive kernel for one pixel, as a span of its own at its own place in the image:
+/// kernels' patterns are those of the whole mask.
 fn receive_one(
     inputs: &Inputs<'_>,
     recipe: &Recipe,

@@ -7,12 +7,12 @@ use umbrage_wgpu::receive_wgsl;
 /// Scenes with the lights that techniques serve: a sun, and a lamp.
 const SCENES: [&str; 2] = ["cubes", "lamp-in-room"];
 
-/// Returns the text of a technique for the first of a sun and a lamp that it serves. All names of the
-/// text begin with `prefix`. Its bindings are in group 0.
+/// Returns the text of a technique for the first of a sun and a lamp that it serves. All names of
+/// the text begin with `prefix`. Its bindings are in group 0.
 ///
 /// # Errors
-/// Errors if the technique serves neither light, its settings are wrong, or the prefix can't begin a
-/// name.
+/// Errors if the technique serves neither light, its settings are wrong, or the prefix can't begin
+/// a name.
 pub fn assembled_wgsl(technique: &dyn ShadowTechnique, prefix: &str) -> Result<String, LabError> {
     let mut why = None;
     for name in SCENES {

@@ -17,8 +17,8 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// Prepares a scene with a light and a camera. A directional light is marked at the eye of the scene's own fit, if it has
-    /// one.
+    /// Prepares a scene with a light and a camera. A directional light is marked at the eye of the
+    /// scene's own fit, if it has one.
     pub(crate) fn new(scene: &Scene, fit: Option<Fit>) -> Result<Self, Invalid> {
         let directional_at = match fit {
             Some(Fit::Manual { eye, .. }) => Some(eye),
@@ -43,7 +43,8 @@ impl Stage {
         view(&self.scene, &self.geometry)
     }
 
-    /// Returns a technique's recipe that also shades. `receivers` are those of the scene without the marker.
+    /// Returns a technique's recipe that also shades. `receivers` are those of the scene without
+    /// the marker.
     pub(crate) fn recipe(
         &self,
         technique: &dyn ShadowTechnique,
@@ -71,8 +72,9 @@ pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<Result<Vec<u8>, LabE
     shadows.picture_bytes().map(|rgb| encode_rgb(size, &rgb))
 }
 
-/// Returns the number of pixels at which two pictures differ by more than one step of 255 though their masks agree within one
-/// step and both show the same triangle; none if either has no picture.
+/// Returns the number of pixels at which two pictures differ by more than one step of 255 though
+/// their masks agree within one step and both show the same triangle; none if either has no
+/// picture.
 pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
     let a_colors = a.picture_bytes()?;
     let b_colors = b.picture_bytes()?;

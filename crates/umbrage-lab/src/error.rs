@@ -31,7 +31,8 @@ pub enum LabError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// Truth and a technique did not see the same triangles, so their comparison would mean nothing.
+    /// Truth and a technique did not see the same triangles, so their comparison would mean
+    /// nothing.
     #[error("scene `{scene}`: {what}; this is a fault in umbrage, please report it")]
     NotComparable {
         /// The scene's name.

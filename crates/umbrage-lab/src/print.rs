@@ -1,13 +1,13 @@
-//! `println!` and `eprintln!` of this program. The standard ones panic when nobody reads any more, as after `| head`; these
-//! end the program without a word, on Unix and on Windows.
+//! `println!` and `eprintln!` of this program. The standard ones panic when nobody reads any more,
+//! as after `| head`; these end the program without a word, on Unix and on Windows.
 
 use std::{
     fmt::Arguments,
     io::{ErrorKind, Write},
 };
 
-/// The exit code after writing into a closed pipe: that of shells for the signal SIGPIPE, 128 + 13. It is not 0, as the program has
-/// not run to its end.
+/// The exit code after writing into a closed pipe: that of shells for the signal SIGPIPE, 128 + 13.
+/// It is not 0, as the program has not run to its end.
 const CLOSED_PIPE: i32 = 141;
 
 macro_rules! println {
@@ -25,8 +25,8 @@ macro_rules! eprintln {
     };
 }
 
-/// Writes a line. Ends the program if that fails: other errors than a closed pipe, such as a full disk, can only be reported by the
-/// exit code.
+/// Writes a line. Ends the program if that fails: other errors than a closed pipe, such as a full
+/// disk, can only be reported by the exit code.
 pub(crate) fn line(to: impl Write, text: Arguments<'_>) {
     if let Err(kind) = write(to, text) {
         std::process::exit(if kind == ErrorKind::BrokenPipe {

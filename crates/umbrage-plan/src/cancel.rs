@@ -6,8 +6,8 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 
-/// Whether a plan is called off. Copies share the answer: one goes into [`PlanOptions`](crate::PlanOptions), another stays with whoever may
-/// call it off, on any thread.
+/// Whether a plan is called off. Copies share the answer: one goes into
+/// [`PlanOptions`](crate::PlanOptions), another stays with whoever may call it off, on any thread.
 #[derive(Clone, Debug, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 

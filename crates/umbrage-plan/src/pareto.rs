@@ -1,7 +1,8 @@
 //! The Pareto front: what nothing else beats at both cost and error.
 
-/// Returns the indices of the points (cost, error), less being better, to which no other is better in one and at least as good in the
-/// other; by rising cost. Equal points are all kept; points that hold NaN never are.
+/// Returns the indices of the points (cost, error), less being better, to which no other is better
+/// in one and at least as good in the other; by rising cost. Equal points are all kept; points that
+/// hold NaN never are.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     let mut front: Vec<usize> = (0..points.len())
         .filter(|&i| {

@@ -11,9 +11,10 @@ impl Sorted {
         Self(numbers)
     }
 
-    /// Returns the number that a share of 0..=1 of all numbers does not exceed, interpolated linearly between neighbours (type 7
-    /// of Hyndman and Fan 1996, "Sample quantiles in statistical packages"): 0 gives the least, 0.5 the median, 1 the greatest.
-    /// None of no numbers.
+    /// Returns the number that a share of 0..=1 of all numbers does not exceed, interpolated
+    /// linearly between neighbours (type 7 of Hyndman and Fan 1996, "Sample quantiles in
+    /// statistical packages"): 0 gives the least, 0.5 the median, 1 the greatest. None of no
+    /// numbers.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         let last = self.0.len().checked_sub(1)?;
         let place = share.clamp(0.0, 1.0) * last as f64;
@@ -22,7 +23,8 @@ impl Sorted {
         Some(before + (after - before) * place.fract())
     }
 
-    /// As [`Sorted::quantile`], but without interpolation: returns the nearest of the numbers themselves.
+    /// As [`Sorted::quantile`], but without interpolation: returns the nearest of the numbers
+    /// themselves.
     pub fn nearest(&self, share: f64) -> Option<f64> {
         let last = self.0.len().checked_sub(1)?;
         let place = share.clamp(0.0, 1.0) * last as f64;

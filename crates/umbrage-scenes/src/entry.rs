@@ -12,9 +12,11 @@ pub struct SceneEntry {
     pub summary: &'static str,
     /// What it is there to show.
     pub kind: Kind,
-    /// Whether it is compared when nobody names a scene: neither heavy nor nearly the same as another.
+    /// Whether it is compared when nobody names a scene: neither heavy nor nearly the same as
+    /// another.
     pub suite: bool,
-    /// Whether quick runs over all scenes play it. Frames of over a million triangles, and those with holes, are left to longer runs.
+    /// Whether quick runs over all scenes play it. Frames of over a million triangles, and those
+    /// with holes, are left to longer runs.
     pub quick: bool,
     /// Makes the scene, always the same.
     pub build: fn() -> Scene,
@@ -41,7 +43,8 @@ pub enum Kind {
     Content,
 }
 
-/// The ways to fail that built-in scenes provoke. The numbers are those of the project's catalogue of failures.
+/// The ways to fail that built-in scenes provoke. The numbers are those of the project's catalogue
+/// of failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Failure {
@@ -53,7 +56,8 @@ pub enum Failure {
     ThinContact = 3,
     /// Thin walls: light leaks in.
     SealedRoom = 4,
-    /// Open shells, leaves, single quads: methods that take casters for closed lose part of their shadow.
+    /// Open shells, leaves, single quads: methods that take casters for closed lose part of their
+    /// shadow.
     OpenShell = 5,
     /// Thin slices above each other: moments blend their depths, a bias takes one for the next.
     ThinSlices = 6,
@@ -87,7 +91,8 @@ pub enum Failure {
     ManyVolumes = 23,
     /// Stairs and casters beyond the light: wrong planes, shadows of what is behind the light.
     Stairs = 24,
-    /// Relief under grazing light: biases along the shading normal, relief from normals or a depth pass that the map lacks.
+    /// Relief under grazing light: biases along the shading normal, relief from normals or a depth
+    /// pass that the map lacks.
     Relief = 25,
     /// A long range of depths: coarse maps tell few of them apart.
     LongRange = 26,
@@ -109,9 +114,11 @@ pub enum Failure {
     LowPoly = 34,
     /// Other renderers' projections: reversed depth, no far plane.
     OtherProjection = 35,
-    /// Holes that alpha textures cut into leaves: finer than a map's texels, and than pixels far away.
+    /// Holes that alpha textures cut into leaves: finer than a map's texels, and than pixels far
+    /// away.
     CutOut = 39,
-    /// Blockers of two heights over one receiver: light bleeds between them where a map blends depths.
+    /// Blockers of two heights over one receiver: light bleeds between them where a map blends
+    /// depths.
     LightBleeding = 40,
 }
 
@@ -140,8 +147,8 @@ impl std::fmt::Display for Kind {
 pub struct ClosedForm {
     /// The points.
     pub samples: Vec<Sample>,
-    /// How far a correct answer may be off: 0 where points see all or nothing of the light; else what stratified
-    /// samples of an area light are known to reach.
+    /// How far a correct answer may be off: 0 where points see all or nothing of the light; else
+    /// what stratified samples of an area light are known to reach.
     pub tolerance: f32,
 }
 
@@ -159,8 +166,9 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// The triangle of a receiver that the sample lies on: the one that it is least far outside of. None when none is
-    /// within 1e-4 of the sample's distance from the origin (or of a metre, if that is more).
+    /// The triangle of a receiver that the sample lies on: the one that it is least far outside of.
+    /// None when none is within 1e-4 of the sample's distance from the origin (or of a metre, if
+    /// that is more).
     pub fn triangle(&self, geometry: &Geometry) -> Option<u32> {
         let reach = 1e-4 * self.point.length().max(1.0);
         let mut nearest = None;
@@ -176,7 +184,8 @@ impl Sample {
     }
 }
 
-/// Returns how far a point is off a triangle's plane or beyond one of its edges, metres, whichever is more; 0 or less inside.
+/// Returns how far a point is off a triangle's plane or beyond one of its edges, metres, whichever
+/// is more; 0 or less inside.
 fn outside(p: Vec3, triangle: [Vec3; 3]) -> f32 {
     let [a, b, c] = triangle;
     let n = (b - a).cross(c - a).normalize_or_zero();

@@ -4,8 +4,8 @@ use crate::Files;
 use std::path::Path;
 use umbrage_core::Invalid;
 
-/// Why there is no scene: what is wrong, where, and how to help. Each tells all of it itself and has no source, so that reports of
-/// chains of errors don't tell it twice.
+/// Why there is no scene: what is wrong, where, and how to help. Each tells all of it itself and
+/// has no source, so that reports of chains of errors don't tell it twice.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
     /// A file that can't be opened or read.

@@ -15,12 +15,14 @@ impl<T: BufRead + Seek> OpenFile for T {}
 
 /// Where the files are that make up a scene: the scene file or the model, and what these name.
 ///
-/// Paths are as [`read`](crate::read) was given the first one; those that a file names have that file's folder in front.
+/// Paths are as [`read`](crate::read) was given the first one; those that a file names have that
+/// file's folder in front.
 pub trait Files {
     /// Opens a file.
     ///
     /// # Errors
-    /// Errors if there is no such file, with the kind [`NotFound`](io::ErrorKind::NotFound); and if it can't be read.
+    /// Errors if there is no such file, with the kind [`NotFound`](io::ErrorKind::NotFound); and if
+    /// it can't be read.
     fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>>;
 
     /// Whether there is such a file. Models do without the looks that are not there.
@@ -43,7 +45,8 @@ pub struct FilesOnDisk;
 
 impl Files for FilesOnDisk {
     fn open(&self, path: &Path) -> io::Result<Box<dyn OpenFile + '_>> {
-        // Else a directory opens, and fails on reading with less to say; a pipe might never open, or never end.
+        // Else a directory opens, and fails on reading with less to say; a pipe might never open,
+        // or never end.
         if !fs::metadata(path)?.is_file() {
             return Err(io::Error::other("is not a file"));
         }
@@ -57,8 +60,9 @@ impl Files for FilesOnDisk {
 
 /// Files in memory, such as those that were dropped together on a web page.
 ///
-/// A file is found by its path. Where no file has that path, it is found by its name alone, in any folder, and without regard to
-/// upper and lower case: browsers don't tell folders, and models name folders of the machine that they were made on.
+/// A file is found by its path. Where no file has that path, it is found by its name alone, in any
+/// folder, and without regard to upper and lower case: browsers don't tell folders, and models name
+/// folders of the machine that they were made on.
 ///
 /// ```
 /// let files: umbrage_scenes::FilesInMemory = [

@@ -14,7 +14,8 @@ fn png(color: [u8; 3]) -> Vec<u8> {
     out.into_inner()
 }
 
-/// A scene file with a model of its own looks and a box with a texture, and all that they name, in folders.
+/// A scene file with a model of its own looks and a box with a texture, and all that they name, in
+/// folders.
 fn all() -> Vec<(&'static str, Vec<u8>)> {
     let scene = format!(
         "{LIGHT}[[object]]\nmesh = \"models/tile.obj\"\n[[object]]\nshape = \"box\"\ntexture = \"wood.png\"\n"

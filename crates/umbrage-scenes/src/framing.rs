@@ -4,7 +4,8 @@ use umbrage_core::depth_range::{ViewPyramid, depth_range};
 use umbrage_core::glam::{DVec3, UVec2, Vec3};
 use umbrage_core::{Aabb, Camera, Geometry, Invalid, light_space::look_along};
 
-/// Where a framed model is seen from: right, above and in front; or the same turned by quarters about y.
+/// Where a framed model is seen from: right, above and in front; or the same turned by quarters
+/// about y.
 const THREE_QUARTER: DVec3 = DVec3::new(1.0, 0.7, 1.4);
 /// Another quarter is preferred if it is faced by more than this share of the model's area on top.
 const BETTER: f64 = 0.05;
@@ -29,7 +30,8 @@ pub(crate) struct Shot {
 }
 
 impl Shot {
-    /// Returns the shot that a camera takes; one without perspective counts as one of a narrow angle.
+    /// Returns the shot that a camera takes; one without perspective counts as one of a narrow
+    /// angle.
     #[cfg(feature = "gltf")]
     pub(crate) fn of(camera: &Camera) -> Self {
         let camera = camera.standard();
@@ -91,7 +93,8 @@ impl Shot {
     }
 }
 
-/// Returns the near and far plane: those that are given, else fitted ones, kept on the right side of the given one.
+/// Returns the near and far plane: those that are given, else fitted ones, kept on the right side
+/// of the given one.
 fn complete(given: [Option<f32>; 2], fitted: [f32; 2]) -> [f32; 2] {
     let [near, far] = fitted;
     match given {
@@ -101,8 +104,8 @@ fn complete(given: [Option<f32>; 2], fitted: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// Returns a shot from a three-quarter view that sees all of the geometry, from as near as that allows; `None` without any
-/// geometry.
+/// Returns a shot from a three-quarter view that sees all of the geometry, from as near as that
+/// allows; `None` without any geometry.
 pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot> {
     frame_from(
         best_side(geometry),
@@ -112,8 +115,8 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
     )
 }
 
-/// Returns a shot from this side (the way from the target to the eye, any length) that sees all points, from as near as that allows;
-/// `None` without points.
+/// Returns a shot from this side (the way from the target to the eye, any length) that sees all
+/// points, from as near as that allows; `None` without points.
 pub(crate) fn frame_from(
     side: DVec3,
     points: impl Iterator<Item = Vec3> + Clone,
@@ -136,9 +139,9 @@ pub(crate) fn frame_from(
         size,
     };
     let [tx, ty] = shot.tangents().map(|t| t * (1.0 - 2.0 * BORDER));
-    // A side of the pyramid through an eye at (x, y, depth) holds all points if, say for the right side, `p.x - p.depth tx <=
-    // x - depth tx`. So of each side only the greatest such number matters, and two opposite sides that touch their points
-    // give x, or y, and a depth.
+    // A side of the pyramid through an eye at (x, y, depth) holds all points if, say for the right
+    // side, `p.x - p.depth tx <= x - depth tx`. So of each side only the greatest such number
+    // matters, and two opposite sides that touch their points give x, or y, and a depth.
     let mut right_most = f64::NEG_INFINITY;
     let mut left_most = f64::NEG_INFINITY;
     let mut top = f64::NEG_INFINITY;
@@ -165,7 +168,8 @@ pub(crate) fn frame_from(
     (shot.eye != shot.target).then_some(shot)
 }
 
-/// Returns a view nearly straight into a room that is open to one side, along x or z; none if there is no such side.
+/// Returns a view nearly straight into a room that is open to one side, along x or z; none if there
+/// is no such side.
 pub(crate) fn opening_side(geometry: &Geometry) -> Option<DVec3> {
     let (on_balance, area) = vector_area(geometry);
     let level = on_balance.with_y(0.0);
@@ -192,8 +196,9 @@ fn vector_area(geometry: &Geometry) -> (DVec3, f64) {
     (on_balance, area)
 }
 
-/// Returns the three-quarter view that the surface faces most on balance. All are alike for closed solids, whose areas add up
-/// to zero as vectors; a room without an outside that is open to one side is seen through its opening.
+/// Returns the three-quarter view that the surface faces most on balance. All are alike for closed
+/// solids, whose areas add up to zero as vectors; a room without an outside that is open to one
+/// side is seen through its opening.
 pub(crate) fn best_side(geometry: &Geometry) -> DVec3 {
     let (vector_area, area) = vector_area(geometry);
     let mut best = THREE_QUARTER;

@@ -1,9 +1,10 @@
 //! Scenes for umbrage: built in, from scene files, from models.
 //!
-//! * **Built in**: [`all`] lists them and [`find`] finds one by name. Those of [`Kind::ClosedForm`] bring points whose
-//!   visibility a formula tells; those of [`Kind::Failure`] provoke a known weakness; [`Kind::Speed`] is for timing;
-//!   [`Kind::Content`] is as what games and films show.
-//! * **A scene file** (`.toml`) or **a model** (`.obj`; `.glb` and `.gltf` with the feature `gltf`): [`load`].
+//! * **Built in**: [`all`] lists them and [`find`] finds one by name. Those of [`Kind::ClosedForm`]
+//!   bring points whose visibility a formula tells; those of [`Kind::Failure`] provoke a known
+//!   weakness; [`Kind::Speed`] is for timing; [`Kind::Content`] is as what games and films show.
+//! * **A scene file** (`.toml`) or **a model** (`.obj`; `.glb` and `.gltf` with the feature
+//!   `gltf`): [`load`].
 //! * **Either**: [`by_argument`], for command lines.
 //! * **In motion**: [`motion`] has those in which the camera, the light or casters move, and how.
 //! * **Files that are not on disk**: [`read`], with all that a scene file or a model names.
@@ -26,9 +27,9 @@
 //!
 //! # Scene files
 //!
-//! World space is right-handed, y up, metres; angles are degrees. Numbers may be written with or without a point.
-//! Unknown keys, wrong types, numbers out of range and missing files are errors that name the file, the line and the
-//! key.
+//! World space is right-handed, y up, metres; angles are degrees. Numbers may be written with or
+//! without a point. Unknown keys, wrong types, numbers out of range and missing files are errors
+//! that name the file, the line and the key.
 //!
 //! | key | unit or type | default |
 //! |---|---|---|
@@ -72,27 +73,32 @@
 //! | `displacement` | metres (before scaling) that white moves out and black in; negative turns the relief inside out | needed with `height_map` |
 //! | `subdivisions` | how often each triangle is split in four before, 0 to 8: a coarse mesh can't show relief | 0 |
 //!
-//! Images have 8 or 16 bits a channel, and are read once each. An object with any of these looks wears no other; a model
-//! without them (`alpha_filter` aside) brings its own, see below. Textures repeat. What has a texture must have texture coordinates: the three
-//! shapes have, the plane and each side of the box spanning one repeat, the sphere by longitude and latitude.
+//! Images have 8 or 16 bits a channel, and are read once each. An object with any of these looks
+//! wears no other; a model without them (`alpha_filter` aside) brings its own, see below. Textures
+//! repeat. What has a texture must have texture coordinates: the three shapes have, the plane and
+//! each side of the box spanning one repeat, the sphere by longitude and latitude.
 //!
 //! # Models
 //!
-//! Wavefront OBJ, y up, in metres. All faces of one material become one mesh; polygons are cut into triangles, concave
-//! ones too. Names, groups, lines and points are left aside. Normals and texture coordinates are kept if all corners have
-//! usable ones. Loaded alone, a model is put on a floor if it brings no ground
-//! of its own, framed by a camera (from inside, if it is a building around its own floor), and lit by a sun.
+//! Wavefront OBJ, y up, in metres. All faces of one material become one mesh; polygons are cut into
+//! triangles, concave ones too. Names, groups, lines and points are left aside. Normals and texture
+//! coordinates are kept if all corners have usable ones. Loaded alone, a model is put on a floor if
+//! it brings no ground of its own, framed by a camera (from inside, if it is a building around its
+//! own floor), and lit by a sun.
 //!
-//! Of the `.mtl` files that a model names, `Kd`, `Ks`, `Ke`, `Ns` (rounded to a power of two), `map_Kd`, `map_d` and, for normals,
-//! `norm` or `map_Bump` are read. Alpha below one half, of `map_d` or else of `map_Kd`, cuts holes. Models often come without their looks, which no shadow needs: a `.mtl` file or a texture
-//! that isn't there, one that is no PNG, and bump maps in grey (heights whose scale nobody tells) are left aside. A
-//! `.png` file that can't be decoded and a number that can't be read are errors.
+//! Of the `.mtl` files that a model names, `Kd`, `Ks`, `Ke`, `Ns` (rounded to a power of two),
+//! `map_Kd`, `map_d` and, for normals, `norm` or `map_Bump` are read. Alpha below one half, of
+//! `map_d` or else of `map_Kd`, cuts holes. Models often come without their looks, which no shadow
+//! needs: a `.mtl` file or a texture that isn't there, one that is no PNG, and bump maps in grey
+//! (heights whose scale nobody tells) are left aside. A `.png` file that can't be decoded and a
+//! number that can't be read are errors.
 //!
 //! ## glTF
 //!
-//! glTF 2.0 (feature `gltf`): `.gltf` with the files that it names, and `.glb`. The default scene is read, or the one that is named behind
-//! the path: `model.glb#night`, `model.glb#1` (counted from 0). A file with neither a camera nor a light becomes what any model alone
-//! becomes; where one of the two is there, only the other is added.
+//! glTF 2.0 (feature `gltf`): `.gltf` with the files that it names, and `.glb`. The default scene
+//! is read, or the one that is named behind the path: `model.glb#night`, `model.glb#1` (counted
+//! from 0). A file with neither a camera nor a light becomes what any model alone becomes; where
+//! one of the two is there, only the other is added.
 //!
 //! | what | how it is read |
 //! |---|---|
@@ -107,24 +113,28 @@
 //! | sides | all surfaces are seen, and cast, on both sides, whatever `doubleSided` says |
 //! | pictures | PNG and JPEG, embedded or beside the file, whatever their names say. One that isn't there, or of another kind, is left aside unless a mask needs it |
 //!
-//! Paths are relative to the file, and may lead out of its folder, as those of OBJ may; addresses with a scheme (`https:`) are refused, but for
-//! `data:`. Extensions that a file requires and that aren't named here are errors, but for `KHR_materials_..`, which no shadow needs. What
-//! a file asks for is bounded by its length: a few kilobytes that name a gigabyte are refused.
+//! Paths are relative to the file, and may lead out of its folder, as those of OBJ may; addresses
+//! with a scheme (`https:`) are refused, but for `data:`. Extensions that a file requires and that
+//! aren't named here are errors, but for `KHR_materials_..`, which no shadow needs. What a file
+//! asks for is bounded by its length: a few kilobytes that name a gigabyte are refused.
 //!
 //! ## Models in scene files
 //!
-//! A model that a scene file names as `mesh` is one object, however many meshes it has: the object's place is that of the whole model, and
-//! `casts` and `receives` hold for all of it. Several objects that name one model share its meshes.
+//! A model that a scene file names as `mesh` is one object, however many meshes it has: the
+//! object's place is that of the whole model, and `casts` and `receives` hold for all of it.
+//! Several objects that name one model share its meshes.
 //!
-//! Of a glTF file, this is all meshes of its default scene (or of the one that is named behind `#`), each where its nodes put it, in the
-//! looks of its materials, with their holes; what throws no shadow by its material throws none here. Its cameras and lights are left aside:
-//! they are the scene file's. An object with any look of its own wears no other, glTF's masks and panes of glass included; its
-//! textures then lie as `TEXCOORD_0` says. `alpha_filter` alone is no look: it is about the model's own holes, of OBJ and of glTF.
+//! Of a glTF file, this is all meshes of its default scene (or of the one that is named behind
+//! `#`), each where its nodes put it, in the looks of its materials, with their holes; what throws
+//! no shadow by its material throws none here. Its cameras and lights are left aside: they are the
+//! scene file's. An object with any look of its own wears no other, glTF's masks and panes of glass
+//! included; its textures then lie as `TEXCOORD_0` says. `alpha_filter` alone is no look: it is
+//! about the model's own holes, of OBJ and of glTF.
 //!
 //! # Detailed surfaces
 //!
-//! [`with_tangents`] prepares a mesh for normal maps, [`fitting_normal_map`] makes the normal map of a height map, and
-//! [`denoise`] smooths noisy meshes by displacement.
+//! [`with_tangents`] prepares a mesh for normal maps, [`fitting_normal_map`] makes the normal map
+//! of a height map, and [`denoise`] smooths noisy meshes by displacement.
 
 mod builtin;
 mod catalogue;

@@ -15,8 +15,9 @@ const ENDINGS: &str = ".toml, .obj, .glb or .gltf";
 #[cfg(not(feature = "gltf"))]
 const ENDINGS: &str = ".toml or .obj";
 
-/// The scene that a command-line argument means: a built-in scene's name, or the path of a `.toml`, `.obj`, `.glb` or `.gltf` file. The last
-/// two may name one of the file's scenes behind `#`, by its name or number.
+/// The scene that a command-line argument means: a built-in scene's name, or the path of a `.toml`,
+/// `.obj`, `.glb` or `.gltf` file. The last two may name one of the file's scenes behind `#`, by
+/// its name or number.
 ///
 /// # Errors
 /// Errors if it is neither, with the nearest names; else as [`load`].
@@ -46,17 +47,18 @@ pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
     }
 }
 
-/// Loads a scene file (`.toml`) or a model (`.obj`; with the feature `gltf` also `.glb` and `.gltf`), which is framed and put in the sun
-/// if it has no camera and no light.
+/// Loads a scene file (`.toml`) or a model (`.obj`; with the feature `gltf` also `.glb` and
+/// `.gltf`), which is framed and put in the sun if it has no camera and no light.
 ///
 /// # Errors
-/// Errors if the file can't be read, understood or rendered: with the file, the line and the key, as far as there is one.
+/// Errors if the file can't be read, understood or rendered: with the file, the line and the key,
+/// as far as there is one.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     read(path, &FilesOnDisk)
 }
 
-/// Reads a scene from the text of a scene file. `name` stands for the file in errors, and gives the scene its name if
-/// the text has none; models are looked for in `folder`.
+/// Reads a scene from the text of a scene file. `name` stands for the file in errors, and gives the
+/// scene its name if the text has none; models are looked for in `folder`.
 ///
 /// # Errors
 /// Errors if [`load`] does.
@@ -64,8 +66,9 @@ pub fn parse(text: &str, name: &str, folder: impl AsRef<Path>) -> Result<Scene, 
     file::parse(text, Path::new(name), folder.as_ref(), &FilesOnDisk)
 }
 
-/// Reads a scene file or a model that is not on disk, or not as files: see [`FilesInMemory`](crate::FilesInMemory).
-/// All that it names is looked for among `files`, too: models, `.mtl` files and textures.
+/// Reads a scene file or a model that is not on disk, or not as files: see
+/// [`FilesInMemory`](crate::FilesInMemory). All that it names is looked for among `files`, too:
+/// models, `.mtl` files and textures.
 ///
 /// # Errors
 /// Errors if [`load`] does.
@@ -88,8 +91,9 @@ pub fn is_model(path: impl AsRef<Path>) -> bool {
     }
 }
 
-/// Returns whether a file brings lights of its own. Scene files do, `.obj` files don't, and of glTF files some (`KHR_lights_punctual`, unless
-/// all of them are off); where there is none, [`load`] adds a sun.
+/// Returns whether a file brings lights of its own. Scene files do, `.obj` files don't, and of glTF
+/// files some (`KHR_lights_punctual`, unless all of them are off); where there is none, [`load`]
+/// adds a sun.
 ///
 /// # Errors
 /// Errors if the file can't be read or understood as far as its lights need.
@@ -103,7 +107,8 @@ pub fn brings_light(path: impl AsRef<Path>) -> Result<bool, SceneError> {
     }
 }
 
-/// Returns the file that a path names if it is a scene file's or a model's by its name: `model.glb` of `model.glb#night`.
+/// Returns the file that a path names if it is a scene file's or a model's by its name: `model.glb`
+/// of `model.glb#night`.
 ///
 /// ```
 /// use std::path::Path;

@@ -36,7 +36,8 @@ impl ModelPart {
         }
     }
 
-    /// Returns where the mesh stands in the world, given where the model stands: multiplied in 64 bits, rounded once.
+    /// Returns where the mesh stands in the world, given where the model stands: multiplied in 64
+    /// bits, rounded once.
     pub(crate) fn placed(&self, world_from_model: Affine3A) -> Affine3A {
         // No zero changes its sign.
         if self.model_from_mesh == Affine3A::IDENTITY {

@@ -1,11 +1,13 @@
-//! Built-in scenes in motion: which cases of the catalogue of failures move, and where camera, light and casters are in each frame.
+//! Built-in scenes in motion: which cases of the catalogue of failures move, and where camera,
+//! light and casters are in each frame.
 
 use umbrage_core::glam::{Affine3A, DQuat, Quat, Vec2};
 use umbrage_core::{Camera, Fit, Layout, Light, RecipeError, Scene, View};
 
 /// Texels that the camera pans by from a frame to the next.
 const PAN_TEXELS: f64 = 0.37;
-/// Texels that casters move by from a frame to the next: more than one, so that no frame may rest, and no whole number.
+/// Texels that casters move by from a frame to the next: more than one, so that no frame may rest,
+/// and no whole number.
 const CASTER_TEXELS: f64 = 1.37;
 /// Degrees that the camera yaws by from a frame to the next.
 const YAW: f64 = 0.1;
@@ -41,7 +43,8 @@ pub struct MovingScene {
 pub enum Motion {
     /// Nothing.
     Still,
-    /// The camera moves sideways by .37 texels of the map a frame: within a few frames edges have met texels in all phases.
+    /// The camera moves sideways by .37 texels of the map a frame: within a few frames edges have
+    /// met texels in all phases.
     Pan,
     /// The camera turns by .1 degree a frame about the vertical.
     Yaw,
@@ -49,9 +52,11 @@ pub enum Motion {
     Widening,
     /// The sun turns by .25 degree a frame about the vertical.
     Sun,
-    /// All that casts but the first thing of the scene, its ground, moves along x by 1.37 texels of the map a frame.
+    /// All that casts but the first thing of the scene, its ground, moves along x by 1.37 texels of
+    /// the map a frame.
     Casters,
-    /// The camera's projection is moved by parts of a pixel, another way in each frame, as temporal antialiasing does.
+    /// The camera's projection is moved by parts of a pixel, another way in each frame, as temporal
+    /// antialiasing does.
     Jitter,
 }
 
@@ -211,8 +216,8 @@ impl Motion {
     }
 }
 
-/// Returns the width of a texel of a tight map of `size` texels a side, metres: the unit of what moves by texels. `view` is the first
-/// frame's, with its receivers.
+/// Returns the width of a texel of a tight map of `size` texels a side, metres: the unit of what
+/// moves by texels. `view` is the first frame's, with its receivers.
 ///
 /// # Errors
 /// Errors if no map can be fitted to the view.
@@ -226,8 +231,9 @@ pub fn texel_width(view: &View<'_>, size: u32) -> Result<f64, RecipeError> {
     Ok(2.0 / (scale * f64::from(size)))
 }
 
-/// Returns how a frame's projection is moved by [`Motion::Jitter`], pixels, -.5 to .5 each way: the sequence of Halton (1960) in bases
-/// 2 and 3, which temporal antialiasing commonly takes. The first frame has none.
+/// Returns how a frame's projection is moved by [`Motion::Jitter`], pixels, -.5 to .5 each way: the
+/// sequence of Halton (1960) in bases 2 and 3, which temporal antialiasing commonly takes. The
+/// first frame has none.
 pub fn jitter(index: u32) -> Vec2 {
     if index == 0 {
         return Vec2::ZERO;
@@ -238,7 +244,8 @@ pub fn jitter(index: u32) -> Vec2 {
     )
 }
 
-/// Returns the digits of a number in a base, mirrored at the point: 6 is 110 in base 2, and becomes .011, which is .375.
+/// Returns the digits of a number in a base, mirrored at the point: 6 is 110 in base 2, and becomes
+/// .011, which is .375.
 fn radical_inverse(number: u32, base: u32) -> f32 {
     let mut rest = number;
     let mut place = 1.0_f32;

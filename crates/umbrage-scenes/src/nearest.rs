@@ -1,6 +1,7 @@
 //! Suggestions for misspelt words.
 
-/// The candidates that `word` may have been meant to be, likeliest first: few edits away, or begun alike.
+/// The candidates that `word` may have been meant to be, likeliest first: few edits away, or begun
+/// alike.
 pub(crate) fn nearest<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,

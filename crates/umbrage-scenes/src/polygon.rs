@@ -2,8 +2,9 @@
 
 use umbrage_core::glam::{DVec2, DVec3, Vec3};
 
-/// Cuts a polygon into triangles that wind as it does. Convex ones become a fan from the first corner; others lose one
-/// ear after another; what has no ear (self-crossing or without area) becomes a fan, too. Indices count its corners.
+/// Cuts a polygon into triangles that wind as it does. Convex ones become a fan from the first
+/// corner; others lose one ear after another; what has no ear (self-crossing or without area)
+/// becomes a fan, too. Indices count its corners.
 pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[u32; 3]> {
     let flat = flatten(corners);
     let mut left: Vec<u32> = (0..corners.len() as u32).collect();
@@ -48,7 +49,8 @@ fn area(flat: &[DVec2], triangle: [u32; 3]) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Turns left or not at all at each corner. Stars that wind twice also do, but then their fan is as good as any.
+/// Turns left or not at all at each corner. Stars that wind twice also do, but then their fan is as
+/// good as any.
 fn is_convex(flat: &[DVec2], left: &[u32]) -> bool {
     (0..left.len()).all(|i| area(flat, around(left, i)) >= 0.0)
 }

@@ -59,7 +59,8 @@ fn concave_polygons_are_covered_once_and_keep_their_side() {
             let fan: Vec<_> = (1..corners.len() as u32 - 1)
                 .map(|i| [0, i, i + 1])
                 .collect();
-            // The vector area does not depend on the cut; covering twice or outside adds to the plain one.
+            // The vector area does not depend on the cut; covering twice or outside adds to the
+            // plain one.
             let whole = area(&corners, &fan);
             let parts = covered(&corners, &triangles);
             assert!(

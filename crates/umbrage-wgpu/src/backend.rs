@@ -46,9 +46,10 @@ pub(crate) use factory;
 
 /// Executes recipes on a graphics adapter, uploads what they need and reads the mask back.
 ///
-/// [`Shadows::timings`] are timestamps of the graphics adapter around the passes, so they hold no upload, compilation or
-/// read-back of ours; but drivers finish compiling a shader when it is first drawn with, so leave the first runs of a
-/// measurement out. Where the adapter has no timestamps, there are no timings.
+/// [`Shadows::timings`] are timestamps of the graphics adapter around the passes, so they hold no
+/// upload, compilation or read-back of ours; but drivers finish compiling a shader when it is first
+/// drawn with, so leave the first runs of a measurement out. Where the adapter has no timestamps,
+/// there are no timings.
 #[derive(Debug)]
 pub struct Gpu {
     pub(crate) name: String,
@@ -71,8 +72,8 @@ impl Gpu {
     /// Opens the adapter that fits the choice best.
     ///
     /// # Errors
-    /// Errors with `NoAdapter` (what there is and what to install) if none fits; and if the adapter cannot draw into float
-    /// images.
+    /// Errors with `NoAdapter` (what there is and what to install) if none fits; and if the adapter
+    /// cannot draw into float images.
     pub fn new(choice: &AdapterChoice) -> Result<Self, BackendError> {
         let adapter = choice.find()?;
         requirements::check_receivers(&adapter)?;
@@ -128,7 +129,8 @@ impl Gpu {
         (&self.device, &self.queue)
     }
 
-    /// Returns what the device does with a product that goes into a sum. Draws a few pixels to find out.
+    /// Returns what the device does with a product that goes into a sum. Draws a few pixels to find
+    /// out.
     ///
     /// # Errors
     /// Errors if the device fails.
@@ -163,7 +165,8 @@ impl Gpu {
         let scopes = Scopes::open(&self.device);
         let result = f(self);
         let closed = scopes.close();
-        // A lost device explains all other errors, and errors of the device those that follow from them.
+        // A lost device explains all other errors, and errors of the device those that follow from
+        // them.
         let outcome = self.errors.check().and(closed).and(result);
         if outcome.is_err() {
             // What was made may be unusable.
@@ -182,8 +185,8 @@ impl Gpu {
         self.finish(encoder, view, recipe, triangles.is_some())
     }
 
-    /// Uploads and compiles. Returns how many triangles are to be drawn to find receivers; `None` if the view brings
-    /// receivers.
+    /// Uploads and compiles. Returns how many triangles are to be drawn to find receivers; `None`
+    /// if the view brings receivers.
     pub(crate) fn prepare(
         &mut self,
         view: &View<'_>,
@@ -227,7 +230,8 @@ impl Gpu {
         }
     }
 
-    /// Returns an encoder; with `triangles`, the passes that find receivers by drawing so many are recorded.
+    /// Returns an encoder; with `triangles`, the passes that find receivers by drawing so many are
+    /// recorded.
     pub(crate) fn begin(&self, triangles: Option<u32>) -> CommandEncoder {
         let mut encoder = self
             .device
@@ -240,13 +244,15 @@ impl Gpu {
         encoder
     }
 
-    /// Returns the recipe's images, or copies of them as floats where their own format can't be read back.
+    /// Returns the recipe's images, or copies of them as floats where their own format can't be
+    /// read back.
     pub(crate) fn readable_images(&mut self, encoder: &mut CommandEncoder) -> Vec<GpuImage> {
         self.converter
             .read(&mut factory!(self), encoder, self.renderer.gpu_images())
     }
 
-    /// Submits, waits, and reads back. `finds_receivers` says whether the encoder holds the passes that find receivers.
+    /// Submits, waits, and reads back. `finds_receivers` says whether the encoder holds the passes
+    /// that find receivers.
     fn finish(
         &mut self,
         mut encoder: CommandEncoder,
@@ -300,7 +306,8 @@ fn snapping_of(
     queue: &Queue,
 ) -> Result<Snapping, BackendError> {
     static KNOWN: Mutex<Vec<(AdapterInfo, Snapping)>> = Mutex::new(Vec::new());
-    // The lock is held while the adapter is probed, so that other threads wait rather than probe it, too.
+    // The lock is held while the adapter is probed, so that other threads wait rather than probe
+    // it, too.
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     for (adapter, snapping) in known.iter() {
         if adapter == info {

@@ -73,7 +73,8 @@ impl CastStage {
         }
     }
 
-    /// Returns whether a caller can draw the casts with their targets alone: none peels, counts or draws the technique's faces.
+    /// Returns whether a caller can draw the casts with their targets alone: none peels, counts or
+    /// draws the technique's faces.
     pub(crate) fn are_plain(&self) -> bool {
         let draws_faces = self.faces.contains(&true);
         let targets_are_plain = self
@@ -138,7 +139,8 @@ impl CastStage {
     }
 }
 
-/// What the shaders of some casts read: clip from world and, for triangles with holes, the rays through texels.
+/// What the shaders of some casts read: clip from world and, for triangles with holes, the rays
+/// through texels.
 #[derive(Debug, Default)]
 pub(crate) struct CastBindings {
     spaces: Matrices,

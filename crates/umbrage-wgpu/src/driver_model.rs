@@ -14,7 +14,8 @@ pub struct ShaderRewriter {
 
 static REWRITER: OnceLock<ShaderRewriter> = OnceLock::new();
 
-/// Sets how shaders that are made from now on are rewritten. The first call counts; later ones do nothing.
+/// Sets how shaders that are made from now on are rewritten. The first call counts; later ones do
+/// nothing.
 pub fn rewrite_shaders(rewriter: ShaderRewriter) {
     let _ = REWRITER.set(rewriter);
 }

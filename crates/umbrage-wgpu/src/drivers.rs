@@ -1,7 +1,8 @@
 //! The driver on which both backends return the same bits, and workarounds for its behaviour.
 //!
-//! Code that follows a [`Workaround`] names it; no other code follows a single driver. `tests/player/drivers.rs` runs each one on the
-//! pinned driver and fails once that driver no longer needs it. Then remove the rule and the workaround.
+//! Code that follows a [`Workaround`] names it; no other code follows a single driver.
+//! `tests/player/drivers.rs` runs each one on the pinned driver and fails once that driver no
+//! longer needs it. Then remove the rule and the workaround.
 
 use crate::backend::Gpu;
 use std::sync::Once;
@@ -9,7 +10,8 @@ use std::sync::Once;
 /// The driver's `driver_info`.
 pub const PINNED_DRIVER: &str = "Mesa 22.3.6 (LLVM 15.0.6)";
 
-/// Environment variable that makes tests fail on other drivers, where its value is `required`. CI sets it.
+/// Environment variable that makes tests fail on other drivers, where its value is `required`. CI
+/// sets it.
 pub const PINNED_DRIVER_VARIABLE: &str = "UMBRAGE_PINNED_DRIVER";
 
 /// A driver's behaviour, and the rule by which code avoids it.
@@ -47,8 +49,9 @@ pub const STEADY_FIRST_WORD: Workaround = Workaround {
 };
 
 impl Gpu {
-    /// Checks that the adapter is the software driver whose rounding the CPU backend copies bit for bit: lavapipe of Mesa
-    /// 22.3.6 on a processor with fused multiply-add (its rasteriser uses it where there is one).
+    /// Checks that the adapter is the software driver whose rounding the CPU backend copies bit for
+    /// bit: lavapipe of Mesa 22.3.6 on a processor with fused multiply-add (its rasteriser uses it
+    /// where there is one).
     ///
     /// # Errors
     /// Errors if it is another driver, and says which.
@@ -56,10 +59,12 @@ impl Gpu {
         check(&self.adapter_info().driver_info, has_fused_multiply_add())
     }
 
-    /// Returns whether the adapter is the driver of [`Gpu::check_pinned_driver`], and shaders are not rewritten. If it is another driver, prints which driver was found, and
-    /// that bits are not compared.
+    /// Returns whether the adapter is the driver of [`Gpu::check_pinned_driver`], and shaders are
+    /// not rewritten. If it is another driver, prints which driver was found, and that bits are not
+    /// compared.
     ///
-    /// Panics if it is another driver and the environment variable `UMBRAGE_PINNED_DRIVER` is `required`.
+    /// Panics if it is another driver and the environment variable `UMBRAGE_PINNED_DRIVER` is
+    /// `required`.
     pub fn promises_bits(&self) -> bool {
         if crate::driver_model::is_set() {
             return false;

@@ -126,8 +126,8 @@ pub(crate) fn clear(encoder: &mut CommandEncoder, format: Format, view: &Texture
     });
 }
 
-/// Returns the layers that may be read before a stage writes them: they must start as the recipe promises, not as the last
-/// frame left them.
+/// Returns the layers that may be read before a stage writes them: they must start as the recipe
+/// promises, not as the last frame left them.
 fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, TextureView)> {
     let mut out = Vec::new();
     for (id, image) in images.iter().enumerate() {

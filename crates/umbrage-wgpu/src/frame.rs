@@ -12,8 +12,10 @@ use wgpu::{
 /// Options that hold for all that a renderer does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RendererOptions {
-    /// Index of the bind group that holds what the receive kernel reads, so that [`receive_wgsl`](crate::receive_wgsl) and
-    /// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) fit into the caller's own shaders.
+    /// Index of the bind group that holds what the receive kernel reads, so that
+    /// [`receive_wgsl`](crate::receive_wgsl) and
+    /// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) fit into
+    /// the caller's own shaders.
     pub kernel_group: u32,
     /// When errors of the graphics API are reported.
     pub errors: ApiErrors,
@@ -33,8 +35,8 @@ pub struct FrameInputs<'a> {
     pub size: UVec2,
     /// Drawn by the recipe's casts of [`Source::Casters`].
     pub casters: &'a [Drawable<'a>],
-    /// Casters, receivers, and what is neither: drawn by casts of [`Source::Everything`]. Recipes without such casts
-    /// need none.
+    /// Casters, receivers, and what is neither: drawn by casts of [`Source::Everything`]. Recipes
+    /// without such casts need none.
     pub everything: &'a [Drawable<'a>],
     /// What the camera sees.
     pub receivers: GBuffer<'a>,
@@ -54,8 +56,8 @@ pub struct Drawable<'a> {
     /// Places the vertices into the world; none when they are there already, which is cheaper.
     pub world_from_local: Option<Affine3A>,
     /// Ids of the triangles that `range` draws, in its order, where they are a part of the
-    /// [`Geometry`](umbrage_core::Geometry) that the technique was planned for: then casts that need only some casters draw
-    /// only those of them. None to draw all of them always.
+    /// [`Geometry`](umbrage_core::Geometry) that the technique was planned for: then casts that
+    /// need only some casters draw only those of them. None to draw all of them always.
     pub triangles: Option<Range<u32>>,
 }
 
@@ -105,7 +107,8 @@ pub struct VertexLayout {
     pub format: PositionFormat,
     /// Bytes from one vertex to the next; a multiple of 4, at least those of a position.
     pub stride: u64,
-    /// Bytes from the vertex to its position; a multiple of 4, at most the stride less those of a position.
+    /// Bytes from the vertex to its position; a multiple of 4, at most the stride less those of a
+    /// position.
     pub position_offset: u64,
 }
 
@@ -120,17 +123,20 @@ impl VertexLayout {
 
 /// What the camera sees: textures of [`FrameInputs::size`] with usage `TEXTURE_BINDING`.
 ///
-/// Two channels of unused precision are the price of a plain layout; an engine that keeps its own G-buffer copies from
-/// it in one full-screen pass, or makes this one from depth with [`GBufferFromDepth`](crate::GBufferFromDepth).
+/// Two channels of unused precision are the price of a plain layout; an engine that keeps its own
+/// G-buffer copies from it in one full-screen pass, or makes this one from depth with
+/// [`GBufferFromDepth`](crate::GBufferFromDepth).
 #[derive(Clone, Copy, Debug)]
 pub struct GBuffer<'a> {
     /// `Rgba32Float`: world position, and in w 1 where a shadow may fall and 0 elsewhere.
     pub position: &'a TextureView,
-    /// `Rgba32Float`: geometric unit normal in world space, turned to the camera, 0 where nothing is seen; w is unread.
+    /// `Rgba32Float`: geometric unit normal in world space, turned to the camera, 0 where nothing
+    /// is seen; w is unread.
     pub normal: &'a TextureView,
-    /// `R32Uint`: triangle ids, [`NO_TRIANGLE`](umbrage_core::NO_TRIANGLE) where nothing is seen. For kernels that read them
-    /// (ray tracing does, so that a triangle doesn't shadow itself) and for recipes that shade: they colour every pixel
-    /// with an id, for which position and normal must then be right even where no shadow may fall.
+    /// `R32Uint`: triangle ids, [`NO_TRIANGLE`](umbrage_core::NO_TRIANGLE) where nothing is seen.
+    /// For kernels that read them (ray tracing does, so that a triangle doesn't shadow itself) and
+    /// for recipes that shade: they colour every pixel with an id, for which position and normal
+    /// must then be right even where no shadow may fall.
     pub triangle: Option<&'a TextureView>,
 }
 
@@ -146,7 +152,8 @@ impl GBuffer<'_> {
 }
 
 impl FrameInputs<'_> {
-    /// Errors if the device would fail: that would say so later, in other words, and in part only when the caller submits.
+    /// Errors if the device would fail: that would say so later, in other words, and in part only
+    /// when the caller submits.
     pub(crate) fn validate(&self, recipe: &Recipe, limits: &Limits) -> Result<(), BackendError> {
         for (what, drawables) in [("caster", self.casters), ("everything", self.everything)] {
             for (i, drawable) in drawables.iter().enumerate() {
@@ -161,8 +168,8 @@ impl FrameInputs<'_> {
         Ok(())
     }
 
-    /// Errors if a cast draws everything and the frame lists casters only. A frame without casters either is fine: there the
-    /// caller draws all casts itself.
+    /// Errors if a cast draws everything and the frame lists casters only. A frame without casters
+    /// either is fine: there the caller draws all casts itself.
     fn check_everything(&self, recipe: &Recipe) -> Result<(), Invalid> {
         let needed = recipe
             .casts
@@ -312,7 +319,8 @@ impl VertexLayout {
         Ok(())
     }
 
-    /// Returns how many vertices fit in a buffer of this many bytes. The last one may end with its position.
+    /// Returns how many vertices fit in a buffer of this many bytes. The last one may end with its
+    /// position.
     fn vertices(self, bytes: u64) -> u64 {
         bytes
             .checked_sub(self.position_offset + self.format.bytes())

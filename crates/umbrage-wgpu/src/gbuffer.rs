@@ -64,7 +64,8 @@ impl UploadedReceivers {
         }
     }
 
-    /// Returns whether these are the receivers. Numbers are compared as words: a NaN equals itself, and 0 is not -0.
+    /// Returns whether these are the receivers. Numbers are compared as words: a NaN equals itself,
+    /// and 0 is not -0.
     fn are(&self, r: &Receivers) -> bool {
         let same_words = |a: &Vec<f32>, b: &Vec<f32>| -> bool {
             let a: &[u32] = bytemuck::cast_slice(a);
@@ -106,7 +107,8 @@ impl ReceiverTextures {
         }
     }
 
-    /// Returns textures of this size: those held, if they fit, else new ones, which are held from now on.
+    /// Returns textures of this size: those held, if they fit, else new ones, which are held from
+    /// now on.
     pub(crate) fn fit<'a>(
         held: &'a mut Option<Self>,
         factory: &mut ResourceFactory<'_>,
@@ -132,8 +134,9 @@ impl ReceiverTextures {
     /// Bytes per pixel: position, normal, triangle and depth.
     pub(crate) const BYTES: u64 = 16 + 16 + 4 + 4;
 
-    /// Writes positions, normals and triangle ids, but no depth, which nothing reads. Nothing is written if the textures hold them already:
-    /// comparisons execute many recipes on the same receivers.
+    /// Writes positions, normals and triangle ids, but no depth, which nothing reads. Nothing is
+    /// written if the textures hold them already: comparisons execute many recipes on the same
+    /// receivers.
     pub(crate) fn upload(&mut self, factory: &ResourceFactory<'_>, r: &Receivers) {
         if self.uploaded.as_ref().is_some_and(|held| held.are(r)) {
             return;
@@ -169,7 +172,8 @@ pub(crate) fn write(queue: &Queue, texture: &Texture, bytes: &[u8]) {
 pub(crate) struct GBufferPass {
     uniforms: Option<Buffer>,
     ids: IdsPass,
-    /// Draws triangles with holes. Made when a geometry first has some, and when one first has another rule.
+    /// Draws triangles with holes. Made when a geometry first has some, and when one first has
+    /// another rule.
     ids_with_holes: Option<IdsPass>,
     points: RenderPipeline,
     points_layout: BindGroupLayout,

@@ -24,8 +24,9 @@ use wgpu::{
     RenderPipeline, ShaderStages, TextureFormat, TextureView,
 };
 
-/// Makes a [`GBuffer`] from the caller's depth buffer in one full-screen pass. Normals come from neighbouring pixels, so
-/// they are rough where a surface is only a pixel wide; where the engine has geometric normals, use those.
+/// Makes a [`GBuffer`] from the caller's depth buffer in one full-screen pass. Normals come from
+/// neighbouring pixels, so they are rough where a surface is only a pixel wide; where the engine
+/// has geometric normals, use those.
 #[derive(Debug, Default)]
 pub struct GBufferFromDepth {
     counters: Counters,
@@ -42,9 +43,11 @@ pub struct GBufferFromDepth {
 /// A depth buffer and the camera that it was drawn with.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthBuffer<'a> {
-    /// Any depth format (its depth aspect) or `R32Float`, usage `TEXTURE_BINDING`. Of several samples, the first counts.
+    /// Any depth format (its depth aspect) or `R32Float`, usage `TEXTURE_BINDING`. Of several
+    /// samples, the first counts.
     pub depth: &'a TextureView,
-    /// The inverse of the camera's clip from world. Handedness, reversed z and an infinite far plane are all in here.
+    /// The inverse of the camera's clip from world. Handedness, reversed z and an infinite far
+    /// plane are all in here.
     pub world_from_clip: Mat4,
     /// The depth where nothing was drawn: 1, or 0 with reversed z.
     pub empty: f32,
@@ -89,8 +92,8 @@ impl GBufferFromDepth {
     /// Makes the GPU objects that don't exist yet, and writes the camera.
     ///
     /// # Errors
-    /// Errors if the matrix is singular, if `empty` is the depth of what is nearest to the camera, or if the depth buffer cannot
-    /// be read as described.
+    /// Errors if the matrix is singular, if `empty` is the depth of what is nearest to the camera,
+    /// or if the depth buffer cannot be read as described.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -163,15 +166,16 @@ impl GBufferFromDepth {
         });
     }
 
-    /// Returns an error of the graphics API that came since the last call: in browsers, where [`prepare`](Self::prepare) can't
-    /// wait for it. After one, all GPU objects are made again.
+    /// Returns an error of the graphics API that came since the last call: in browsers, where
+    /// [`prepare`](Self::prepare) can't wait for it. After one, all GPU objects are made again.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         *self = Self::default();
         Some(error)
     }
 
-    /// Records the pass and returns what it writes. Every pixel in which something was drawn receives shadows.
+    /// Records the pass and returns what it writes. Every pixel in which something was drawn
+    /// receives shadows.
     ///
     /// # Errors
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.
@@ -195,14 +199,16 @@ impl GBufferFromDepth {
         Ok(gbuffer)
     }
 
-    /// Returns the G-buffer's size, pixels, for [`FrameInputs::size`](crate::FrameInputs::size); zero before the first frame.
+    /// Returns the G-buffer's size, pixels, for [`FrameInputs::size`](crate::FrameInputs::size);
+    /// zero before the first frame.
     pub fn size(&self) -> UVec2 {
         self.images
             .first()
             .map_or(UVec2::ZERO, |image| image.desc.size)
     }
 
-    /// Returns the textures that [`encode`](Self::encode) writes; `None` before the first frame is prepared.
+    /// Returns the textures that [`encode`](Self::encode) writes; `None` before the first frame is
+    /// prepared.
     pub fn gbuffer(&self) -> Option<GBuffer<'_>> {
         let [position, normal] = &self.images[..] else {
             return None;
@@ -255,17 +261,20 @@ impl DepthBuffer<'_> {
         }
     }
 
-    /// Errors if `empty` is the depth of what is nearest. Only with perspective does the matrix tell which depth that is.
+    /// Errors if `empty` is the depth of what is nearest. Only with perspective does the matrix
+    /// tell which depth that is.
     fn check_empty(&self) -> Result<(), Invalid> {
         // All rays meet where clip x, y and w are 0.
         let eye = self.world_from_clip.as_dmat4().z_axis;
-        // The fourth component is 1/far - 1/near, next to 1/near or 1/far; without perspective 0, or what inverting rounds.
+        // The fourth component is 1/far - 1/near, next to 1/near or 1/far; without perspective 0,
+        // or what inverting rounds.
         if eye.w.abs() <= 1e-4 * f64::from(self.world_from_clip.w_axis.w.abs()) {
             return Ok(());
         }
         let eye = eye.truncate() / eye.w;
         let nearest = self.middle(f64::from(1.0 - self.empty)).distance(eye);
-        // One of the two ends may be at infinity, so the nearest is compared with the middle of the depths.
+        // One of the two ends may be at infinity, so the nearest is compared with the middle of the
+        // depths.
         let between = self.middle(0.5).distance(eye);
         if nearest < between {
             return Ok(());

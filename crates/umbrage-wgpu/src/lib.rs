@@ -1,12 +1,14 @@
 //! Executes umbrage's recipes on wgpu.
 //!
 //! * [`ShadowRenderer`] is middleware: the caller's device, the caller's encoder, no submission.
-//! * [`Gpu`] is a [`Backend`](umbrage_core::Backend) with a device of its own: upload, render, read back, time.
+//! * [`Gpu`] is a [`Backend`](umbrage_core::Backend) with a device of its own: upload, render, read
+//!   back, time.
 //!
-//! Recipes whose casts count ([`CastMode::StencilDepthFail`](umbrage_core::CastMode::StencilDepthFail)) need a device with
-//! the feature `DEPTH32FLOAT_STENCIL8`; [`Gpu`] requests it if the adapter has it, and `TIMESTAMP_QUERY`, without
-//! which there are no timings. All else is in every WebGPU device that can draw into images of 32-bit floats
-//! ([`check_adapter`]).
+//! Recipes whose casts count
+//! ([`CastMode::StencilDepthFail`](umbrage_core::CastMode::StencilDepthFail)) need a device with
+//! the feature `DEPTH32FLOAT_STENCIL8`; [`Gpu`] requests it if the adapter has it, and
+//! `TIMESTAMP_QUERY`, without which there are no timings. All else is in every WebGPU device that
+//! can draw into images of 32-bit floats ([`check_adapter`]).
 //!
 //! wgpu is re-exported, so that callers can name the version used here.
 

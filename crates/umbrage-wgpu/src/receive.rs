@@ -109,7 +109,8 @@ impl PixelStage {
         );
     }
 
-    /// Makes the image, the bindings and the pipeline. `shader` returns the text, given the kernel's and the group of `seen`.
+    /// Makes the image, the bindings and the pipeline. `shader` returns the text, given the
+    /// kernel's and the group of `seen`.
     #[expect(clippy::too_many_arguments, reason = "the two stages share all of it")]
     fn prepare(
         &mut self,

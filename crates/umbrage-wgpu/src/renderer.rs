@@ -22,8 +22,8 @@ use crate::{
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
 
-/// Executes recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes and writes what a frame
-/// needs, [`encode`](Self::encode) records the passes.
+/// Executes recipes. It never makes a device and never submits: [`prepare`](Self::prepare) makes
+/// and writes what a frame needs, [`encode`](Self::encode) records the passes.
 ///
 /// ```no_run
 /// use umbrage_core::{BackendError, Recipe};
@@ -44,12 +44,14 @@ use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureVie
 /// ```
 ///
 /// # Several lights
-/// One renderer serves several lights, whose recipes may differ: prepare and encode the first, then the second. What was
-/// recorded for one keeps its mask, images, uniforms and bind groups until the encoder is submitted or dropped; meanwhile
-/// `prepare` uses others, made when they are first needed. So all that is recorded between two submissions may read
-/// the masks and the [`receive_bind_group`](Self::receive_bind_group)s of all lights that were encoded there, and that many
-/// lights take that many masks and maps. After the submission the next `prepare` uses them again: take masks and bind
-/// groups again after each, and submit all that reads them before it or together with the encoder.
+/// One renderer serves several lights, whose recipes may differ: prepare and encode the first, then
+/// the second. What was recorded for one keeps its mask, images, uniforms and bind groups until the
+/// encoder is submitted or dropped; meanwhile `prepare` uses others, made when they are first
+/// needed. So all that is recorded between two submissions may read the masks and the
+/// [`receive_bind_group`](Self::receive_bind_group)s of all lights that were encoded there, and
+/// that many lights take that many masks and maps. After the submission the next `prepare` uses
+/// them again: take masks and bind groups again after each, and submit all that reads them before
+/// it or together with the encoder.
 #[derive(Debug)]
 pub struct ShadowRenderer {
     options: RendererOptions,
@@ -92,12 +94,14 @@ impl ShadowRenderer {
         })
     }
 
-    /// Makes the GPU objects that the recipe needs and that don't exist yet, and writes uniforms and new tables to the queue.
-    /// To find out whether what was encoded before has been submitted, it polls the device without waiting.
+    /// Makes the GPU objects that the recipe needs and that don't exist yet, and writes uniforms
+    /// and new tables to the queue. To find out whether what was encoded before has been submitted,
+    /// it polls the device without waiting.
     ///
     /// # Errors
-    /// Errors if the recipe or the frame cannot be used, the device is another than the renderer's, memory runs out, or a kernel's
-    /// WGSL is at fault (with the compiler's message). After an error nothing is prepared, and all GPU objects are made again.
+    /// Errors if the recipe or the frame cannot be used, the device is another than the renderer's,
+    /// memory runs out, or a kernel's WGSL is at fault (with the compiler's message). After an
+    /// error nothing is prepared, and all GPU objects are made again.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -155,8 +159,8 @@ impl ShadowRenderer {
         Ok(())
     }
 
-    /// Returns the index of resources that no unsubmitted encoder reads: the first whose textures fit, else the first, else new
-    /// ones.
+    /// Returns the index of resources that no unsubmitted encoder reads: the first whose textures
+    /// fit, else the first, else new ones.
     fn free_resources(&mut self, recipe: &Recipe, frame: &FrameInputs<'_>) -> usize {
         if self.lights.iter().any(|light| !light.pending.is_over()) {
             self.submissions.poll();
@@ -180,8 +184,8 @@ impl ShadowRenderer {
         })
     }
 
-    /// Records all passes, and that of the [`picture`](Self::picture) if the recipe shades. Returns the mask: `R32Float`,
-    /// visibility of the light, 1 where nothing receives.
+    /// Records all passes, and that of the [`picture`](Self::picture) if the recipe shades. Returns
+    /// the mask: `R32Float`, visibility of the light, 1 where nothing receives.
     ///
     /// # Errors
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.
@@ -207,10 +211,12 @@ impl ShadowRenderer {
             .ok_or_else(unprepared)
     }
 
-    /// Returns the targets to draw into before [`encode_filters_and_receive`](Self::encode_filters_and_receive), for callers
-    /// whose casters need their own vertex formats or shaders (skinning, displacement, alpha test). For recipes whose casts
-    /// peel or count, or draw faces that the technique made, use [`encode_casts_with`](Self::encode_casts_with), which also
-    /// records what has to happen between them.
+    /// Returns the targets to draw into before
+    /// [`encode_filters_and_receive`](Self::encode_filters_and_receive), for callers whose casters
+    /// need their own vertex formats or shaders (skinning, displacement, alpha test). For recipes
+    /// whose casts peel or count, or draw faces that the technique made, use
+    /// [`encode_casts_with`](Self::encode_casts_with), which also records what has to happen
+    /// between them.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does; and if there is such a cast.
@@ -228,8 +234,8 @@ impl ShadowRenderer {
         .into())
     }
 
-    /// Records all casts in order: those of faces that the technique made itself, and for each that draws casters or
-    /// everything, `draw` is called to record a pass into its target.
+    /// Records all casts in order: those of faces that the technique made itself, and for each that
+    /// draws casters or everything, `draw` is called to record a pass into its target.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -266,8 +272,8 @@ impl ShadowRenderer {
             .ok_or_else(unprepared)
     }
 
-    /// Records casts alone; with [`encode_filters`](Self::encode_filters) and [`receive_bind_group`](Self::receive_bind_group)
-    /// this is all that forward shading needs.
+    /// Records casts alone; with [`encode_filters`](Self::encode_filters) and
+    /// [`receive_bind_group`](Self::receive_bind_group) this is all that forward shading needs.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -305,8 +311,8 @@ impl ShadowRenderer {
             .ok_or_else(unprepared)
     }
 
-    /// Returns what the receive kernel reads, for [`receive_wgsl`](crate::receive_wgsl) in the caller's own shader: set it at
-    /// [`RendererOptions::kernel_group`].
+    /// Returns what the receive kernel reads, for [`receive_wgsl`](crate::receive_wgsl) in the
+    /// caller's own shader: set it at [`RendererOptions::kernel_group`].
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -314,18 +320,21 @@ impl ShadowRenderer {
         self.light()?.receive.kernel_group().ok_or_else(unprepared)
     }
 
-    /// Returns an image of the recipe with all its layers, for showing it; counts are whole numbers (`texture_2d<u32>`).
+    /// Returns an image of the recipe with all its layers, for showing it; counts are whole numbers
+    /// (`texture_2d<u32>`).
     pub fn image(&self, id: usize) -> Option<&TextureView> {
         self.gpu_images().get(id).map(|image| &image.whole)
     }
 
-    /// Returns the recipe's colours, `Rgba32Float`, linear; `None` before a recipe that shades is prepared.
+    /// Returns the recipe's colours, `Rgba32Float`, linear; `None` before a recipe that shades is
+    /// prepared.
     pub fn picture(&self) -> Option<&TextureView> {
         self.gpu_picture().map(|image| &image.whole)
     }
 
-    /// Returns an error of the graphics API that came since the last call, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, nothing is
-    /// prepared, and all GPU objects are made again.
+    /// Returns an error of the graphics API that came since the last call, with
+    /// [`ApiErrors::Later`](crate::ApiErrors::Later). After one, nothing is prepared, and all GPU
+    /// objects are made again.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         (self.shared, self.lights) = Default::default();
@@ -366,7 +375,8 @@ impl ShadowRenderer {
             .ok_or_else(unprepared)
     }
 
-    /// Returns what was prepared last, and keeps it from being written before the encoder's commands are submitted.
+    /// Returns what was prepared last, and keeps it from being written before the encoder's
+    /// commands are submitted.
     fn recorded(&self, encoder: &CommandEncoder) -> Result<&Resources, BackendError> {
         let light = self.light()?;
         self.submissions.watch(encoder, &light.pending);

@@ -11,11 +11,12 @@ use umbrage_core::{BackendError, Image, Invalid, Recipe, View};
 use wgpu::CommandEncoder;
 
 impl Gpu {
-    /// Executes only the receive stage, from these images instead of those that the recipe's casts and filters would make. The
-    /// view needs receivers or geometry. Returns the mask.
+    /// Executes only the receive stage, from these images instead of those that the recipe's casts
+    /// and filters would make. The view needs receivers or geometry. Returns the mask.
     ///
     /// # Errors
-    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does; and if the images are not as the recipe describes them.
+    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does; and if the images are not
+    /// as the recipe describes them.
     pub fn replay_receive(
         &mut self,
         view: &View<'_>,

@@ -1,4 +1,5 @@
-//! The layers that casts draw into, for the renderer's own draws and for callers with their own vertex shaders.
+//! The layers that casts draw into, for the renderer's own draws and for callers with their own
+//! vertex shaders.
 
 use crate::resources::images::GpuImage;
 use glam::{Mat4, UVec2};
@@ -9,10 +10,11 @@ use wgpu::{
     StencilState, StoreOp, TextureFormat, TextureView,
 };
 
-/// One cast to be drawn: begin a pass with [`attachment`](Self::attachment), and draw all casters (or
-/// [`everything`](Self::everything)) with pipelines that have [`primitive`](Self::primitive) and
-/// [`depth_stencil`](Self::depth_stencil) and whose vertex shader ends in `clip_from_world * p_world`. Draw the targets
-/// in order: two may share a layer, the first one clears it, and later ones may read what earlier ones drew.
+/// One cast to be drawn: begin a pass with [`attachment`](Self::attachment), and draw all casters
+/// (or [`everything`](Self::everything)) with pipelines that have [`primitive`](Self::primitive)
+/// and [`depth_stencil`](Self::depth_stencil) and whose vertex shader ends in
+/// `clip_from_world * p_world`. Draw the targets in order: two may share a layer, the first one
+/// clears it, and later ones may read what earlier ones drew.
 #[derive(Clone, Debug)]
 pub struct CastTarget {
     /// The layer to be attached: depth, 1 where nothing casts; or depth and counts.
@@ -25,9 +27,11 @@ pub struct CastTarget {
     pub clip_from_world: Mat4,
     /// Whether all that the camera may see is to be drawn, and not casters alone.
     pub everything: bool,
-    /// For depth peeling, the layer to be peeled off, `texture_2d<f32>`. Then the pipeline needs a fragment shader
-    /// without outputs that does `if at.z <= textureLoad(behind, vec2i(at.xy), 0).x { discard; }`, where `at` is
-    /// `@builtin(position)`; in a [`Format::Depth16`] image, with both sides as `round(65535.0 * z)`.
+    /// For depth peeling, the layer to be peeled off, `texture_2d<f32>`. Then the pipeline needs a
+    /// fragment shader without outputs that does `if at.z <= textureLoad(behind, vec2i(at.xy), 0).x
+    /// { discard;
+    /// }`, where `at` is `@builtin(position)`; in a [`Format::Depth16`] image, with both sides as `round(65535.0
+    /// * z)`.
     pub behind: Option<TextureView>,
     /// Faces left out.
     pub cull: Cull,
@@ -67,8 +71,8 @@ impl CastTarget {
         }
     }
 
-    /// Returns the rays through the centres of the layer's texels: along which a program's own shader looks for holes, with
-    /// [`CutOutBuffers::wgsl`](crate::CutOutBuffers::wgsl).
+    /// Returns the rays through the centres of the layer's texels: along which a program's own
+    /// shader looks for holes, with [`CutOutBuffers::wgsl`](crate::CutOutBuffers::wgsl).
     pub fn rays(&self) -> CameraRays {
         self.space.rays(self.size)
     }
@@ -88,7 +92,8 @@ impl CastTarget {
         self.state().primitive()
     }
 
-    /// The nearest surface stays, with the target's bias added; or surfaces that are not before the depth are counted.
+    /// The nearest surface stays, with the target's bias added; or surfaces that are not before the
+    /// depth are counted.
     pub fn depth_stencil(&self) -> DepthStencilState {
         self.state().depth_stencil()
     }
@@ -123,7 +128,8 @@ impl CastTarget {
     }
 }
 
-/// Attaches a layer of an image of depth or counts; of a shared texture, the other part is only read.
+/// Attaches a layer of an image of depth or counts; of a shared texture, the other part is only
+/// read.
 pub(crate) fn attachment(
     view: &TextureView,
     format: Format,
@@ -137,7 +143,8 @@ pub(crate) fn attachment(
     }
 }
 
-/// Returns what a pass does to an attachment that it keeps: clears it to `value` first, or draws over what was there.
+/// Returns what a pass does to an attachment that it keeps: clears it to `value` first, or draws
+/// over what was there.
 fn operations<V>(clear: bool, value: V) -> Operations<V> {
     let load = if clear {
         LoadOp::Clear(value)
@@ -213,8 +220,8 @@ impl DepthState {
     }
 }
 
-/// Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": where the depth test fails, back faces
-/// count up and front faces down, modulo 256.
+/// Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": where the depth test
+/// fails, back faces count up and front faces down, modulo 256.
 fn depth_fail_counting() -> StencilState {
     let front = StencilFaceState {
         compare: CompareFunction::Always,

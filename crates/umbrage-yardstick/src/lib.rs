@@ -1,8 +1,8 @@
-//! What umbrage is timed against, apart from hand-written renderers: fixed work that is played in turn with every row of a
-//! comparison, and rays as the `obvhs` crate traces them.
+//! What umbrage is timed against, apart from hand-written renderers: fixed work that is played in
+//! turn with every row of a comparison, and rays as the `obvhs` crate traces them.
 //!
-//! This is a crate of its own since it has to be optimised fully, and the laboratory around it, which writes pages and charts,
-//! is not: that would double the time that the first build takes.
+//! This is a crate of its own since it has to be optimised fully, and the laboratory around it,
+//! which writes pages and charts, is not: that would double the time that the first build takes.
 
 mod rays;
 mod yardstick;

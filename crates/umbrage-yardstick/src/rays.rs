@@ -25,7 +25,8 @@ pub struct AnyHitRay {
 /// Rays a task.
 const TASK: usize = 4096;
 
-/// Traces all rays through umbrage's hierarchy with its crack-free triangle test, and returns how long that takes.
+/// Traces all rays through umbrage's hierarchy with its crack-free triangle test, and returns how
+/// long that takes.
 pub fn time_own_rays(bvh: &Bvh, rays: &[AnyHitRay]) -> Duration {
     time(rays, |ray| bvh.occluded(ray.origin, ray.segment, ray.skip))
 }

@@ -1,10 +1,13 @@
-//! A yardstick: fixed work, timed in turn with every row, so that rows of different runs are compared as multiples of it.
+//! A yardstick: fixed work, timed in turn with every row, so that rows of different runs are
+//! compared as multiples of it.
 //!
-//! What slows a machine down for a while (other programs, heat, a governor) slows the yardstick down, too, and cancels out
-//! of the ratio: duet benchmarking (Bulej, Horký, Tůma, Farquet and Prokopec 2020, "Duet Benchmarking: Improving
-//! Measurement Accuracy in the Cloud"). The work is a chain of table loads and integer products, played as a recipe: so it
-//! runs where the row runs, on the same threads or the same adapter, and is timed by the same clock. Nothing of the
-//! techniques, of the rasterisers or of the maps is in it; only the loop over receivers is shared with what it measures.
+//! What slows a machine down for a while (other programs, heat, a governor) slows the yardstick
+//! down, too, and cancels out of the ratio: duet benchmarking (Bulej, Horký, Tůma, Farquet and
+//! Prokopec 2020, "Duet Benchmarking: Improving Measurement Accuracy in the Cloud"). The work is a
+//! chain of table loads and integer products, played as a recipe: so it runs where the row runs, on
+//! the same threads or the same adapter, and is timed by the same clock. Nothing of the techniques,
+//! of the rasterisers or of the maps is in it; only the loop over receivers is shared with what it
+//! measures.
 
 use std::sync::{Arc, OnceLock};
 use umbrage_core::{
@@ -12,16 +15,19 @@ use umbrage_core::{
     light_sample::hash, module, uniforms,
 };
 
-/// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two threads.
+/// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two
+/// threads.
 const LINKS: u64 = 1 << 19;
 
-/// Rows of the table: 1 MiB, more than the caches next to a core hold and less than a map of middle size.
+/// Rows of the table: 1 MiB, more than the caches next to a core hold and less than a map of middle
+/// size.
 const ROWS: u32 = 1 << 16;
 
-/// The yardstick for a row: it keeps the row's images and tables, so that nothing is freed and made anew between the two.
-/// It takes about a quarter of the row's time by its counted cost, which is the same on every run. A yardstick of quite another
-/// length meets other noise: what fits between two turns of the system's scheduler is never held up, what is ten times as
-/// long always is. One as long as the row would double what a comparison takes.
+/// The yardstick for a row: it keeps the row's images and tables, so that nothing is freed and made
+/// anew between the two. It takes about a quarter of the row's time by its counted cost, which is
+/// the same on every run. A yardstick of quite another length meets other noise: what fits between
+/// two turns of the system's scheduler is never held up, what is ten times as long always is. One
+/// as long as the row would double what a comparison takes.
 #[derive(Clone, Debug)]
 pub struct Yardstick {
     /// What is played.
@@ -40,12 +46,14 @@ pub const MIN_UNITS: f64 = 1.0 / 32.0;
 pub const MAX_UNITS: f64 = 256.0;
 
 impl Yardstick {
-    /// Returns the yardstick for a row of this counted cost. `None` if nothing receives, as there is no work then.
+    /// Returns the yardstick for a row of this counted cost. `None` if nothing receives, as there
+    /// is no work then.
     pub fn new(row: &Recipe, receivers: &Receivers, cost_ms: f64) -> Option<Self> {
         Self::with_units(row, receivers, SHARE * cost_ms / UNIT_MS)
     }
 
-    /// Returns the yardstick of about so many units, at most [`MAX_UNITS`]. `None` if nothing receives.
+    /// Returns the yardstick of about so many units, at most [`MAX_UNITS`]. `None` if nothing
+    /// receives.
     pub fn with_units(row: &Recipe, receivers: &Receivers, units: f64) -> Option<Self> {
         let count = receivers.receives.iter().filter(|&&r| r).count() as u64;
         if count == 0 {
@@ -97,7 +105,8 @@ fn table() -> Arc<[[u32; 4]]> {
 uniforms! {
     /// Uniforms of [`YardstickKernel`].
     pub struct YardstickUniforms {
-        /// One less than the table's rows, a power of two. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
+        /// One less than the table's rows, a power of two. First: see `STEADY_FIRST_WORD` in
+        /// umbrage-wgpu's drivers.rs.
         pub mask: u32,
         /// Links of each receiver's chain.
         pub links: u32,
@@ -131,7 +140,8 @@ impl ReceiveKernel for YardstickKernel {
 }
 
 impl YardstickKernel {
-    /// Runs the chain. The result is of no use, but depends on every link, so that compilers can't leave any out.
+    /// Runs the chain. The result is of no use, but depends on every link, so that compilers can't
+    /// leave any out.
     fn chain(&self, x: u32, y: u32) -> f32 {
         let mut state = x
             .wrapping_mul(0x9e37_79b9)

@@ -3,13 +3,14 @@
 use crate::{Scene, techniques::TechniquePreset};
 use umbrage_plan::{MeasureError, Miss, PlanOptions, plan};
 
-/// What shadows may err and cost (a greatest error, time, number of bytes, or several of them), and what the renderer has that will
-/// play them: [`Budget::renderer`](umbrage_plan::Bounds::renderer).
+/// What shadows may err and cost (a greatest error, time, number of bytes, or several of them), and
+/// what the renderer has that will play them: [`Budget::renderer`](umbrage_plan::Bounds::renderer).
 pub type Budget = umbrage_plan::Bounds;
 
-/// Finds the cheapest built-in technique and setting within a budget (without a bound of the error, the most accurate) for a
-/// scene's first camera and light. It measures on the CPU, in seconds: call it where scenes are made rather than every frame,
-/// and keep the answer ([`TechniquePreset::to_toml`]). Why it was chosen, and what else there is: [`mod@crate::plan`].
+/// Finds the cheapest built-in technique and setting within a budget (without a bound of the error,
+/// the most accurate) for a scene's first camera and light. It measures on the CPU, in seconds:
+/// call it where scenes are made rather than every frame, and keep the answer
+/// ([`TechniquePreset::to_toml`]). Why it was chosen, and what else there is: [`mod@crate::plan`].
 ///
 #[cfg_attr(feature = "scenes", doc = "```")]
 #[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
@@ -52,8 +53,9 @@ pub fn auto(scene: &Scene, budget: &Budget) -> Result<TechniquePreset, AutoError
     auto_with(scene, budget, &PlanOptions::default())
 }
 
-/// As [`auto`], with options: the cameras of a path, what moves from frame to frame, another light or image size, techniques of your own, or the prices of your machine
-/// ([`PlanOptions::cost`], from a [`PriceList`](umbrage_plan::cost::PriceList) that `bench --costs --write` writes).
+/// As [`auto`], with options: the cameras of a path, what moves from frame to frame, another light
+/// or image size, techniques of your own, or the prices of your machine ([`PlanOptions::cost`],
+/// from a [`PriceList`](umbrage_plan::cost::PriceList) that `bench --costs --write` writes).
 ///
 /// # Errors
 /// As those of [`auto`].
@@ -95,14 +97,16 @@ mod tests {
         let options = PlanOptions {
             samples: 1024,
             size: Some(UVec2::new(160, 120)),
-            // Where maps are drawn every frame, exact shadows of triangles are cheaper than the finest map.
+            // Where maps are drawn every frame, exact shadows of triangles are cheaper than the
+            // finest map.
             motion: FrameMotion::AllMoves,
             ..PlanOptions::default()
         };
         auto_with(scene, &budget, &options)
     }
 
-    /// Exact shadows need triangles; a renderer that has none gets what it can play, or is told that there is nothing.
+    /// Exact shadows need triangles; a renderer that has none gets what it can play, or is told
+    /// that there is nothing.
     #[test]
     fn what_the_renderer_cannot_play_is_never_picked() {
         for name in ["c1-box-sun", "cubes", "lamp-in-room"] {

@@ -6,7 +6,8 @@ use umbrage_core::{Backend, BackendError, Invalid};
 /// Which backend to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BackendChoice {
-    /// wgpu if there is an adapter for it that is not the CPU in disguise, else the CPU. [`Backend::name`] says which.
+    /// wgpu if there is an adapter for it that is not the CPU in disguise, else the CPU.
+    /// [`Backend::name`] says which.
     #[default]
     Auto,
     /// The CPU reference.

@@ -1,4 +1,5 @@
-//! What each feature costs: whoever wants the renderer alone does not compile scene files, pictures and search trees.
+//! What each feature costs: whoever wants the renderer alone does not compile scene files, pictures
+//! and search trees.
 
 use std::{collections::BTreeSet, path::Path, process::Command};
 

@@ -1,7 +1,7 @@
 //! Coloured shadows of panes by maps, compared with rays through the panes.
 //!
-//! `cargo run --release --example panes [FOLDER]` prints errors, times and bytes, and writes images of red, green and blue light
-//! together; the folder is `docs/others` without an argument.
+//! `cargo run --release --example panes [FOLDER]` prints errors, times and bytes, and writes images
+//! of red, green and blue light together; the folder is `docs/others` without an argument.
 
 use anyhow::Result;
 use image::RgbImage;
@@ -188,7 +188,8 @@ impl LitPanes {
         Ok(least)
     }
 
-    /// Returns an image of the light that arrives. What faces away from the light, or shows nothing, is grey.
+    /// Returns an image of the light that arrives. What faces away from the light, or shows
+    /// nothing, is grey.
     fn image(&self, colours: &[Vec3]) -> RgbImage {
         colored(SHOWN, |i| {
             let i = i as u32;

@@ -1,12 +1,14 @@
-//! Shadows of coloured panes, written as a user of the library would: a map of what is opaque, and one more for the panes of each
-//! material, which lets a share of the light through.
+//! Shadows of coloured panes, written as a user of the library would: a map of what is opaque, and
+//! one more for the panes of each material, which lets a share of the light through.
 //!
-//! A mask has one number a pixel, so a coloured shadow is three masks: of red, green and blue light. All three look up the same maps.
-//! The light that gets through panes of several materials is the product of their shares, in whatever order they stand. A map keeps the
-//! nearest pane alone, so that two panes of one material, one behind the other, count once.
+//! A mask has one number a pixel, so a coloured shadow is three masks: of red, green and blue
+//! light. All three look up the same maps. The light that gets through panes of several materials
+//! is the product of their shares, in whatever order they stand. A map keeps the nearest pane
+//! alone, so that two panes of one material, one behind the other, count once.
 //!
-//! Renderers without such maps let a pane cast as if it had holes ("screen-door" or "hashed" transparency: Enderton, Sintorn, Shirley
-//! and Luebke 2010, "Stochastic transparency"): [`Panes::dithered`] does that, for comparison.
+//! Renderers without such maps let a pane cast as if it had holes ("screen-door" or "hashed"
+//! transparency: Enderton, Sintorn, Shirley and Luebke 2010, "Stochastic transparency"):
+//! [`Panes::dithered`] does that, for comparison.
 
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -58,7 +60,8 @@ pub struct Panes {
     pub glass: [Glass; MATERIALS],
     /// 0 for red, 1 for green, 2 for blue.
     pub colour: usize,
-    /// Whether panes have holes, a share of the map's texels at random, instead of letting a share of the light through.
+    /// Whether panes have holes, a share of the map's texels at random, instead of letting a share
+    /// of the light through.
     pub dithered: bool,
 }
 
@@ -257,9 +260,10 @@ impl OpaqueAndPanes<'_> {
     }
 }
 
-/// Returns which share of red, green and blue light each receiver gets from the scene's first light, which has no extent, as its first
-/// camera sees it: a ray goes through all casters, and what panes let through multiplies. What faces away from the light gets none, and
-/// where nothing is seen all is lit. Each ray asks each pane, so there have to be few.
+/// Returns which share of red, green and blue light each receiver gets from the scene's first
+/// light, which has no extent, as its first camera sees it: a ray goes through all casters, and
+/// what panes let through multiplies. What faces away from the light gets none, and where nothing
+/// is seen all is lit. Each ray asks each pane, so there have to be few.
 ///
 /// # Errors
 /// Errors if the scene is not valid.

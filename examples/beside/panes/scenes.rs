@@ -27,7 +27,8 @@ const OPAQUE: u32 = 0;
 /// How many shards.
 const SHARDS: u32 = 120;
 
-/// Returns a window of three colours with two more panes behind it. It stands across z = 0, and the sun shines through it towards +z.
+/// Returns a window of three colours with two more panes behind it. It stands across z = 0, and the
+/// sun shines through it towards +z.
 ///
 /// # Errors
 /// Errors if `size` has no pixels.
@@ -68,7 +69,8 @@ pub fn shards(size: UVec2) -> Result<Scene, Invalid> {
     let floor = [Vec3::Z * 14.0, Vec3::X * 14.0];
     put(&mut scene, Vec3::new(-7.0, 0.0, -6.0), floor, OPAQUE)?;
     for i in 0..SHARDS {
-        // Evenly spread, and in no rows (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", in five dimensions).
+        // Evenly spread, and in no rows (Roberts 2018, "The unreasonable effectiveness of
+        // quasirandom sequences", in five dimensions).
         let [x, y, z, turn, tilt] = [0.8813, 0.7766, 0.6844, 0.6032, 0.5316]
             .map(|step: f32| (0.5 + step * i as f32).fract());
         let corner = Vec3::new(5.0 * x - 2.5, 0.6 + 1.8 * y, 4.0 * z - 2.2);

@@ -128,7 +128,8 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let ctx = &ui.ctx().clone();
         let viewer = &mut self.viewer;
-        // A lost device reports that now, before the panel's painter requests memory. The frame's passes return all other errors.
+        // A lost device reports that now, before the panel's painter requests memory. The frame's
+        // passes return all other errors.
         let _ = viewer.render.device.poll(wgpu::PollType::Poll);
         if self.reports.lost.is_full() {
             let loading = viewer.loading.as_ref();
@@ -175,8 +176,8 @@ impl eframe::App for App {
         self.note_frame();
     }
 
-    /// Returns the panel's colour, as the window stores it. Painted by the panel's own shader, it took a fifth of the frame time of a large
-    /// scene on a software driver.
+    /// Returns the panel's colour, as the window stores it. Painted by the panel's own shader, it
+    /// took a fifth of the frame time of a large scene on a software driver.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         if self.viewer.render.target_format.is_srgb() {
             egui::Rgba::from(visuals.panel_fill).to_array()

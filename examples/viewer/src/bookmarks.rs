@@ -1,7 +1,8 @@
-//! Failures of shadow methods: the scenes of the catalogue of failures, still or in motion, each with a setting that shows the
-//! fault and one that fixes it.
+//! Failures of shadow methods: the scenes of the catalogue of failures, still or in motion, each
+//! with a setting that shows the fault and one that fixes it.
 //!
-//! Rows whose fault no setting of a side has are left out: [`of_still`] lists them with the reasons.
+//! Rows whose fault no setting of a side has are left out: [`of_still`] lists them with the
+//! reasons.
 
 use crate::side::{FitKind, SideSettings, entry};
 use umbrage::{
@@ -236,7 +237,8 @@ impl StillFault {
     }
 }
 
-/// Returns the setting that shows the fault of a scene; `None` if no setting of a side has that fault.
+/// Returns the setting that shows the fault of a scene; `None` if no setting of a side has that
+/// fault.
 fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
     let map = |bias| ShadowMap {
         size: COARSE,
@@ -293,8 +295,9 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
         }
         // Faults of `volumes` and `planar`, which light sets refuse.
         Failure::EyeInUmbra | Failure::ManyVolumes | Failure::Stairs => return None,
-        // Faults that no technique here has: cubes' faces overlap, fits hold the rim of a cone, any axis and any projection, no
-        // bias is in metres, and maps of 16 bits do as well as others under all biases that have no acne there.
+        // Faults that no technique here has: cubes' faces overlap, fits hold the rim of a cone, any
+        // axis and any projection, no bias is in metres, and maps of 16 bits do as well as others
+        // under all biases that have no acne there.
         Failure::CubeSeams
         | Failure::ConeRim
         | Failure::LightAlongUp
@@ -302,7 +305,8 @@ fn of_still(scene: &str, failure: Failure) -> Option<StillFault> {
         | Failure::Scale
         | Failure::LongRange
         | Failure::Nothing => return None,
-        // Truth has the same coarse positions. The fault shows in motion alone, as in `hills-1e6-pan`.
+        // Truth has the same coarse positions. The fault shows in motion alone, as in
+        // `hills-1e6-pan`.
         Failure::FarFromOrigin => return None,
     };
     let reach = (failure == Failure::CasterOutOfView).then_some(TOO_NEAR);
@@ -333,14 +337,16 @@ mod tests {
 
     /// Size of the pictures, pixels.
     const SIZE: UVec2 = UVec2::new(320, 180);
-    /// Least share of wrong pixels that a fault has, percent. In a window of 1280x720 that is 4,600 pixels: as many as a patch of 68x68,
-    /// or a line 4 pixels wide across the whole picture.
+    /// Least share of wrong pixels that a fault has, percent. In a window of 1280x720 that is 4,600
+    /// pixels: as many as a patch of 68x68, or a line 4 pixels wide across the whole picture.
     const LEAST_WRONG: f64 = 0.5;
-    /// In its own way a fault has more than this many times the wrong pixels that the map's coarse texels make by themselves.
+    /// In its own way a fault has more than this many times the wrong pixels that the map's coarse
+    /// texels make by themselves.
     const BEYOND_TEXELS: f64 = 2.0;
     /// Factor for moments, against a filter of the same width, which blurs as much.
     const BEYOND_BLUR: f64 = 1.0;
-    /// A fix has at most this share of the fault's error: lights with an extent leave it some noise.
+    /// A fix has at most this share of the fault's error: lights with an extent leave it some
+    /// noise.
     const MOST_LEFT: f64 = 0.5;
     /// Rays for each pixel: their noise is far below any fault.
     const TRUTH: TruthOptions = TruthOptions {
@@ -436,7 +442,8 @@ mod tests {
         }
     }
 
-    /// Returns the share of pixels that are wrong as the kind of fault implies, percent, if it implies a direction.
+    /// Returns the share of pixels that are wrong as the kind of fault implies, percent, if it
+    /// implies a direction.
     const fn in_its_way(kind: FaultKind, errors: &Errors) -> Option<f64> {
         match kind {
             FaultKind::Acne => Some(errors.false_shadow),
@@ -451,8 +458,9 @@ mod tests {
         }
     }
 
-    /// Each still place shows its fault: many pixels are wrong, in the fault's way and not by the map's coarse texels or a filter's blur
-    /// alone, and the fix has far less of it. The module `path` tests faults in motion.
+    /// Each still place shows its fault: many pixels are wrong, in the fault's way and not by the
+    /// map's coarse texels or a filter's blur alone, and the fix has far less of it. The module
+    /// `path` tests faults in motion.
     #[test]
     fn cures_are_right_where_faults_are_wrong() {
         let mut failed = Vec::new();
@@ -513,7 +521,8 @@ mod tests {
         links.map(|after| after.split(['&', ')']).next().expect("a part"))
     }
 
-    /// Pages link to places that there are, and those of `docs/failures.md` show the technique that their section is about.
+    /// Pages link to places that there are, and those of `docs/failures.md` show the technique that
+    /// their section is about.
     #[test]
     fn pages_link_to_what_they_describe() {
         for name in linked(&page("live.md")) {

@@ -117,7 +117,8 @@ impl ViewCamera {
         }
     }
 
-    /// Moves sideways and up, so that the pivot follows the mouse: `moved` and the image's height in points.
+    /// Moves sideways and up, so that the pivot follows the mouse: `moved` and the image's height
+    /// in points.
     pub(crate) fn pan(&mut self, moved: Vec2, height: f32) {
         let metres = 2.0 * self.distance * (0.5 * self.fov_y).tan() / height.max(1.0);
         self.eye += self.rotation() * Vec3::new(-moved.x * metres, moved.y * metres, 0.0);

@@ -31,7 +31,8 @@ impl<T> Slot<T> {
     }
 }
 
-/// Returns what the program requires of an adapter: its greatest sizes, for large scenes and windows, and timestamps where there are some.
+/// Returns what the program requires of an adapter: its greatest sizes, for large scenes and
+/// windows, and timestamps where there are some.
 pub(crate) fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     let has = adapter.limits();
     let timed = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use umbrage::scenes;
 
-/// Returns the index of the scene among files that were dropped together, and a note if others could be scenes, too. Scene files precede
-/// models; of several the first is chosen. Other files are named by the scene.
+/// Returns the index of the scene among files that were dropped together, and a note if others
+/// could be scenes, too. Scene files precede models; of several the first is chosen. Other files
+/// are named by the scene.
 pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
     let those = |is_meant: fn(&Path) -> bool| -> Vec<usize> {
         (0..paths.len()).filter(|&i| is_meant(&paths[i])).collect()
@@ -28,7 +29,8 @@ pub(crate) fn scene_among(paths: &[PathBuf]) -> (usize, Option<String>) {
     }
 }
 
-/// Returns the offer while files are held over the window or the page, if there are any. Browsers give no names before the drop.
+/// Returns the offer while files are held over the window or the page, if there are any. Browsers
+/// give no names before the drop.
 pub(crate) fn offer(held: &[Option<PathBuf>]) -> Option<String> {
     if held.is_empty() {
         return None;

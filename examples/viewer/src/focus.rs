@@ -16,7 +16,8 @@ fn focused(ctx: &egui::Context) -> Option<egui::Response> {
 }
 
 impl Focus {
-    /// Scrolls the panel to a part that has received the focus. Must be called in the panel's scroll area.
+    /// Scrolls the panel to a part that has received the focus. Must be called in the panel's
+    /// scroll area.
     pub(crate) fn scroll(&mut self, ui: &egui::Ui) {
         let response = focused(ui.ctx());
         let id = response.as_ref().map(|response| response.id);

@@ -103,7 +103,8 @@ impl LightHandles {
         self.gizmo.config().pixels_per_point
     }
 
-    /// Draws the chosen light's handles, and moves or turns it as they are dragged. Returns whether it changed.
+    /// Draws the chosen light's handles, and moves or turns it as they are dragged. Returns whether
+    /// it changed.
     pub(crate) fn show(
         &mut self,
         ui: &egui::Ui,

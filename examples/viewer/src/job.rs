@@ -1,5 +1,5 @@
-//! Work that takes longer than a frame. On the desktop a thread does it. In browsers, which have none, it is done at once, or by a worker of
-//! the page.
+//! Work that takes longer than a frame. On the desktop a thread does it. In browsers, which have
+//! none, it is done at once, or by a worker of the page.
 
 use anyhow::Result;
 use std::{

@@ -47,7 +47,8 @@ const SCREENSHOT: &str = "saves a screenshot";
 #[cfg(target_arch = "wasm32")]
 const SCREENSHOT: &str = "screenshots are the browser's own";
 
-/// Keys that the panel has for itself while one of its parts has the keyboard: arrows go to the next part, and space presses.
+/// Keys that the panel has for itself while one of its parts has the keyboard: arrows go to the
+/// next part, and space presses.
 const KEYS_OF_PANEL: [Key; 7] = [
     Key::ArrowLeft,
     Key::ArrowRight,
@@ -58,7 +59,8 @@ const KEYS_OF_PANEL: [Key; 7] = [
     Key::Space,
 ];
 
-/// Lines of the help: keys, what they do, and how that is done. The mouse, keys that are held, and the panel's own keys are handled elsewhere.
+/// Lines of the help: keys, what they do, and how that is done. The mouse, keys that are held, and
+/// the panel's own keys are handled elsewhere.
 pub(crate) const KEYS: [(&str, &str, &[Bound]); 36] = {
     use With::{Any, Command, Nothing, Shift};
     [

@@ -94,14 +94,16 @@ impl EditLight {
         }
     }
 
-    /// Returns the position at which the light is drawn and dragged: its centre. Directional lights, which have no position, are marked next to
-    /// the point that the camera looks at, on the side from which they shine.
+    /// Returns the position at which the light is drawn and dragged: its centre. Directional
+    /// lights, which have no position, are marked next to the point that the camera looks at, on
+    /// the side from which they shine.
     pub(crate) fn marker(&self, looked_at: &LookedAt) -> Vec3 {
         let away = direction_of(&self.light) * looked_at.reach;
         self.light.position().unwrap_or(looked_at.point - away)
     }
 
-    /// Moves the marker. A directional light shines from there to the point that the camera looks at.
+    /// Moves the marker. A directional light shines from there to the point that the camera looks
+    /// at.
     pub(crate) fn move_marker(&mut self, to: Vec3, looked_at: &LookedAt) {
         self.light = self.light.moved_to(to);
         if let Light::Directional { direction, .. } = &mut self.light {
@@ -132,7 +134,8 @@ impl EditLight {
         !matches!(self.light, Light::Point { .. })
     }
 
-    /// Makes it another kind with the same position, direction and extent, as far as the kinds have them.
+    /// Makes it another kind with the same position, direction and extent, as far as the kinds have
+    /// them.
     pub(crate) fn retype(&mut self, kind: Kind, bounds: &Aabb) {
         if Kind::of(&self.light) == kind {
             return;
@@ -192,7 +195,8 @@ impl EditLight {
         };
     }
 
-    /// Makes a directional light a lamp from the same side whose map has perspective, or such a lamp a directional light again.
+    /// Makes a directional light a lamp from the same side whose map has perspective, or such a
+    /// lamp a directional light again.
     pub(crate) fn set_perspective(&mut self, has_perspective: bool, bounds: &Aabb) {
         let kind = if has_perspective {
             Kind::Spot

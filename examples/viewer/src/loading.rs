@@ -1,7 +1,8 @@
-//! Scenes and models are loaded in the background: the scene that is shown stays until the new one has been read, placed, uploaded, and drawn
-//! once.
+//! Scenes and models are loaded in the background: the scene that is shown stays until the new one
+//! has been read, placed, uploaded, and drawn once.
 //!
-//! On the desktop a thread does all of it. In browsers a worker reads and places; the page uploads and draws the first frame.
+//! On the desktop a thread does all of it. In browsers a worker reads and places; the page uploads
+//! and draws the first frame.
 
 use crate::{
     bookmarks::{self, Bookmark},
@@ -117,8 +118,8 @@ impl Loading {
         self.job.take()
     }
 
-    /// Returns the outcome once it is there. The call after the worker's end uploads what it made, so that a frame reports that before: the page
-    /// stands still meanwhile.
+    /// Returns the outcome once it is there. The call after the worker's end uploads what it made,
+    /// so that a frame reports that before: the page stands still meanwhile.
     #[cfg(target_arch = "wasm32")]
     pub(crate) fn take(&mut self) -> Option<Result<Loaded>> {
         if let Some(made) = self.made.take() {
@@ -169,7 +170,8 @@ impl Request {
             is_moving: false,
             is_coarse: false,
         };
-        // The first frame makes pipelines, maps and lists, so that the window's own first frame finds them. That one reports errors, too.
+        // The first frame makes pipelines, maps and lists, so that the window's own first frame
+        // finds them. That one reports errors, too.
         if let Err(error) = renderer.frame(&frame) {
             log::warn!("{}: {error:#}", self.name);
         }
@@ -205,7 +207,8 @@ impl Then {
     }
 }
 
-/// Returns an argument that names the same scene from any folder: built-in scenes keep their names, files get absolute paths.
+/// Returns an argument that names the same scene from any folder: built-in scenes keep their names,
+/// files get absolute paths.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn absolute(argument: &str) -> String {
     let is_built_in = umbrage::scenes::find(argument).is_some();

@@ -1,4 +1,5 @@
-//! A window to see shadows in: drag the lights, compare techniques side by side, measure them against rays.
+//! A window to see shadows in: drag the lights, compare techniques side by side, measure them
+//! against rays.
 
 mod app;
 mod bookmarks;

@@ -37,7 +37,8 @@ Examples:
   umbrage-viewer model.obj          a model, put on a floor in the sun
   umbrage-viewer scene.toml --left exact --right pcf";
 
-/// Shows a scene with its shadows: two techniques side by side, their errors against rays, and what they cost.
+/// Shows a scene with its shadows: two techniques side by side, their errors against rays, and what
+/// they cost.
 #[derive(Parser)]
 #[command(name = "umbrage-viewer", after_help = EXAMPLES)]
 struct Options {
@@ -49,7 +50,8 @@ struct Options {
     /// Technique of the right side.
     #[arg(long, value_name = "NAME", value_parser = technique_names())]
     right: Option<String>,
-    /// Shows the fault of this scene on the left, and its cure on the right; also of scenes in motion, such as hills-pan.
+    /// Shows the fault of this scene on the left, and its cure on the right; also of scenes in
+    /// motion, such as hills-pan.
     #[arg(long, requires = "scene", conflicts_with_all = ["left", "right"])]
     failure: bool,
     /// Size of the window, points.
@@ -103,7 +105,8 @@ pub(crate) fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<()> {
     if let Some(scene) = options.scene.as_ref().filter(|_| !options.failure) {
-        // A missing scene is reported before the window opens. An existing one may take long, and is read in the background.
+        // A missing scene is reported before the window opens. An existing one may take long, and
+        // is read in the background.
         let is_there = scenes::file_of(scene).is_some_and(|file| file.is_file());
         if scenes::find(scene).is_none() && !is_there {
             scenes::by_argument(scene)?;
@@ -152,7 +155,8 @@ struct Loss {
     unfinished: Option<String>,
 }
 
-/// Opens the window and runs until it is closed. Returns why it has to be opened again if the graphics device was lost.
+/// Opens the window and runs until it is closed. Returns why it has to be opened again if the
+/// graphics device was lost.
 fn open(options: &Options, start: Start) -> Result<Option<Loss>> {
     let size = options.size.as_vec2();
     let viewport = egui::ViewportBuilder::default()
@@ -179,7 +183,8 @@ fn open(options: &Options, start: Start) -> Result<Option<Loss>> {
     };
     let creator: eframe::AppCreator<'_> =
         Box::new(move |context| Ok(Box::new(App::new(context, start, reports_of_app)?)));
-    // The panel's painter panics if the device is lost while it paints, and leaves an event loop that can't be used again.
+    // The panel's painter panics if the device is lost while it paints, and leaves an event loop
+    // that can't be used again.
     let run = AssertUnwindSafe(|| eframe::run_native("umbrage-viewer", native, creator));
     let outcome = panic::catch_unwind(run);
     let loss = reports.lost.take();

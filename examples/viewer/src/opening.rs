@@ -8,8 +8,8 @@ use crate::{
 use umbrage::glam::UVec2;
 
 impl Viewer {
-    /// Starts to load another scene; one that is being loaded is cancelled. The present one stays until then, and for good if the other can't be
-    /// shown: a message states why.
+    /// Starts to load another scene; one that is being loaded is cancelled. The present one stays
+    /// until then, and for good if the other can't be shown: a message states why.
     pub(crate) fn open(&mut self, ctx: &egui::Context, argument: &str, then: Then) {
         self.load(ctx, argument, Source::Argument(absolute(argument)), then);
     }
@@ -81,8 +81,8 @@ impl Viewer {
         self.pace.touch();
     }
 
-    /// Opens files that were dropped on the window or the page. On the desktop, files that a scene names are read from its folder, dropped or
-    /// not.
+    /// Opens files that were dropped on the window or the page. On the desktop, files that a scene
+    /// names are read from its folder, dropped or not.
     pub(crate) fn take_files(&mut self, ctx: &egui::Context) {
         let files = ctx.input(|input| input.raw.dropped_files.clone());
         let paths: Vec<_> = files.iter().map(|file| file.path().to_owned()).collect();

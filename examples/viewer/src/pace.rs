@@ -2,8 +2,8 @@
 
 use web_time::{Duration, Instant};
 
-/// Frames per second below which the picture gets coarser while something moves, on software drivers, and on devices without timestamps: there
-/// the rate may be the display's own.
+/// Frames per second below which the picture gets coarser while something moves, on software
+/// drivers, and on devices without timestamps: there the rate may be the display's own.
 const FLUENT_WITHOUT_CLOCK: f32 = 20.0;
 /// Frames per second below which the picture gets coarser on graphics cards with timestamps.
 const FLUENT: f32 = 60.0;
@@ -106,8 +106,8 @@ impl Pace {
     }
 }
 
-/// Returns the scale at which the frame rate is reached, from the time of a frame at another scale. Time is proportional to the number of
-/// pixels: to the square of the scale.
+/// Returns the scale at which the frame rate is reached, from the time of a frame at another scale.
+/// Time is proportional to the number of pixels: to the square of the scale.
 fn wanted_scale(scale: f32, took: Duration, frames_per_second: f32) -> f32 {
     let allowed = 1.0 / frames_per_second;
     let wanted = scale * (allowed / took.as_secs_f32().max(1e-3)).sqrt();
@@ -120,7 +120,8 @@ mod tests {
 
     #[test]
     fn displays_don_t_make_cards_coarser() {
-        // Without a clock only the rate of frames is known, which may be the display's: 30, 50 or 60 a second.
+        // Without a clock only the rate of frames is known, which may be the display's: 30, 50 or
+        // 60 a second.
         for passed in [33, 20, 17].map(Duration::from_millis) {
             assert_eq!(wanted_scale(1.0, passed, FLUENT_WITHOUT_CLOCK), 1.0);
         }

@@ -1,4 +1,5 @@
-//! The motion of a failure: the camera, its projection or the light goes along a path, there and back.
+//! The motion of a failure: the camera, its projection or the light goes along a path, there and
+//! back.
 
 use crate::{camera::ViewCamera, stage::Stage};
 use umbrage::{
@@ -8,7 +9,8 @@ use umbrage::{
     scenes::motion::{Motion, MotionStep, MovingScene, jitter, texel_width},
 };
 
-/// Steps of the motion, one way: more than in the stability matrix, so that there is something to watch.
+/// Steps of the motion, one way: more than in the stability matrix, so that there is something to
+/// watch.
 const STEPS: u32 = 60;
 const STEPS_A_SECOND: f32 = 20.0;
 /// Size of the picture to whose receivers the first map is fitted, pixels.
@@ -43,7 +45,8 @@ impl UnderWay {
 }
 
 impl MotionPath {
-    /// Returns the motion of a stage seen through a camera, with maps of `map_size` texels a side. It is playing.
+    /// Returns the motion of a stage seen through a camera, with maps of `map_size` texels a side.
+    /// It is playing.
     ///
     /// # Errors
     /// Errors if no map can be fitted to what is seen.

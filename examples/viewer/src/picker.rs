@@ -1,4 +1,5 @@
-//! A list from which the keyboard chooses: typing keeps the lines with these words, arrows go up and down, Enter chooses.
+//! A list from which the keyboard chooses: typing keeps the lines with these words, arrows go up
+//! and down, Enter chooses.
 
 use crate::{
     bookmarks::{self, Bookmark},
@@ -109,7 +110,8 @@ impl Picker {
             typed.split_whitespace().all(|word| text.contains(word))
         };
         lines.retain(|line| holds(&format!("{} {}", line.label, line.summary)));
-        // The typed name, names that begin with it, and labels with the words come first. The sort is stable.
+        // The typed name, names that begin with it, and labels with the words come first. The sort
+        // is stable.
         lines.sort_by_key(|line| {
             let is_begun = line.name.starts_with(&typed) || line.label.starts_with(&typed);
             (line.name != typed, !is_begun, !holds(&line.label))

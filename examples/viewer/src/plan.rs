@@ -1,4 +1,5 @@
-//! Searches for the cheapest technique for the view. On the desktop a thread does it, in browsers a worker.
+//! Searches for the cheapest technique for the view. On the desktop a thread does it, in browsers a
+//! worker.
 
 use crate::{
     job::Job,
@@ -20,7 +21,8 @@ pub(crate) struct PlanRequest {
     pub motion: FrameMotion,
 }
 
-/// Starts a plan without the techniques that light sets refuse: a plan names what can be shown and copied.
+/// Starts a plan without the techniques that light sets refuse: a plan names what can be shown and
+/// copied.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn start(
     ctx: &egui::Context,
@@ -36,7 +38,8 @@ pub(crate) fn start(
     }))
 }
 
-/// Starts a plan without the techniques that light sets refuse: a plan names what can be shown and copied.
+/// Starts a plan without the techniques that light sets refuse: a plan names what can be shown and
+/// copied.
 #[cfg(target_arch = "wasm32")]
 pub(crate) fn start(
     ctx: &egui::Context,

@@ -1,4 +1,5 @@
-//! Reports as JSON, for tests and the curious: what is shown, its errors, and positions of the panel's parts.
+//! Reports as JSON, for tests and the curious: what is shown, its errors, and positions of the
+//! panel's parts.
 
 use crate::{lights::EditLight, measure::agreement, viewer::Viewer};
 use serde_json::{Value, json};
@@ -99,14 +100,15 @@ pub(crate) fn agreement(viewer: &Viewer) -> Value {
     json!({ "sides": [side(0), side(1)] })
 }
 
-/// Positions of the panel's parts, as screen readers receive them: tests find what they click by its words.
+/// Positions of the panel's parts, as screen readers receive them: tests find what they click by
+/// its words.
 #[derive(Default)]
 struct Widgets {
     parts: Vec<Value>,
 }
 
-/// Returns the parts of the last frame: role, label, value, and the rectangle in points as left, top, right and bottom. Nothing until the
-/// frame after the first call.
+/// Returns the parts of the last frame: role, label, value, and the rectangle in points as left,
+/// top, right and bottom. Nothing until the frame after the first call.
 pub(crate) fn widgets(ctx: &egui::Context) -> Value {
     ctx.add_plugin(Widgets::default());
     ctx.enable_accesskit();

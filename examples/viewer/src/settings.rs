@@ -72,7 +72,8 @@ pub(crate) struct Settings {
     #[serde(skip)]
     pub shows_help: bool,
     pub shows_maps: bool,
-    /// Greatest error of a plan, as a share of the error without shadows; `None` until the user chooses it.
+    /// Greatest error of a plan, as a share of the error without shadows; `None` until the user
+    /// chooses it.
     pub plan_error: Option<f32>,
     /// Motion from frame to frame, for costs.
     pub motion: FrameMotion,
@@ -162,7 +163,8 @@ impl Settings {
         let is_valid = |light: &&EditLight| light.light.validate().is_ok();
         let valid = saved.lights.iter().filter(is_valid);
         let valid: Vec<_> = valid.take(MAX_LIGHTS).copied().collect();
-        // A scene that was left in the dark stays dark; one whose lights are all broken, or were not saved, has its own.
+        // A scene that was left in the dark stays dark; one whose lights are all broken, or were
+        // not saved, has its own.
         if saved.has_lights && (!valid.is_empty() || saved.lights.is_empty()) {
             self.lights = valid;
             self.chosen = saved.chosen.min(self.lights.len().saturating_sub(1));

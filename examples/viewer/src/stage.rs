@@ -14,7 +14,8 @@ pub(crate) type OnStep<'a> = &'a dyn Fn(String) -> bool;
 /// A scene with its triangles placed. Workers of a web page hand it over as bytes.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Stage {
-    /// Name of a built-in scene, or path of a file. Empty for what was read from memory, which can't be read again.
+    /// Name of a built-in scene, or path of a file. Empty for what was read from memory, which
+    /// can't be read again.
     pub argument: String,
     pub name: String,
     pub geometry: Geometry,
@@ -59,7 +60,8 @@ impl Stage {
     /// Errors if it can't be read.
     pub(crate) fn of_argument(argument: &str, on_step: OnStep<'_>) -> Result<Option<Self>> {
         on_step("is read".to_owned());
-        // Errors of scenes print their causes themselves: `anyhow` gets the text alone, else it would repeat them.
+        // Errors of scenes print their causes themselves: `anyhow` gets the text alone, else it
+        // would repeat them.
         let scene = scenes::by_argument(argument).map_err(anyhow::Error::msg)?;
         if !on_step("its triangles are placed".to_owned()) {
             return Ok(None);

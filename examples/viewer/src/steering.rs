@@ -1,4 +1,5 @@
-//! Moves the view: by keys that are held, by the mouse over the picture, and along the path of a failure.
+//! Moves the view: by keys that are held, by the mouse over the picture, and along the path of a
+//! failure.
 
 use crate::{
     path::{FITTED, UnderWay},
@@ -19,7 +20,8 @@ impl Viewer {
         self.flight(ctx) != (Vec3::ZERO, Vec2::ZERO)
     }
 
-    /// Returns the flight by keys that are down (to the right, up and forward), and the rotation (to the right and down).
+    /// Returns the flight by keys that are down (to the right, up and forward), and the rotation
+    /// (to the right and down).
     fn flight(&self, ctx: &egui::Context) -> (Vec3, Vec2) {
         let is_typing = self.picker.is_some() || ctx.text_edit_focused();
         ctx.input(|input| {

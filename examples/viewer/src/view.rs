@@ -45,7 +45,8 @@ impl Viewer {
         Ok(())
     }
 
-    /// Draws fewer pixels while something moves and frames take long, and more again once they don't.
+    /// Draws fewer pixels while something moves and frames take long, and more again once they
+    /// don't.
     fn adapt_scale(&mut self, passed: Duration) {
         let device_type = self.render.adapter.get_info().device_type;
         if device_type == wgpu::DeviceType::Cpu || self.renderer.clock.is_none() {
@@ -94,7 +95,8 @@ impl Viewer {
     }
 }
 
-/// Returns the size of a part of the window, pixels, with the edges where the panel's painter places them.
+/// Returns the size of a part of the window, pixels, with the edges where the panel's painter
+/// places them.
 fn pixels_of(rect: Rect, pixels_per_point: f32) -> UVec2 {
     let between = |from: f32, to: f32| {
         let [from, to] = [from, to].map(|edge| (edge * pixels_per_point).round());

@@ -23,8 +23,8 @@ use umbrage::{Camera, glam::UVec2, plan::Plan};
 
 /// The scene that is shown if the user names none.
 pub(crate) const FIRST_SCENE: &str = "town";
-/// Windows less wide than this begin with the panel folded, since it would cover the picture: pixels divided by the display's scale
-/// factor.
+/// Windows less wide than this begin with the panel folded, since it would cover the picture:
+/// pixels divided by the display's scale factor.
 const NARROW: f32 = 700.0;
 
 /// State of the program.
@@ -51,7 +51,8 @@ pub(crate) struct Viewer {
     pub pace: Pace,
     /// Frames since the window was opened.
     pub frames: u64,
-    /// Camera of the last frame. Its size is smaller than the picture's while something moves and frames take long.
+    /// Camera of the last frame. Its size is smaller than the picture's while something moves and
+    /// frames take long.
     pub camera: Option<Camera>,
     /// Size of the picture in the window, pixels.
     pub pixels: UVec2,
@@ -181,7 +182,8 @@ impl Viewer {
         }
     }
 
-    /// Returns the input of a plan for the whole picture and the chosen light; `None` while that is off.
+    /// Returns the input of a plan for the whole picture and the chosen light; `None` while that is
+    /// off.
     pub(crate) fn plan_request(&self) -> Option<PlanRequest> {
         Some(PlanRequest {
             // While something moves, the last frame may have fewer pixels.
@@ -232,7 +234,8 @@ impl Viewer {
         }
     }
 
-    /// Returns whether the panel is folded. Until the user chooses, that depends on the window's width.
+    /// Returns whether the panel is folded. Until the user chooses, that depends on the window's
+    /// width.
     pub(crate) fn is_folded(&self, ctx: &egui::Context) -> bool {
         let chosen = self.settings.panel_is_folded;
         chosen.unwrap_or_else(|| is_narrow(ctx))

@@ -9,8 +9,9 @@ const STEPS: f32 = 4.0;
 /// The greatest automatic zoom: enough for 8K displays.
 const MOST: f32 = 4.0;
 
-/// Returns the zoom for a window of this size, in pixels divided by the display's scale factor. Displays of many pixels that tell a
-/// scale factor of 1 would have tiny text; small windows keep the usual size, below which text can't be read.
+/// Returns the zoom for a window of this size, in pixels divided by the display's scale factor.
+/// Displays of many pixels that tell a scale factor of 1 would have tiny text; small windows keep
+/// the usual size, below which text can't be read.
 pub(crate) fn automatic(size: Vec2) -> f32 {
     let times = (size / USUAL).min_elem();
     ((times * STEPS).floor() / STEPS).clamp(1.0, MOST)

@@ -1,4 +1,5 @@
-//! A box filter along one axis. Two of them, one after the other, make the mean of a square of texels.
+//! A box filter along one axis. Two of them, one after the other, make the mean of a square of
+//! texels.
 
 use crate::filtering::moments::stored::{Encoding, Load, Store};
 use glam::{IVec2, UVec2};
@@ -19,8 +20,9 @@ uniforms! {
     }
 }
 
-/// The filter from an image to one of the same size and format: each texel becomes the mean of its row's or column's texels up to
-/// `radius` away. The image's edge repeats. Sums run from left to right, or from top to bottom.
+/// The filter from an image to one of the same size and format: each texel becomes the mean of its
+/// row's or column's texels up to `radius` away. The image's edge repeats. Sums run from left to
+/// right, or from top to bottom.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxBlurKernel {
     /// How channels are averaged.

@@ -1,6 +1,6 @@
-//! How much light the moments of a neighbourhood's depths allow: the greatest share of it that may lie at the receiver's depth or
-//! beyond, over all distributions of depth with these moments. It is what filtering all comparisons would give, or more: what is more
-//! shows as light that leaks.
+//! How much light the moments of a neighbourhood's depths allow: the greatest share of it that may
+//! lie at the receiver's depth or beyond, over all distributions of depth with these moments. It is
+//! what filtering all comparisons would give, or more: what is more shows as light that leaks.
 
 use glam::Vec2;
 use umbrage_core::{Module, module};
@@ -8,15 +8,15 @@ use umbrage_core::{Module, module};
 /// The WGSL half.
 pub(crate) const BOUNDS: Module = module!("bounds");
 
-/// Returns the greatest share of a distribution that may lie `distance` or more from its mean on one side (Cantelli's one-sided form
-/// of Chebyshev's inequality).
+/// Returns the greatest share of a distribution that may lie `distance` or more from its mean on
+/// one side (Cantelli's one-sided form of Chebyshev's inequality).
 #[inline(always)]
 pub(crate) fn chebyshev(distance: f32, variance: f32) -> f32 {
     variance / (variance + distance * distance)
 }
 
-/// Returns `lit` with all up to `amount` darkened to 0, and the rest stretched to 0..=1 by `scale`, which is 1 / (1 - `amount`)
-/// (Lauritzen 2007, "Summed-area variance shadow maps", GPU Gems 3).
+/// Returns `lit` with all up to `amount` darkened to 0, and the rest stretched to 0..=1 by `scale`,
+/// which is 1 / (1 - `amount`) (Lauritzen 2007, "Summed-area variance shadow maps", GPU Gems 3).
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -35,8 +35,9 @@ pub(crate) fn lit_by_variance(moments: Vec2, depth: f32, least_variance: f32) ->
     if distance > 0.0 { lit } else { 1.0 }
 }
 
-/// Returns the share of light by the mean of an exponential that rises with depth, and of its square; `receiver` is the exponential
-/// of the receiver's depth. All is counted in units of that, so that squares neither overflow nor vanish.
+/// Returns the share of light by the mean of an exponential that rises with depth, and of its
+/// square; `receiver` is the exponential of the receiver's depth. All is counted in units of that,
+/// so that squares neither overflow nor vanish.
 #[inline(always)]
 pub(crate) fn lit_by_rising(moments: Vec2, receiver: f32, least_variance: f32) -> f32 {
     let scale = 1.0 / receiver;

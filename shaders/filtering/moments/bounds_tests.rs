@@ -24,7 +24,8 @@ fn mean_pair(distribution: &Distribution) -> Vec2 {
     weighed.sum()
 }
 
-/// Returns how much of a distribution is at a clip depth or beyond: what filtering comparisons would give.
+/// Returns how much of a distribution is at a clip depth or beyond: what filtering comparisons
+/// would give.
 fn lit_share(distribution: &Distribution, depth: f32) -> f32 {
     let lit = distribution.iter().filter(|&&(d, _)| d >= depth);
     lit.map(|&(_, share)| share).sum()
@@ -51,7 +52,8 @@ fn random_distribution(seed: u32, count: u32) -> Distribution {
     out
 }
 
-/// None is darker than filtered comparisons are. More moments leak less, and so does knowing where depths end.
+/// None is darker than filtered comparisons are. More moments leak less, and so does knowing where
+/// depths end.
 #[test]
 fn bounds_are_bounds_and_better_ones_leak_less() {
     let mut leaks = [0.0_f64; 3];
@@ -96,14 +98,17 @@ fn biased(moments: Vec4, bias: f32) -> Vec4 {
     moments + (Vec4::new(0.0, 0.375, 0.0, 0.375) - moments) * bias
 }
 
-/// Maps of one depth, and empty ones (whose depth is 1), darken what is nearer and light what is behind by no more than the bias allows, at
-/// any depth, and so at those where the answer is ill conditioned: those around the depth of all that isn't at the map's ends, which is
-/// the bias' depth 0 in an empty map and in one whose depth is -1.
+/// Maps of one depth, and empty ones (whose depth is 1), darken what is nearer and light what is
+/// behind by no more than the bias allows, at any depth, and so at those where the answer is ill
+/// conditioned: those around the depth of all that isn't at the map's ends, which is the bias'
+/// depth 0 in an empty map and in one whose depth is -1.
 ///
-/// The share of a distribution that lies d or more from a depth c is no more than the mean of (z - c)² over d² (Markov). Of a map of depth c
-/// that mean is the bias times (c² + 3/8). Rounding adds 5/4 of a float's epsilon: of the mean of squares, the power and the sum
-/// with the bias are rounded to half of 2^-24 each, of the mean's square the mean to that and the square once, which is five times
-/// 2^-25. Answers are 1 less a quotient, whose six operations round by half an epsilon each.
+/// The share of a distribution that lies d or more from a depth c is no more than the mean of (z -
+/// c)² over d² (Markov). Of a map of depth c that mean is the bias times (c² + 3/8). Rounding adds
+/// 5/4 of a float's epsilon: of the mean of squares, the power and the sum with the bias are
+/// rounded to half of 2^-24 each, of the mean's square the mean to that and the square once, which
+/// is five times 2^-25. Answers are 1 less a quotient, whose six operations round by half an
+/// epsilon each.
 #[test]
 fn maps_of_one_depth_err_by_their_bias_alone() {
     let epsilon = f64::from(f32::EPSILON);
@@ -123,8 +128,8 @@ fn maps_of_one_depth_err_by_their_bias_alone() {
                     worst = worst.max(error / most);
                 };
                 check(hamburger, most(distance));
-                // Nothing lies behind the depth of an empty map, so its neighbours are dark by no more than what is half as far as the bias'
-                // depths are.
+                // Nothing lies behind the depth of an empty map, so its neighbours are dark by no
+                // more than what is half as far as the bias' depths are.
                 let is_empty = depth == 1.0;
                 check(
                     hausdorff,
@@ -145,13 +150,14 @@ fn maps_of_one_depth_err_by_their_bias_alone() {
     }
 }
 
-/// What is nearer than two depths is lit, and what is behind both is dark, but for the bias: up to the map's planes, where one of the four
-/// depths of the bound meets the receiver's.
+/// What is nearer than two depths is lit, and what is behind both is dark, but for the bias: up to
+/// the map's planes, where one of the four depths of the bound meets the receiver's.
 ///
-/// With q(z) = ((z - a) (z - b))², the share that lies no nearer to a and b than z does is at most the mean of q over q(z) (Markov). The
-/// bias has a part of that mean; and rounding moves it by as much as the moments, times q's coefficients, whose sizes add up to
-/// ((1 + |a|) (1 + |b|))². A moment is rounded six times (power, share, sum and bias), and as often again on the way to the variances,
-/// each time by no more than half of 2^-24: three epsilons.
+/// With q(z) = ((z - a) (z - b))², the share that lies no nearer to a and b than z does is at most
+/// the mean of q over q(z) (Markov). The bias has a part of that mean; and rounding moves it by as
+/// much as the moments, times q's coefficients, whose sizes add up to ((1 + |a|) (1 + |b|))². A
+/// moment is rounded six times (power, share, sum and bias), and as often again on the way to the
+/// variances, each time by no more than half of 2^-24: three epsilons.
 #[test]
 fn maps_of_two_depths_err_by_their_bias_alone() {
     let epsilon = f64::from(f32::EPSILON);
@@ -246,7 +252,8 @@ fn bleeding_is_cut_off_and_the_rest_stretched() {
     assert_eq!(without_bleeding(0.3, 0.0, 1.0), 0.3);
 }
 
-/// A plane's depths, around their mean, are in shadow by half where the mean is asked about, and not at all a standard deviation nearer.
+/// A plane's depths, around their mean, are in shadow by half where the mean is asked about, and
+/// not at all a standard deviation nearer.
 #[test]
 fn a_plane_is_lit_from_a_standard_deviation_before_its_mean() {
     for half_width in [0.02_f32, 0.1] {

@@ -1,4 +1,5 @@
-// Moments as this map's images hold them. Apart from stored.wgsl, which the twin tests use without an encoding.
+// Moments as this map's images hold them. Apart from stored.wgsl, which the twin tests use without
+// an encoding.
 
 // What `ENCODING` may be: see stored.rs.
 const FLOATS = 0u;

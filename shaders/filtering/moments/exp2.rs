@@ -1,5 +1,6 @@
-//! Two to a power, with the same bits in both halves and on every driver that rounds sums and products as IEEE 754 says: shading
-//! languages leave several units in the last place of `exp` and `exp2` to the driver.
+//! Two to a power, with the same bits in both halves and on every driver that rounds sums and
+//! products as IEEE 754 says: shading languages leave several units in the last place of `exp` and
+//! `exp2` to the driver.
 
 use umbrage_core::{Module, module};
 
@@ -9,10 +10,12 @@ pub(crate) const EXP2: Module = module!("exp2");
 /// The greatest exponent by size: powers beyond are no normal numbers.
 const GREATEST_POWER: f32 = 126.0;
 
-/// Returns 2 to the power `exponent`, with a relative error below 1.3e-7; exponents beyond -126..=126 count as these.
+/// Returns 2 to the power `exponent`, with a relative error below 1.3e-7; exponents beyond
+/// -126..=126 count as these.
 ///
-/// The whole part goes into the bits of the result's exponent. The rest, -0.5 to 0.5, goes into a polynomial whose greatest relative
-/// error was made as small as degree 6 allows (2e-9, before rounding).
+/// The whole part goes into the bits of the result's exponent. The rest, -0.5 to 0.5, goes into a
+/// polynomial whose greatest relative error was made as small as degree 6 allows (2e-9, before
+/// rounding).
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,

@@ -1,5 +1,6 @@
-//! The levels of a mipmapped moment map. All are means of the first one, made in two filters as the blur is: along rows, then along
-//! columns. One image holds all levels from 1 on, so that a kernel reads two images however many there are.
+//! The levels of a mipmapped moment map. All are means of the first one, made in two filters as the
+//! blur is: along rows, then along columns. One image holds all levels from 1 on, so that a kernel
+//! reads two images however many there are.
 
 use crate::filtering::moments::{
     blur::{Add, Scale, loaded_row},
@@ -23,9 +24,10 @@ uniforms! {
 
 /// The filter that averages runs of 2, 4, 8 and so on texels.
 ///
-/// Along rows it makes, of a square image, rows of all levels side by side, the finest first. Along columns it makes of those the levels, one
-/// below the other. A level's side is the map's, halved and rounded down; where it is odd, a last row and column stand in no texel of
-/// the level. Sums run from left to right, or from top to bottom; what no level fills is 0.
+/// Along rows it makes, of a square image, rows of all levels side by side, the finest first. Along
+/// columns it makes of those the levels, one below the other. A level's side is the map's, halved
+/// and rounded down; where it is odd, a last row and column stand in no texel of the level. Sums
+/// run from left to right, or from top to bottom; what no level fills is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct HalveKernel {
     /// How channels are averaged.
@@ -177,7 +179,8 @@ mod tests {
         out
     }
 
-    /// Every texel of every level is the mean of its square of texels, of its own layer, for sides that are odd, too.
+    /// Every texel of every level is the mean of its square of texels, of its own layer, for sides
+    /// that are odd, too.
     #[test]
     fn levels_are_means_of_squares() {
         for size in [32, 43] {

@@ -1,4 +1,5 @@
-//! Hamburger's moment problem: the greatest share that may lie at a depth or beyond, by four moments, whatever depths there may be.
+//! Hamburger's moment problem: the greatest share that may lie at a depth or beyond, by four
+//! moments, whatever depths there may be.
 //!
 //! Peters and Klein 2015, "Moment shadow mapping" (I3D).
 
@@ -11,8 +12,8 @@ pub(crate) const HAMBURGER: Module = module!("hamburger");
 /// Least variance of depth, and of its square where depth says nothing of it: by both is divided.
 const LEAST_VARIANCE: f32 = 1e-9;
 
-/// Returns the number, or the nearest from -1 to 1. It takes one number and not four, so that loops over receivers become vector
-/// instructions.
+/// Returns the number, or the nearest from -1 to 1. It takes one number and not four, so that loops
+/// over receivers become vector instructions.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -22,12 +23,13 @@ pub(crate) fn bounded(x: f32) -> f32 {
     x.max(-1.0).min(1.0)
 }
 
-/// Returns what four moments say of depths z: x is their mean, y their variance, z the slope of the line that is closest to z², and w
-/// the variance of z² around that line.
+/// Returns what four moments say of depths z: x is their mean, y their variance, z the slope of the
+/// line that is closest to z², and w the variance of z² around that line.
 ///
-/// This is the Cholesky decomposition of the matrix of moments (Peters and Klein 2015, "Moment shadow mapping", algorithm 1). With depths
-/// counted from the mean, m, three polynomials are orthogonal: 1, m, and m² + t m - y, where t, the tilt, is twice the mean
-/// less the slope; their mean squares are 1, y and w.
+/// This is the Cholesky decomposition of the matrix of moments (Peters and Klein 2015, "Moment
+/// shadow mapping", algorithm 1). With depths counted from the mean, m, three polynomials are
+/// orthogonal: 1, m, and m² + t m - y, where t, the tilt, is twice the mean less the slope; their
+/// mean squares are 1, y and w.
 #[inline(always)]
 pub(crate) fn central_moments(moments: Vec4) -> Vec4 {
     // Means of numbers from -1 to 1 are such numbers; so nothing overflows, whatever is asked.
@@ -45,11 +47,12 @@ pub(crate) fn not_zero(x: f32) -> f32 {
     if x.abs() < 1e-12 { 1e-12 } else { x }
 }
 
-/// Returns the other two depths of the only distribution of three depths that has these moments and one of them at `own`: nearer first,
-/// counted from the mean like `own`.
+/// Returns the other two depths of the only distribution of three depths that has these moments and
+/// one of them at `own`: nearer first, counted from the mean like `own`.
 ///
-/// They are the zeros m of the kernel polynomial 1 + own m / y + (own² + t own - y)(m² + t m - y) / w, with the letters of
-/// [`central_moments`]. Each is computed by the formula in which nothing cancels.
+/// They are the zeros m of the kernel polynomial 1 + own m / y + (own² + t own - y)(m² + t m - y) /
+/// w, with the letters of [`central_moments`]. Each is computed by the formula in which nothing
+/// cancels.
 #[inline(always)]
 pub(crate) fn other_depths(central: Vec4, own: f32) -> Vec2 {
     let tilt = 2.0 * central.x - central.z;
@@ -59,7 +62,8 @@ pub(crate) fn other_depths(central: Vec4, own: f32) -> Vec2 {
     let c = central.w - square * central.y;
     let root = (b * b - 4.0 * square * c).max(0.0).sqrt();
     let size = (0.5 * (b.abs() + root)).max(1e-20);
-    // With the sign that b doesn't have, by its bit: so -0 and 0 are told apart alike in both halves.
+    // With the sign that b doesn't have, by its bit: so -0 and 0 are told apart alike in both
+    // halves.
     let opposite = !b.to_bits() & 0x8000_0000;
     let q = f32::from_bits(size.to_bits() | opposite);
     let first = q / a;
@@ -79,14 +83,15 @@ pub(crate) fn share_at(central: Vec4, own: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn lit_by_three(central: Vec4, own: f32, share: f32, others: Vec2) -> f32 {
     let span = ((own - others.x) * (others.y - others.x)).max(1e-20);
-    // What lies at the nearest depth: the mean of Lagrange's polynomial that is 1 there and 0 at the other two.
+    // What lies at the nearest depth: the mean of Lagrange's polynomial that is 1 there and 0 at
+    // the other two.
     let nearer = (central.y + own * others.y) / span;
     let between = if others.x < own { 1.0 - nearer } else { 1.0 };
     if others.y < own { share } else { between }
 }
 
-/// Returns the share of light at a centred depth by the first four moments of depth, whatever depths there may be: Hamburger's moment
-/// problem (Peters and Klein 2015, algorithm 2).
+/// Returns the share of light at a centred depth by the first four moments of depth, whatever
+/// depths there may be: Hamburger's moment problem (Peters and Klein 2015, algorithm 2).
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,

@@ -1,5 +1,5 @@
-//! The lookup in a map of moments. The blend of four texels is written out: samplers round as they like, and those of core WebGPU
-//! don't filter 32-bit floats.
+//! The lookup in a map of moments. The blend of four texels is written out: samplers round as they
+//! like, and those of core WebGPU don't filter 32-bit floats.
 
 use crate::{
     filtering::moments::{
@@ -36,10 +36,12 @@ const ONE_LEVEL: Module = module!("look_up_one_level");
 /// Of those with some. It reads the kernel's second image, too.
 const MIPMAPPED: Module = module!("look_up_mipmapped");
 
-/// Returns the WGSL of a kernel that looks up moments: the map's modules, those of moments, and `own`, which declares the uniforms and
-/// `fn lit_by_moments(moments: vec4f, depth: f32) -> f32`, the share of light at a centred depth, and
-/// `fn compared_depth(l: ShadowCoord, spread: f32) -> f32`, the clip depth that is asked about; a coarser level spreads the places that
-/// are averaged by `spread` texels squared. The map's uniforms must be the kernel's field `lookup`, those of its levels `mipmaps`.
+/// Returns the WGSL of a kernel that looks up moments: the map's modules, those of moments, and
+/// `own`, which declares the uniforms and `fn lit_by_moments(moments: vec4f, depth: f32) -> f32`,
+/// the share of light at a centred depth, and
+/// `fn compared_depth(l: ShadowCoord, spread: f32) -> f32`, the clip depth that is asked about; a
+/// coarser level spreads the places that are averaged by `spread` texels squared. The map's
+/// uniforms must be the kernel's field `lookup`, those of its levels `mipmaps`.
 pub(crate) fn modules(map: MomentMap<'_>, own: &[Module]) -> Vec<Module> {
     let mut modules = map.lookup.modules(&[EXP2, MOMENTS_OF_DEPTH, BOUNDS]);
     modules.extend(map.images.encoding().modules());
@@ -50,7 +52,8 @@ pub(crate) fn modules(map: MomentMap<'_>, own: &[Module]) -> Vec<Module> {
     modules
 }
 
-/// The share of light that `CHANNELS` moments allow at a depth. A trait and not a closure, as [`Taps`] is.
+/// The share of light that `CHANNELS` moments allow at a depth. A trait and not a closure, as
+/// [`Taps`] is.
 pub(crate) trait LightBound<const CHANNELS: usize> {
     /// Returns the share of light, 0..=1, at a centred depth. WGSL's `lit_by_moments`.
     fn lit(&self, moments: [f32; CHANNELS], depth: f32) -> f32;
@@ -97,8 +100,8 @@ impl MomentMap<'_> {
     }
 }
 
-/// Looks up a span of receivers in the map of moments that is the kernel's first image; its second one has the levels from 1 on, if
-/// there are any.
+/// Looks up a span of receivers in the map of moments that is the kernel's first image; its second
+/// one has the levels from 1 on, if there are any.
 pub(crate) fn look_up<const CHANNELS: usize>(
     inputs: &Inputs<'_>,
     map: MomentMap<'_>,
@@ -160,8 +163,9 @@ struct MomentLookups<'a, const CHANNELS: usize, B> {
 }
 
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups<'_, CHANNELS, B> {
-    /// In vector lanes, 1.9 to 2.9 times as fast as one receiver after the other (1280x720, `street`, a map of 2048, AVX2).
-    /// It goes over the receivers three times: for places, then for loads alone, so that many are under way at once, then for the bounds.
+    /// In vector lanes, 1.9 to 2.9 times as fast as one receiver after the other (1280x720,
+    /// `street`, a map of 2048, AVX2). It goes over the receivers three times: for places, then for
+    /// loads alone, so that many are under way at once, then for the bounds.
     #[inline(always)]
     fn visibilities(&self, batch: &Batch, _: usize, out: &mut [f32]) {
         let places = Places::new(self.finest, self.size, batch);
@@ -191,7 +195,8 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> BatchTaps for MomentLookups
 
 /// The four texels between which each receiver of a batch lies.
 struct Places {
-    /// Their numbers among all texels: top left, top right, bottom left, bottom right. 0 where a receiver is not covered.
+    /// Their numbers among all texels: top left, top right, bottom left, bottom right. 0 where a
+    /// receiver is not covered.
     texels: [Lanes<u32>; 4],
     /// The share of the right ones.
     right: Lanes<f32>,
@@ -261,8 +266,8 @@ fn blend<const CHANNELS: usize>(texels: &[[f32; CHANNELS]; 4], share: Vec2) -> [
 }
 
 impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS, B> {
-    /// Returns the shares of light that the moments allow between the texels of each receiver of a batch; `FLOATS` if these hold moments as they
-    /// are.
+    /// Returns the shares of light that the moments allow between the texels of each receiver of a
+    /// batch; `FLOATS` if these hold moments as they are.
     #[inline(always)]
     fn lit_at<const FLOATS: bool>(
         &self,
@@ -300,8 +305,8 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
         (l.depth > 1.0).then_some(0.0)
     }
 
-    /// Returns the share of light that moments allow at a receiver; a coarser level spreads the places that are averaged by `spread`
-    /// texels squared.
+    /// Returns the share of light that moments allow at a receiver; a coarser level spreads the
+    /// places that are averaged by `spread` texels squared.
     #[inline(always)]
     fn lit(&self, l: &ShadowCoord, moments: [f32; CHANNELS], spread: f32) -> f32 {
         let depth = centred(self.bound.compared_depth(l, spread));
@@ -315,7 +320,8 @@ impl<const CHANNELS: usize, B: LightBound<CHANNELS>> MomentLookups<'_, CHANNELS,
         self.between_texels(self.finest, l.texel, self.size, 0, l.layer)
     }
 
-    /// Returns the moments at a place, texels, of a level of this side that begins in a row of an image.
+    /// Returns the moments at a place, texels, of a level of this side that begins in a row of an
+    /// image.
     #[inline(always)]
     fn between_texels(
         &self,
@@ -443,7 +449,8 @@ mod tests {
         }
     }
 
-    /// Returns how many answers of batches differ from those of single receivers in `judged`, and how many were compared.
+    /// Returns how many answers of batches differ from those of single receivers in `judged`, and
+    /// how many were compared.
     fn differing<const CHANNELS: usize>(
         judged: &[[f32; CHANNELS]],
         encoding: Encoding,

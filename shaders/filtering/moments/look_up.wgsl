@@ -1,5 +1,5 @@
-// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth` are the technique's;
-// `filtered_moments` is in look_up_one_level.wgsl or look_up_mipmapped.wgsl.
+// Twin of look_up.rs: what every kernel with moments does. `lit_by_moments` and `compared_depth`
+// are the technique's; `filtered_moments` is in look_up_one_level.wgsl or look_up_mipmapped.wgsl.
 
 struct FilteredMoments {
     moments: vec4f,

@@ -14,7 +14,8 @@ use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{ImageDesc, Invalid, ReceiveKernel, Recipe, RecipeError, View};
 
-/// Greatest blur accepted, texels to each side: sums of 65 squares of the steepest exponential are still finite.
+/// Greatest blur accepted, texels to each side: sums of 65 squares of the steepest exponential are
+/// still finite.
 pub const MAX_BLUR: u32 = 32;
 
 /// Greatest light-bleeding reduction: beyond, nothing is left of penumbrae.
@@ -98,8 +99,8 @@ impl MomentImages {
         self.kind.encoding(self.precision)
     }
 
-    /// Returns the recipe of a technique that looks up such moments of the depths in `map`, with the kernel that `kernel` makes of the
-    /// map's uniforms.
+    /// Returns the recipe of a technique that looks up such moments of the depths in `map`, with
+    /// the kernel that `kernel` makes of the map's uniforms.
     ///
     /// # Errors
     /// Errors if [`ShadowMap::spaces`] does, or the blur is too wide.
@@ -122,7 +123,8 @@ impl MomentImages {
         mipmaps::check_count(mipmaps)?;
         let levels = mipmaps::levels(mipmaps, map.size);
         let spaces = map.spaces(view, blur as f32 + level_reach(levels))?;
-        // A blend of blurred depths of a plane is the plane's depth at the receiver, so the blur asks for no more room than one texel.
+        // A blend of blurred depths of a plane is the plane's depth at the receiver, so the blur
+        // asks for no more room than one texel.
         let mut maps = map.maps(&spaces, CompareMethod::Taps { reach: 0.0 });
         let desc = |label| ImageDesc {
             label,

@@ -1,7 +1,9 @@
-//! Which level of a mipmapped moment map answers a receiver: the one whose texels are as large as what a pixel spans on the map.
+//! Which level of a mipmapped moment map answers a receiver: the one whose texels are as large as
+//! what a pixel spans on the map.
 //!
-//! Williams 1983, "Pyramidal parametrics", for maps of moments: a mean of moments may be averaged further. What a pixel spans follows
-//! from the camera as uniforms and from the receiver's plane. Levels are found by comparisons and products alone, without logarithms.
+//! Williams 1983, "Pyramidal parametrics", for maps of moments: a mean of moments may be averaged
+//! further. What a pixel spans follows from the camera as uniforms and from the receiver's plane.
+//! Levels are found by comparisons and products alone, without logarithms.
 
 use glam::{Vec2, Vec3, Vec4};
 use umbrage_core::{Camera, Invalid, Module, math::dot3, module, uniforms};
@@ -9,11 +11,12 @@ use umbrage_core::{Camera, Invalid, Module, math::dot3, module, uniforms};
 /// The WGSL half.
 pub(crate) const MIPMAPS: Module = module!("mipmaps");
 
-/// Most levels of a moment map beyond its first: texels of the last one are means of 64 x 64, and sums of 64 squares of the steepest
-/// exponential are still finite.
+/// Most levels of a moment map beyond its first: texels of the last one are means of 64 x 64, and
+/// sums of 64 squares of the steepest exponential are still finite.
 pub const MAX_MIPMAPS: u32 = 6;
 
-/// Levels end at this side, texels: a lookup in the last one reaches little more than a tenth of the map.
+/// Levels end at this side, texels: a lookup in the last one reaches little more than a tenth of
+/// the map.
 const LEAST_SIDE_LOG2: u32 = 4;
 
 /// Checks a number of levels.
@@ -45,14 +48,15 @@ pub(crate) fn level_side(size: u32, level: u32) -> u32 {
     size >> level
 }
 
-/// Returns at which row a level from 1 on begins in the image that holds them one below the other, texels.
+/// Returns at which row a level from 1 on begins in the image that holds them one below the other,
+/// texels.
 #[inline(always)]
 pub(crate) fn level_start(size: u32, level: u32) -> u32 {
     (1..level).map(|finer| level_side(size, finer)).sum()
 }
 
-/// Returns how far a lookup in a level reaches beyond the receiver's own texel, texels of the map: to the end of the next texel of the
-/// level.
+/// Returns how far a lookup in a level reaches beyond the receiver's own texel, texels of the map:
+/// to the end of the next texel of the level.
 pub(crate) fn level_reach(level: u32) -> f32 {
     let side = (1_u32 << level) as f32;
     (1.5 * side - 1.0).max(1.0)
@@ -65,8 +69,8 @@ uniforms! {
         pub levels: u32,
         /// The eye (w = 1), or without perspective the unit direction to it (w = 0), world space.
         pub eye: Vec4,
-        /// xyz: unit direction from what is seen towards the image, at right angles to it. w: side of a pixel, metres: at one metre's
-        /// depth, or without perspective at any.
+        /// xyz: unit direction from what is seen towards the image, at right angles to it. w: side
+        /// of a pixel, metres: at one metre's depth, or without perspective at any.
         pub axis: Vec4,
     }
 }
@@ -104,9 +108,9 @@ impl MipmapUniforms {
 
 /// Returns the side of a square as large as what a pixel covers of the map, texels.
 ///
-/// A pixel spans the same area on all planes at its depth that lie as the image does; a surface that is slanted to the ray has that area over
-/// the cosine of the slant, which counts against the ray and not against the image's axis. The light sees that of it which faces the
-/// light.
+/// A pixel spans the same area on all planes at its depth that lie as the image does; a surface
+/// that is slanted to the ray has that area over the cosine of the slant, which counts against the
+/// ray and not against the image's axis. The light sees that of it which faces the light.
 #[inline(always)]
 pub(crate) fn texels_spanned(
     eye: Vec4,
@@ -128,8 +132,8 @@ pub(crate) fn texels_spanned(
     area.sqrt() / texel
 }
 
-/// Returns the finer one of the two levels between which a receiver lies, and how much the coarser one weighs, 0..1. Weights rise
-/// linearly between powers of two.
+/// Returns the finer one of the two levels between which a receiver lies, and how much the coarser
+/// one weighs, 0..1. Weights rise linearly between powers of two.
 #[inline(always)]
 pub(crate) fn mipmap_level(footprint: f32, levels: u32) -> Vec2 {
     let mut level = 0.0;
@@ -147,8 +151,9 @@ pub(crate) fn mipmap_level(footprint: f32, levels: u32) -> Vec2 {
     Vec2::new(level, 0.0)
 }
 
-/// Returns by how much a level spreads the places that it averages beyond those of the first level, texels²: the variance of places
-/// within a texel of s, and of the blend of two, grows by (s² - 1) / 12 and by up to (s² - 1) / 4; the next level's by four times as much.
+/// Returns by how much a level spreads the places that it averages beyond those of the first level,
+/// texels²: the variance of places within a texel of s, and of the blend of two, grows by (s² - 1)
+/// / 12 and by up to (s² - 1) / 4; the next level's by four times as much.
 #[inline(always)]
 pub(crate) fn added_variance(level: Vec2) -> f32 {
     let side = (1_u32 << level.x as u32) as f32;
@@ -193,7 +198,8 @@ mod tests {
         start + direction * ((origin - start).dot(normal) / direction.dot(normal))
     }
 
-    /// What a pixel spans is the area that its corners' rays cut out of the receiver's plane, as the light sees it.
+    /// What a pixel spans is the area that its corners' rays cut out of the receiver's plane, as
+    /// the light sees it.
     #[test]
     fn a_footprint_is_the_area_between_a_pixels_corners() {
         let texel = 0.01;
@@ -247,7 +253,8 @@ mod tests {
         }
     }
 
-    /// Places that a level averages have the variance that is said: counted for a receiver between two texels, where it is greatest.
+    /// Places that a level averages have the variance that is said: counted for a receiver between
+    /// two texels, where it is greatest.
     #[test]
     fn coarser_levels_spread_places_as_said() {
         let variance = |level: u32| {

@@ -1,4 +1,5 @@
-// Twin of mipmaps.rs: how many texels a pixel spans on the map, and which levels of a moment map answer it.
+// Twin of mipmaps.rs: how many texels a pixel spans on the map, and which levels of a moment map
+// answer it.
 
 struct MipmapUniforms {
     levels: u32,

@@ -18,8 +18,9 @@ use umbrage_core::{
 /// The WGSL half of the functions that read nothing.
 pub(crate) const MOMENTS_OF_DEPTH: Module = module!("of_depth");
 
-/// Returns a clip depth as all moments count it: from -1 at the near plane to 1 at the far plane. Around 0 the squares of floats are
-/// finest, which is where variances are small differences of large squares.
+/// Returns a clip depth as all moments count it: from -1 at the near plane to 1 at the far plane.
+/// Around 0 the squares of floats are finest, which is where variances are small differences of
+/// large squares.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -36,8 +37,9 @@ pub(crate) fn variance_moments(depth: f32) -> Vec2 {
     Vec2::new(z, z * z)
 }
 
-/// Returns a rising exponential of depth and its square, then a falling one and its square (Lauritzen and McCool 2008, "Layered
-/// variance shadow maps", where the falling one is negative). `rising` and `falling` are powers of two per unit of centred depth.
+/// Returns a rising exponential of depth and its square, then a falling one and its square
+/// (Lauritzen and McCool 2008, "Layered variance shadow maps", where the falling one is negative).
+/// `rising` and `falling` are powers of two per unit of centred depth.
 #[inline(always)]
 pub(crate) fn exponential_moments(depth: f32, rising: f32, falling: f32) -> Vec4 {
     let z = centred(depth);
@@ -46,7 +48,8 @@ pub(crate) fn exponential_moments(depth: f32, rising: f32, falling: f32) -> Vec4
     Vec4::new(up, up * up, down, down * down)
 }
 
-/// Returns depth and its second, third and fourth power (Peters and Klein 2015, "Moment shadow mapping").
+/// Returns depth and its second, third and fourth power (Peters and Klein 2015, "Moment shadow
+/// mapping").
 #[inline(always)]
 pub(crate) fn power_moments(depth: f32) -> Vec4 {
     let z = centred(depth);
@@ -127,7 +130,8 @@ pub struct MomentsKernel {
 }
 
 impl MomentsKernel {
-    /// Returns the filter that makes these moments, in that precision, of depths that take four channels each if they are `packed`.
+    /// Returns the filter that makes these moments, in that precision, of depths that take four
+    /// channels each if they are `packed`.
     pub(crate) fn new(kind: MomentKind, precision: MomentPrecision, packed: bool) -> Self {
         let (rising, falling) = match kind {
             MomentKind::Variance | MomentKind::Powers => (0.0, 0.0),

@@ -1,4 +1,5 @@
-//! How a map holds moments: as 32-bit floats, or as channels of 16 bits, which take half of the memory.
+//! How a map holds moments: as 32-bit floats, or as channels of 16 bits, which take half of the
+//! memory.
 
 use crate::shadow_map::variants::constant;
 use glam::{Vec2, Vec4};
@@ -18,7 +19,8 @@ pub enum MomentPrecision {
     /// 32-bit floats.
     #[default]
     Bits32,
-    /// Half of that. Rounding hides what is nearer to its blocker than some thousandths of the map's depth.
+    /// Half of that. Rounding hides what is nearer to its blocker than some thousandths of the
+    /// map's depth.
     Bits16,
 }
 
@@ -37,15 +39,16 @@ pub(crate) enum Encoding {
 
 /// Returns the channels, 0..=1, of centred depth and its square.
 ///
-/// Its square has half the range of a depth from -1 to 1, and so the same steps show twice as much of it; which makes of depth z the
-/// channels that Peters and Klein 2015 have for depths from 0 to 1 ("Moment shadow mapping", section 3.4).
+/// Its square has half the range of a depth from -1 to 1, and so the same steps show twice as much
+/// of it; which makes of depth z the channels that Peters and Klein 2015 have for depths from 0 to
+/// 1 ("Moment shadow mapping", section 3.4).
 #[inline(always)]
 pub(crate) fn store_variance(moments: Vec2) -> Vec2 {
     Vec2::new(moments.x * 0.5 + 0.5, moments.y)
 }
 
-/// Returns what [`store_variance`] was given. The bounds change nothing, but keep drivers from taking the 1 out of differences of such
-/// depths.
+/// Returns what [`store_variance`] was given. The bounds change nothing, but keep drivers from
+/// taking the 1 out of differences of such depths.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -63,11 +66,13 @@ const ROOT_3_BY_4_5: f32 = 0.384_900_18;
 
 /// Returns the channels, 0..=1, of four powers of centred depth.
 ///
-/// Moments of depth are close to each other, so that most of the range of four channels would never be used. An affine map gives each
-/// channel its full range over all depths: odd powers and even ones apart (Peters, Münstermann, Wetzstein, Klein 2017, "Improved moment
-/// shadow maps for translucent occluders, soft shadows and single scattering").
+/// Moments of depth are close to each other, so that most of the range of four channels would never
+/// be used. An affine map gives each channel its full range over all depths: odd powers and even
+/// ones apart (Peters, Münstermann, Wetzstein, Klein 2017, "Improved moment shadow maps for
+/// translucent occluders, soft shadows and single scattering").
 ///
-/// The bounds change nothing, but keep drivers from adding the half to one of the two products first.
+/// The bounds change nothing, but keep drivers from adding the half to one of the two products
+/// first.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -104,11 +109,12 @@ pub(crate) fn load_powers(channels: Vec4) -> Vec4 {
     moments.max(Vec4::NEG_ONE).min(Vec4::ONE)
 }
 
-/// Returns the channel, 0..=1, of a positive number: its exponent and the first eight bits of its fraction, rounded to the nearest, halves
-/// upwards, as a whole number of 65535.
+/// Returns the channel, 0..=1, of a positive number: its exponent and the first eight bits of its
+/// fraction, rounded to the nearest, halves upwards, as a whole number of 65535.
 ///
-/// Half floats of hardware end at 65504, so that exponents would end at 5.5 (Lauritzen and McCool 2008), and the error of a depth is the
-/// relative error over the exponent. Three bits of fraction less for an exponent of 40 make that error smaller.
+/// Half floats of hardware end at 65504, so that exponents would end at 5.5 (Lauritzen and McCool
+/// 2008), and the error of a depth is the relative error over the exponent. Three bits of fraction
+/// less for an exponent of 40 make that error smaller.
 #[inline(always)]
 pub(crate) fn store_exponential(value: f32) -> f32 {
     let rounded = value.to_bits().wrapping_add(0x4000) >> 15;
@@ -133,8 +139,8 @@ const POWERS_16: Module = constant!("ENCODING = POWERS_16");
 const EXPONENTIALS_16: Module = constant!("ENCODING = EXPONENTIALS_16");
 
 impl Encoding {
-    /// Returns the modules of `fn stored_moments(moments: vec4f) -> vec4f`, the channels, and of `fn loaded_moments(channels: vec4f)
-    /// -> vec4f`, the moments.
+    /// Returns the modules of `fn stored_moments(moments: vec4f) -> vec4f`, the channels, and of
+    /// `fn loaded_moments(channels: vec4f) -> vec4f`, the moments.
     pub(crate) fn modules(self) -> Vec<Module> {
         let encoding = match self {
             Self::Floats => FLOATS,
@@ -145,8 +151,9 @@ impl Encoding {
         vec![encoding, STORED, ENCODING]
     }
 
-    /// Returns how channels are to be read and written where they are averaged. Means of what affine maps make are what they make of
-    /// means, so that such channels are averaged as they are.
+    /// Returns how channels are to be read and written where they are averaged. Means of what
+    /// affine maps make are what they make of means, so that such channels are averaged as they
+    /// are.
     pub(crate) fn of_means(self) -> Self {
         match self {
             Self::Floats | Self::Variance16 | Self::Powers16 => Self::Floats,
@@ -265,7 +272,8 @@ mod tests {
         texels
     }
 
-    /// Channels of all depths lie within 0 to 1, reach both ends, and bring moments back, but for what half a step makes.
+    /// Channels of all depths lie within 0 to 1, reach both ends, and bring moments back, but for
+    /// what half a step makes.
     #[test]
     fn moments_come_back_but_for_half_a_step() {
         let half = 0.5 / 65_535.0;

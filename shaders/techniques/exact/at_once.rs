@@ -1,11 +1,13 @@
 //! The CPU's way to answer all receivers of a picture: casters ask receivers, and no list is made.
 //!
-//! The transpose of [`lookup`](super::lookup), after Johnson, Lee, Burns and Mark 2005, "The Irregular Z-Buffer", with a hierarchy over
-//! receivers as in Sintorn, Kämpe, Olsson and Assarsson 2014, "Per-Triangle Shadow Volumes Using a View-Sample Cluster Hierarchy". Each run of
-//! casters goes down boxes around receivers as the light sees them, with those of its casters that may hide the light there; the triangle test hides
-//! it from those that a caster meets. Boxes are widened by the margins of [`light_frame`](super::light_frame), so nothing that a ray
-//! meets is left out, and any caster that a ray meets hides the light: so the answer is that of `traced`, in whatever order
-//! casters come, on however many threads.
+//! The transpose of [`lookup`](super::lookup), after Johnson, Lee, Burns and Mark 2005, "The
+//! Irregular Z-Buffer", with a hierarchy over receivers as in Sintorn, Kämpe, Olsson and Assarsson
+//! 2014, "Per-Triangle Shadow Volumes Using a View-Sample Cluster Hierarchy". Each run of casters
+//! goes down boxes around receivers as the light sees them, with those of its casters that may hide
+//! the light there; the triangle test hides it from those that a caster meets. Boxes are widened by
+//! the margins of [`light_frame`](super::light_frame), so nothing that a ray meets is left out, and
+//! any caster that a ray meets hides the light: so the answer is that of `traced`, in whatever
+//! order casters come, on however many threads.
 
 mod boxes;
 mod caster_run;
@@ -25,10 +27,12 @@ use umbrage_core::{Aabb, Geometry, Receivers, Simd, SimdTask};
 /// Runs of casters that a thread takes at a time.
 const RUNS_A_TASK: usize = 16;
 
-/// Casters that are tested one by one with eight boxes at a time; more are tested together, with one box after the other.
+/// Casters that are tested one by one with eight boxes at a time; more are tested together, with
+/// one box after the other.
 const MANY: u32 = 16;
 
-/// Nodes that wait at most: seven a level and one more, and there are no more than eleven levels over 2^32 pixels.
+/// Nodes that wait at most: seven a level and one more, and there are no more than eleven levels
+/// over 2^32 pixels.
 const MOST_WAITING: usize = 80;
 
 /// Returns the light's visibility for each receiver; 1 where none is.

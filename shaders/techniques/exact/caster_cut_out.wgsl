@@ -1,5 +1,5 @@
-// The same where casters have holes: the fourth word of a caster's second row is the row of its record in the cut-outs (table_4), 0 if
-// it has none.
+// The same where casters have holes: the fourth word of a caster's second row is the row of its
+// record in the cut-outs (table_4), 0 if it has none.
 
 fn cut_out_row(i: u32) -> vec4u {
     return table_4[i];

@@ -1,10 +1,12 @@
-//! What a list item says of its caster beside its name, in one word: its box in the cell and its least depth, each in 32 steps. One
-//! subtraction compares all of them with a receiver's.
+//! What a list item says of its caster beside its name, in one word: its box in the cell and its
+//! least depth, each in 32 steps. One subtraction compares all of them with a receiver's.
 //!
-//! A word has five fields of six bits: least across, least down, 31 less greatest across, 31 less greatest down, and depth, from the
-//! lowest bits on. An item's are 0 to 31, and a receiver's likewise with 32 more. A field of the difference is 32 or more where the receiver's number is
-//! at least the item's, and always above 0, so no field borrows from the next (Lamport 1975, "Multiple Byte Processing with Full-Word
-//! Instructions"). A caster may be in a receiver's way only where all fields are.
+//! A word has five fields of six bits: least across, least down, 31 less greatest across, 31 less
+//! greatest down, and depth, from the lowest bits on. An item's are 0 to 31, and a receiver's
+//! likewise with 32 more. A field of the difference is 32 or more where the receiver's number is at
+//! least the item's, and always above 0, so no field borrows from the next (Lamport 1975, "Multiple
+//! Byte Processing with Full-Word Instructions"). A caster may be in a receiver's way only where
+//! all fields are.
 
 /// Steps of each number, as a power of two.
 pub(super) const KEY_STEPS_LOG2: u32 = 5;

@@ -1,16 +1,18 @@
-//! Where points lie as seen from an ideal light: on which face of a grid of cells, where on it, and how deep.
+//! Where points lie as seen from an ideal light: on which face of a grid of cells, where on it, and
+//! how deep.
 //!
-//! **Frame space** has the light's rays as verticals. For a sun a point is (u, v, w): two coordinates across the rays and one along
-//! them, over half the width of all casters, so that u and v are within -1 to 1. For a lamp it is the world's axes around
-//! the light, in metres.
+//! **Frame space** has the light's rays as verticals. For a sun a point is (u, v, w): two
+//! coordinates across the rays and one along them, over half the width of all casters, so that u
+//! and v are within -1 to 1. For a lamp it is the world's axes around the light, in metres.
 //!
-//! A point's **direction** is (u, v, 1) for a sun, and for a lamp the point over its greatest coordinate, which is a point of the cube
-//! around the light. Its **depth** is w less that of the nearest caster, or for a lamp that greatest coordinate's size: both grow away from
-//! the light.
+//! A point's **direction** is (u, v, 1) for a sun, and for a lamp the point over its greatest
+//! coordinate, which is a point of the cube around the light. Its **depth** is w less that of the
+//! nearest caster, or for a lamp that greatest coordinate's size: both grow away from the light.
 //!
-//! **Margins.** A list may hold too many casters, but must hold all that a ray through its cell may be found to meet. What the triangle
-//! test finds is off by some roundings of the distances in it (`ray_triangle.rs` of `umbrage-core`), and so is where coordinates are rounded
-//! to: boxes and depths are widened by more than that.
+//! **Margins.** A list may hold too many casters, but must hold all that a ray through its cell may
+//! be found to meet. What the triangle test finds is off by some roundings of the distances in it
+//! (`ray_triangle.rs` of `umbrage-core`), and so is where coordinates are rounded to: boxes and
+//! depths are widened by more than that.
 
 use umbrage_core::{
     Aabb, Geometry, Light,
@@ -18,12 +20,12 @@ use umbrage_core::{
     math::dot3,
 };
 
-/// Least margin, in units of frame space across the rays: 64 roundings of 1, the most that coordinates and the functions of
-/// outlines are wrong by (some eight of them).
+/// Least margin, in units of frame space across the rays: 64 roundings of 1, the most that
+/// coordinates and the functions of outlines are wrong by (some eight of them).
 pub(super) const LEAST_MARGIN: f32 = 1.0 / 262_144.0;
 
-/// What the triangle test of rays is wrong by at most, as a fraction of the farthest distance in the scene: 32 roundings of 2^-24, four times
-/// what `ray_triangle.rs` shows.
+/// What the triangle test of rays is wrong by at most, as a fraction of the farthest distance in
+/// the scene: 32 roundings of 2^-24, four times what `ray_triangle.rs` shows.
 const ROUNDING: f32 = 1.0 / 524_288.0;
 
 /// A sun's margin in depth over the margin across: outlines up to half as steep know their depth.
@@ -32,8 +34,8 @@ const DEPTH_OVER_WIDTH: f32 = 16.0;
 /// A lamp's margin in depth, as a fraction of depth.
 const LAMP_DEPTH_MARGIN: f32 = 1.0 / 4096.0;
 
-/// Casters nearer to a lamp than this fraction of the farthest distance in the scene may lie before the end of a ray, which
-/// stops short of the lamp by half of this.
+/// Casters nearer to a lamp than this fraction of the farthest distance in the scene may lie before
+/// the end of a ray, which stops short of the lamp by half of this.
 const AT_LAMP: f32 = 1.0 / 8192.0;
 
 /// Tiles along the longer side of a face: a power of two, at least and at most.
@@ -85,8 +87,8 @@ impl LightFrame {
         Self::around(light, &casters, &geometry.bounds(), tiles)
     }
 
-    /// Returns the frame of a light around casters in a box. `everything` is the box around all that rays start from, too; `tiles`
-    /// are those along a sun's longer side.
+    /// Returns the frame of a light around casters in a box. `everything` is the box around all
+    /// that rays start from, too; `tiles` are those along a sun's longer side.
     pub(super) fn around(light: &Light, casters: &Aabb, everything: &Aabb, tiles: u32) -> Self {
         match light.position() {
             Some(lamp) => Self::around_lamp(lamp, everything, tiles),
@@ -184,7 +186,8 @@ impl LightFrame {
         )
     }
 
-    /// Returns where a point of frame space is looked up, in the frame of a sun, or in that of a lamp on the face across `axis`.
+    /// Returns where a point of frame space is looked up, in the frame of a sun, or in that of a
+    /// lamp on the face across `axis`.
     #[inline(always)]
     pub(super) fn look_up_as<const LAMP: bool>(&self, v: Vec3, axis: u32) -> FramePoint {
         if !LAMP {
@@ -194,7 +197,8 @@ impl LightFrame {
                 depth: v.z,
             };
         }
-        // Selections instead of branches, so that a loop over receivers becomes one of vector instructions.
+        // Selections instead of branches, so that a loop over receivers becomes one of vector
+        // instructions.
         let pick = |x: f32, y: f32, z: f32| {
             if axis == 0 {
                 x
@@ -225,8 +229,9 @@ impl LightFrame {
         (self.faces() * self.tiles.x * self.tiles.y) as usize
     }
 
-    /// Returns how far, in units of a direction, a ray may pass an outline whose nearest point is `distance` from the lamp, metres (a
-    /// sun's outlines are all alike), and still be found to meet it, or to miss it.
+    /// Returns how far, in units of a direction, a ray may pass an outline whose nearest point is
+    /// `distance` from the lamp, metres (a sun's outlines are all alike), and still be found to
+    /// meet it, or to miss it.
     pub(super) fn margin(&self, distance: f32) -> f32 {
         if !self.is_lamp {
             return LEAST_MARGIN + self.rounding;
@@ -236,12 +241,14 @@ impl LightFrame {
         LEAST_MARGIN + self.rounding / (distance * COORDINATE)
     }
 
-    /// Returns whether a ray may end before it meets a caster at this distance from the lamp, metres.
+    /// Returns whether a ray may end before it meets a caster at this distance from the lamp,
+    /// metres.
     pub(super) fn is_at_lamp(&self, distance: f32) -> bool {
         distance < self.at_lamp()
     }
 
-    /// Returns the margin in depth: in units of frame space for a sun, as a fraction of the depth for a lamp.
+    /// Returns the margin in depth: in units of frame space for a sun, as a fraction of the depth
+    /// for a lamp.
     pub(super) fn depth_margin(&self) -> f32 {
         if self.is_lamp {
             LAMP_DEPTH_MARGIN
@@ -274,7 +281,8 @@ impl LightFrame {
         }
     }
 
-    /// Returns the least depth of a plane, less the margin, from the least and the greatest value of its function.
+    /// Returns the least depth of a plane, less the margin, from the least and the greatest value
+    /// of its function.
     #[inline(always)]
     pub(super) fn nearest_of_plane(&self, least: f32, greatest: f32) -> f32 {
         if self.is_lamp {
@@ -306,7 +314,8 @@ impl LightFrame {
         Vec4::select(least.cmpgt(Vec4::ZERO), farthest, Vec4::INFINITY)
     }
 
-    /// Returns the greatest depth of a plane, and the margin, from the least and the greatest value of its function.
+    /// Returns the greatest depth of a plane, and the margin, from the least and the greatest value
+    /// of its function.
     #[inline(always)]
     pub(super) fn farthest_of_plane(&self, least: f32, greatest: f32) -> f32 {
         if !self.is_lamp {

@@ -15,8 +15,8 @@ use umbrage_core::{Geometry, Light};
 /// Rows of four words.
 pub(super) type Rows = Arc<[[u32; 4]]>;
 
-/// What making and asking cost on two threads of a Xeon, nanoseconds, about: of six choices that were tried, these gave the least time of both
-/// together.
+/// What making and asking cost on two threads of a Xeon, nanoseconds, about: of six choices that
+/// were tried, these gave the least time of both together.
 const ITEM_NANOSECONDS: f32 = 12.0;
 const CELL_NANOSECONDS: f32 = 8.0;
 const TEST_NANOSECONDS: f32 = 2.0;
@@ -31,8 +31,8 @@ const KEPT_LIGHTS: usize = 4;
 
 /// Pictures of the same casters under the same light that are answered before their lists are made.
 const PICTURES_WITHOUT: u32 = 8;
-/// Fewer casters are listed and looked up about as soon as they ask receivers, or sooner: `docs/measured.md` has the frames that were
-/// timed.
+/// Fewer casters are listed and looked up about as soon as they ask receivers, or sooner:
+/// `docs/measured.md` has the frames that were timed.
 const CASTERS_WITHOUT: usize = 60_000;
 
 /// Tiles of a row.
@@ -47,13 +47,13 @@ pub(super) struct Lists {
     pub(super) frame: LightFrame,
     /// Two tiles a row: the first cell, and the cells along a side as a power of two.
     pub(super) tiles: Rows,
-    /// A row a cell, and one at the end: first item, what is deeper than this is in shadow, where steps of depth begin, and one over
-    /// their width (bits of floats).
+    /// A row a cell, and one at the end: first item, what is deeper than this is in shadow, where
+    /// steps of depth begin, and one over their width (bits of floats).
     pub(super) cells: Rows,
     /// Two items a row: caster, and its box and depth in one word.
     pub(super) items: Rows,
-    /// Three rows a caster: its corners. The fourth word of the second is the row of its record among the cut-outs, 0 if it has no
-    /// holes.
+    /// Three rows a caster: its corners. The fourth word of the second is the row of its record
+    /// among the cut-outs, 0 if it has no holes.
     pub(super) corners: Rows,
 }
 
@@ -100,7 +100,8 @@ pub(super) struct KeptLists {
 }
 
 impl KeptLists {
-    /// Returns the lists of a light over a geometry's casters: if they were asked for lately, the same.
+    /// Returns the lists of a light over a geometry's casters: if they were asked for lately, the
+    /// same.
     pub(super) fn of(light: &Light, geometry: &Geometry) -> Arc<Self> {
         let frame = LightFrame::new(light, geometry);
         // Copies of the geometry share what was made before they were, so the place for corners is.
@@ -134,8 +135,8 @@ impl KeptLists {
         }
     }
 
-    /// Returns the lists; they are made now if nobody asked before. `geometry` is that of [`of`](Self::of), or none if it was not
-    /// called.
+    /// Returns the lists; they are made now if nobody asked before. `geometry` is that of
+    /// [`of`](Self::of), or none if it was not called.
     pub(super) fn get(&self, geometry: &Geometry) -> &Lists {
         if let Some(lists) = self.made.get() {
             return lists;
@@ -145,8 +146,9 @@ impl KeptLists {
         self.made.get_or_init(|| lists)
     }
 
-    /// Counts one more picture of so many casters that have not moved. Returns whether it is to be answered without lists: they take as
-    /// long to make as some pictures without them, and only then are the quicker way.
+    /// Counts one more picture of so many casters that have not moved. Returns whether it is to be
+    /// answered without lists: they take as long to make as some pictures without them, and only
+    /// then are the quicker way.
     pub(super) fn is_answered_without(&self, casters: usize) -> bool {
         casters >= CASTERS_WITHOUT
             && self.made.get().is_none()

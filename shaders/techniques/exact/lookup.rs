@@ -1,5 +1,5 @@
-//! The CPU half of the kernel: rays are placed on the grid, and their cells found, in vector lanes; neighbours in one cell walk its list
-//! together.
+//! The CPU half of the kernel: rays are placed on the grid, and their cells found, in vector lanes;
+//! neighbours in one cell walk its list together.
 
 use super::{
     AskedCell, ExactUniforms,
@@ -52,8 +52,8 @@ pub(super) fn look_up_span(simd: Simd, asked: Asked<'_>, span: &Span<'_>, out: &
     }
 }
 
-/// Fills `out`, as long as the span, with the cells that are asked for its receivers: none where a receiver faces away from the light,
-/// or where nothing can be in its way.
+/// Fills `out`, as long as the span, with the cells that are asked for its receivers: none where a
+/// receiver faces away from the light, or where nothing can be in its way.
 pub(super) fn cells_of_span(
     uniforms: &ExactUniforms,
     lists: &Lists,
@@ -114,7 +114,8 @@ fn place(
 /// How many receivers ask a list at once: neighbours in one cell are seldom more.
 const LANES: usize = SEGMENT_LANES;
 
-/// The length of arrays with a number of each receiver of a batch: a last run that is not full reaches beyond the end.
+/// The length of arrays with a number of each receiver of a batch: a last run that is not full
+/// reaches beyond the end.
 const PADDED: usize = BATCH + LANES;
 
 /// Such an array.
@@ -170,7 +171,8 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
         let u = self.uniforms;
         let frame = *self.frame;
         let eye = u.eye.truncate();
-        // Copies, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
+        // Copies, so that the loop becomes one of vector instructions: what it writes can't be what
+        // it reads.
         let receivers = *self.receivers;
         let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
         let lamp = u.light.center.truncate();
@@ -184,7 +186,8 @@ impl<const LAMP: bool> SimdTask for Place<'_, LAMP> {
             // Receivers of a cell share the longest axis of their rays.
             let point = frame.look_up_as::<LAMP>(frame.place_as::<LAMP>(o), longest_axis(d));
             let at = (point.on_face + frame.half) * frame.tiles_a_unit;
-            // A lamp's faces end where others begin. Written so that what is not a number is outside.
+            // A lamp's faces end where others begin. Written so that what is not a number is
+            // outside.
             let is_inside = LAMP || at.x >= 0.0 && at.y >= 0.0 && at.x < wide && at.y < high;
             let x = lesser(greater(at.x, 0.0), wide * BELOW_ONE);
             let y = lesser(greater(at.y, 0.0), high * BELOW_ONE);
@@ -233,8 +236,9 @@ impl SimdTask for Answer<'_> {
         let mut runs = [Run::default(); BATCH];
         let run_count = find_runs(&places, count, &mut runs);
         let runs = &mut runs[..run_count];
-        // Memory is slow, and what is asked of it at once comes at once: so all heads are read before the first list, the first items of
-        // all lists before the rest of any, and the corners of many casters before the first test.
+        // Memory is slow, and what is asked of it at once comes at once: so all heads are read
+        // before the first list, the first items of all lists before the rest of any, and the
+        // corners of many casters before the first test.
         for run in runs.iter_mut() {
             walk.read_head(run);
         }
@@ -305,7 +309,8 @@ struct Candidate {
 /// Most candidates that wait at a time.
 const WAITING: usize = 64;
 
-/// The cells of a batch of receivers, and where in them the receivers lie, as a part of their sides.
+/// The cells of a batch of receivers, and where in them the receivers lie, as a part of their
+/// sides.
 struct CellPlaces {
     cell: Lanes<u32>,
     across: Numbers,
@@ -451,7 +456,8 @@ impl Walk<'_> {
         self.ask_candidates(&waiting[..count], runs);
     }
 
-    /// Returns the triangle on which all of some receivers lie; none of the casters if they lie on several.
+    /// Returns the triangle on which all of some receivers lie; none of the casters if they lie on
+    /// several.
     #[inline(always)]
     fn own_of_all(&self, lanes: &Range<usize>) -> u32 {
         let own = &self.own[lanes.clone()];
@@ -467,10 +473,12 @@ impl Walk<'_> {
             .is_some_and(|holes| holes.are_met(caster, corners, o()))
     }
 
-    /// Hides the light from those receivers of runs whose rays meet a candidate, their own triangle apart.
+    /// Hides the light from those receivers of runs whose rays meet a candidate, their own triangle
+    /// apart.
     #[inline(always)]
     fn ask_candidates(&self, candidates: &[Candidate], runs: &mut [Run]) {
-        // Corners lie all over memory. Reads that wait for nothing else come at once, so all are read before the first test.
+        // Corners lie all over memory. Reads that wait for nothing else come at once, so all are
+        // read before the first test.
         let mut corners = [[Vec3A::ZERO; 3]; WAITING];
         for (corners, candidate) in corners.iter_mut().zip(candidates) {
             let rows = &self.lists.corners[3 * candidate.caster as usize..][..3];

@@ -1,8 +1,10 @@
-//! Lists that a device makes itself, from vertices that only it holds: by the passes in `on_device/`.
+//! Lists that a device makes itself, from vertices that only it holds: by the passes in
+//! `on_device/`.
 //!
-//! The same tables, for the same shader. What differs: every tile has as many cells, and as many as have room; receivers are not known
-//! beforehand, so that rays are lifted off them, and margins widened, for all within a few times the casters' distance; and a caster's
-//! edges are in 32 bits, with wider margins.
+//! The same tables, for the same shader. What differs: every tile has as many cells, and as many as
+//! have room; receivers are not known beforehand, so that rays are lifted off them, and margins
+//! widened, for all within a few times the casters' distance; and a caster's edges are in 32 bits,
+//! with wider margins.
 
 use super::{
     ExactKernel, ITEM_KEY,
@@ -17,14 +19,16 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Tiles along a sun's longer side; a lamp has half as many on each of its six faces. They are all alike, so that few will do.
+/// Tiles along a sun's longer side; a lamp has half as many on each of its six faces. They are all
+/// alike, so that few will do.
 const TILES: u32 = 8;
 
 /// How far receivers are taken to be from the camera at most: this many times the farthest casters.
 const RECEIVERS_REACH: f32 = 4.0;
 
-/// Cells along a tile's side, as a power of two: 256 along a sun's longer side, and 128 on each face of a lamp. On lavapipe, in four frames,
-/// making and asking lists takes .7 to .9 of what it does with twice as many, where all casters move.
+/// Cells along a tile's side, as a power of two: 256 along a sun's longer side, and 128 on each
+/// face of a lamp. On lavapipe, in four frames, making and asking lists takes .7 to .9 of what it
+/// does with twice as many, where all casters move.
 const SIDE_LOG2: u32 = 5;
 
 uniforms! {
@@ -32,15 +36,18 @@ uniforms! {
     pub struct ListsGrid {
         /// World position of frame space's origin; w: what the triangle test is wrong by.
         pub origin: Vec4,
-        /// First row of the matrix from the world, less the origin, to frame space; w: the least margin.
+        /// First row of the matrix from the world, less the origin, to frame space; w: the least
+        /// margin.
         pub across: Vec4,
         /// The second row; w: the margin in depth.
         pub down: Vec4,
         /// The third row; w: what is subtracted from a sun's depth.
         pub away: Vec4,
-        /// Half the size of a face, across and down; tiles a unit of a direction; distance from a lamp within which casters may be anywhere.
+        /// Half the size of a face, across and down; tiles a unit of a direction; distance from a
+        /// lamp within which casters may be anywhere.
         pub face: Vec4,
-        /// Tiles of a face, across and down; whether the light is a lamp; cells along a tile's side as a power of two.
+        /// Tiles of a face, across and down; whether the light is a lamp; cells along a tile's side
+        /// as a power of two.
         pub tiles: UVec4,
     }
 }
@@ -79,8 +86,8 @@ pub(super) fn device_recipe(view: &View<'_>) -> Result<DeviceRecipe, RecipeError
     })
 }
 
-/// Returns a distance that two points of the scene are surely apart at most, metres: a power of two, so that it stays the same while camera
-/// and casters move a little.
+/// Returns a distance that two points of the scene are surely apart at most, metres: a power of
+/// two, so that it stays the same while camera and casters move a little.
 fn reach_around(view: &View<'_>) -> f32 {
     let around = view.casters.union(&Aabb::around([view.camera.eye()]));
     let farthest = RECEIVERS_REACH * around.diagonal();

@@ -1,9 +1,11 @@
-//! A triangle's outline as seen from the light: three edges, as functions that are all above 1 where a ray surely passes within the
-//! triangle, and one of them below -1 where it surely misses it; and the plane's depth. For triangles that are larger than a cell.
+//! A triangle's outline as seen from the light: three edges, as functions that are all above 1
+//! where a ray surely passes within the triangle, and one of them below -1 where it surely misses
+//! it; and the plane's depth. For triangles that are larger than a cell.
 //!
-//! Edge functions in homogeneous form (Olano and Greer 1997, "Triangle Scan Conversion using 2D Homogeneous Coordinates"): linear in
-//! a direction, whatever face of a cube it falls on, and right for triangles that reach behind the light. With h the corners' directions,
-//! the edge opposite to corner a is `h_b x h_c`; the plane is the combination of the three edges that has the corners'
+//! Edge functions in homogeneous form (Olano and Greer 1997, "Triangle Scan Conversion using 2D
+//! Homogeneous Coordinates"): linear in a direction, whatever face of a cube it falls on, and right
+//! for triangles that reach behind the light. With h the corners' directions, the edge opposite to
+//! corner a is `h_b x h_c`; the plane is the combination of the three edges that has the corners'
 //! depths (for lamps: one over them, which is linear where depth isn't).
 
 use super::light_frame::LightFrame;
@@ -12,8 +14,8 @@ use umbrage_core::{
     glam::{DVec3, Vec3, Vec4},
 };
 
-/// The factors of a direction's coordinates: `x q.x + y q.y + z q.z`, lane by lane: three edges, then the depth of the plane, or one over
-/// it around a lamp.
+/// The factors of a direction's coordinates: `x q.x + y q.y + z q.z`, lane by lane: three edges,
+/// then the depth of the plane, or one over it around a lamp.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Outline {
     pub(super) x: Vec4,
@@ -25,12 +27,14 @@ pub(super) struct Outline {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Traits {
     pub(super) outline: Outline,
-    /// Whether the plane says where the triangle lies in depth; else, as where it is steep or thin, only the triangle test does.
+    /// Whether the plane says where the triangle lies in depth; else, as where it is steep or thin,
+    /// only the triangle test does.
     pub(super) knows_depth: bool,
 }
 
 impl Outline {
-    /// Returns the same functions on a face of the cube around a lamp: factors of the coordinate across, of that down, and a summand.
+    /// Returns the same functions on a face of the cube around a lamp: factors of the coordinate
+    /// across, of that down, and a summand.
     #[inline(always)]
     pub(super) fn on_face(&self, is_lamp: bool, face: u32) -> [Vec4; 3] {
         let axes = [self.x, self.y, self.z];
@@ -82,10 +86,12 @@ pub(super) fn outline(frame: &LightFrame, corners: [Vec3; 3]) -> Traits {
     let longest = lengths.iter().copied().fold(1e-300, f64::max);
     let whole = a.dot(edges[0]);
     let sign = if whole < 0.0 { -1.0 } else { 1.0 };
-    // Along a short edge the direction is known only roughly: at its far end the error is longest / length as large.
+    // Along a short edge the direction is known only roughly: at its far end the error is longest /
+    // length as large.
     let scaled =
         [0, 1, 2].map(|i| edges[i] * (sign / (f64::from(margin) * (lengths[i] + longest))));
-    // The plane through the corners' depths. What the edges are wrong by moves it by the sum of their shares.
+    // The plane through the corners' depths. What the edges are wrong by moves it by the sum of
+    // their shares.
     let shares = [0, 1, 2].map(|i| (depths[i] - depths[0]).abs() * lengths[i]);
     let slope = shares.iter().sum::<f64>() / whole.abs();
     let relative_slope = if frame.is_lamp {

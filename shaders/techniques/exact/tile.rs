@@ -14,7 +14,8 @@ use umbrage_core::{
 /// The most cells along a tile's side, as a power of two.
 const FINEST: u32 = 7;
 
-/// Mean length of lists from which on finer cells are made, if they take fewer than so many times the items ([`WORTHWHILE`]).
+/// Mean length of lists from which on finer cells are made, if they take fewer than so many times
+/// the items ([`WORTHWHILE`]).
 const LONG: f32 = 48.0;
 const WORTHWHILE: f32 = 2.0;
 
@@ -34,7 +35,8 @@ pub(super) struct Item {
 pub(super) struct Cell {
     /// Its first item; its last one is before the next cell's first.
     pub(super) first: u32,
-    /// What is deeper is in shadow: the greatest depth, with the margin, of the nearest triangle that covers the whole cell.
+    /// What is deeper is in shadow: the greatest depth, with the margin, of the nearest triangle
+    /// that covers the whole cell.
     pub(super) covered_behind: f32,
     /// Where the steps of depth begin, and one over their width.
     pub(super) depth_base: f32,
@@ -152,7 +154,8 @@ impl Scratch {
         let [across, down, summand] = traits.outline.on_face(frame.is_lamp, grid.face);
         let at_tile = summand + across * grid.low.x + down * grid.low.y;
         let [across, down] = [across * grid.step, down * grid.step];
-        // From the value at a cell's first corner to the greatest and the least in the cell: linear functions have them at corners.
+        // From the value at a cell's first corner to the greatest and the least in the cell: linear
+        // functions have them at corners.
         let to_greatest = across.max(Vec4::ZERO) + down.max(Vec4::ZERO);
         let to_least = across.min(Vec4::ZERO) + down.min(Vec4::ZERO);
         for cell in CellRange::of(touch, side_log2).cells() {
@@ -197,7 +200,8 @@ impl Scratch {
             sorted,
             ..
         } = self;
-        // Where each cell's items go: the counts become ends, and by filling from the back beginnings.
+        // Where each cell's items go: the counts become ends, and by filling from the back
+        // beginnings.
         let mut end = 0;
         for count in counts.iter_mut() {
             end += *count;
@@ -231,8 +235,8 @@ impl Scratch {
                 0.0
             };
             for item in &list[..count] {
-                // Rounded down, and no deeper than the receiver's own step, which is found by the same arithmetic: as it grows with depth, no
-                // caster is passed over.
+                // Rounded down, and no deeper than the receiver's own step, which is found by the
+                // same arithmetic: as it grows with depth, no caster is passed over.
                 let depth = ((item.nearest - depth_base) * steps_a_depth) as u32;
                 let word = item_word(item.bounds, depth.min(KEY_STEPS as u32 - 1));
                 out.items.push([item.caster, word]);
@@ -265,10 +269,11 @@ fn sort_by_depth(list: &mut [Item]) {
     }
 }
 
-/// Returns how finely a tile is best divided: the least of what its lists cost to make, which finer cells raise, and to ask, which
-/// they lower.
+/// Returns how finely a tile is best divided: the least of what its lists cost to make, which finer
+/// cells raise, and to ask, which they lower.
 fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
-    // A triangle of area A in a box of w x h cells touches A + w + h + 1 of them in the mean (the area of its sum with a cell).
+    // A triangle of area A in a box of w x h cells touches A + w + h + 1 of them in the mean (the
+    // area of its sum with a cell).
     let steps = (1_u32 << STEPS) as f32;
     let mut widths = 0.0;
     let mut areas = 0.0;
@@ -294,7 +299,8 @@ fn best_side(touches: &[Touch], weights: &Weights) -> u32 {
             best = side_log2;
         }
     }
-    // Most receivers may lie in few tiles, as near a camera: so lists are not left long where finer cells shorten them.
+    // Most receivers may lie in few tiles, as near a camera: so lists are not left long where finer
+    // cells shorten them.
     let is_long = |side_log2: u32| items(side_log2) > LONG * cells(side_log2);
     let shortens = |side_log2: u32| items(side_log2 + 1) < WORTHWHILE * items(side_log2);
     while best < FINEST && is_long(best) && shortens(best) {

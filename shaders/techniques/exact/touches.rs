@@ -217,8 +217,8 @@ impl FaceBounds {
         }
     }
 
-    /// Returns what shows of a triangle on a face of the cube around a lamp, and a little beyond its rim; none where nothing does.
-    /// `corners` are relative to the lamp.
+    /// Returns what shows of a triangle on a face of the cube around a lamp, and a little beyond
+    /// its rim; none where nothing does. `corners` are relative to the lamp.
     pub(super) fn on_cube(face: u32, corners: [Vec3; 3], margin: f32) -> Option<Self> {
         let axis = face as usize / 2;
         let sign = if face % 2 == 1 { -1.0 } else { 1.0 };
@@ -226,7 +226,8 @@ impl FaceBounds {
         let turned =
             corners.map(|c| Vec3::new(c[(axis + 1) % 3], c[(axis + 2) % 3], sign * c[axis]));
         let rim = 1.0 + 2.0 * margin;
-        // The four sides of the pyramid that is seen through the face, a little widened: positive within.
+        // The four sides of the pyramid that is seen through the face, a little widened: positive
+        // within.
         let sides: [fn(Vec3, f32) -> f32; 4] = [
             |v, rim| v.z * rim - v.x,
             |v, rim| v.z * rim + v.x,
@@ -276,8 +277,8 @@ impl FaceBounds {
     }
 }
 
-/// Returns the part of a convex polygon where a linear function is not negative (Sutherland, Hodgman 1974, "Reentrant Polygon
-/// Clipping").
+/// Returns the part of a convex polygon where a linear function is not negative (Sutherland,
+/// Hodgman 1974, "Reentrant Polygon Clipping").
 fn clip(polygon: &[Vec3], side: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
     let mut out = Vec::new();
     for (i, &from) in polygon.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! The loops of [`Pcss`](crate::Pcss) over many receivers, with an array for each field.
 //!
-//! One vector lane per receiver: all receivers of a batch take their first tap, then all their second.
-//! Each lane adds up its taps in the shader's order, so both halves agree to the bit.
+//! One vector lane per receiver: all receivers of a batch take their first tap, then all their
+//! second. Each lane adds up its taps in the shader's order, so both halves agree to the bit.
 //! Functions with the parameter `N` compute the first `N` lanes.
 
 #![expect(
@@ -32,7 +32,8 @@ pub(crate) struct PenumbraBounds {
     pub(crate) heights: Vec3,
 }
 
-/// The [`PenumbraBounds`] of up to [`BATCH`] receivers, in the order of their [`ReceiverLanes`], an array for each field.
+/// The [`PenumbraBounds`] of up to [`BATCH`] receivers, in the order of their [`ReceiverLanes`], an
+/// array for each field.
 pub(crate) struct BoundsLanes {
     count: usize,
     /// [`PenumbraBounds::max`].
@@ -81,7 +82,8 @@ impl BoundsLanes {
     }
 }
 
-/// One tap of the pattern as each receiver shifts it: its place, -1..1, and its distance from the middle.
+/// One tap of the pattern as each receiver shifts it: its place, -1..1, and its distance from the
+/// middle.
 struct ShiftedTap {
     x: Lanes<f32>,
     y: Lanes<f32>,
@@ -105,8 +107,8 @@ impl ShiftedTap {
     }
 }
 
-/// Step 2 and 3 of [`Pcss`](crate::Pcss): returns by how much blockers are nearer to the light than each receiver in the weighted
-/// mean, clip depth; the whole search where it found none.
+/// Step 2 and 3 of [`Pcss`](crate::Pcss): returns by how much blockers are nearer to the light than
+/// each receiver in the weighted mean, clip depth; the whole search where it found none.
 #[inline(always)]
 pub(crate) fn mean_nearer(
     map: &Comparisons<'_>,
@@ -177,7 +179,8 @@ pub(crate) struct TapCounts {
     pub(crate) above: Lanes<f32>,
 }
 
-/// Step 4 and 5 of [`Pcss`](crate::Pcss): returns the counts of taps for a penumbra that `mean` makes.
+/// Step 4 and 5 of [`Pcss`](crate::Pcss): returns the counts of taps for a penumbra that `mean`
+/// makes.
 #[inline(always)]
 pub(crate) fn count_taps(
     map: &Comparisons<'_>,
@@ -232,8 +235,8 @@ fn count_taps_lanes<const N: usize>(
     TapCounts { lit, above }
 }
 
-/// Returns 1 where something hides the light's point at the tap, else 0: what is found there, or, if that is too low to be in the
-/// ray's way, what the ray passes where it is as low.
+/// Returns 1 where something hides the light's point at the tap, else 0: what is found there, or,
+/// if that is too low to be in the ray's way, what the ray passes where it is as low.
 #[inline(always)]
 fn hides<const N: usize>(
     map: &Comparisons<'_>,

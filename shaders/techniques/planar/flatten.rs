@@ -4,7 +4,8 @@ use crate::techniques::planar::matrix::exact;
 use glam::{DMat4, DVec3, DVec4};
 use umbrage_core::{Faces, Geometry, light_sample::SHORT};
 
-/// Triangles within this angle (sine) of the light's ray are seen edge-on from there and hide nothing.
+/// Triangles within this angle (sine) of the light's ray are seen edge-on from there and hide
+/// nothing.
 const EDGE_ON: f64 = 1e-6;
 
 /// The slab between a plane and the light, in which casters throw shadows on the plane.
@@ -17,8 +18,8 @@ struct Slab {
     high: f64,
 }
 
-/// Returns all casters' shadows on a plane (unit normal towards the light), as points on it. Casters are cut where they cross
-/// the plane and where they rise above the light.
+/// Returns all casters' shadows on a plane (unit normal towards the light), as points on it.
+/// Casters are cut where they cross the plane and where they rise above the light.
 pub(crate) fn flatten_casters(
     geometry: &Geometry,
     plane: DVec4,
@@ -59,7 +60,8 @@ fn add_shadow(polygon: &[DVec3], onto_plane: &DMat4, faces: &mut Faces) {
 }
 
 impl Slab {
-    /// Returns the part of a triangle inside: Sutherland and Hodgman 1974, "Reentrant polygon clipping".
+    /// Returns the part of a triangle inside: Sutherland and Hodgman 1974, "Reentrant polygon
+    /// clipping".
     fn clip(&self, corners: [DVec3; 3]) -> Vec<DVec3> {
         let heights = corners.map(|p| self.height(p));
         let all_below = heights.iter().all(|&h| h <= self.low);
@@ -91,8 +93,8 @@ impl Slab {
     }
 }
 
-/// Returns the part of a polygon where `inside` is not negative. Crossings are measured from the inner end, whichever way the
-/// edge is walked, so that neighbours get the same one.
+/// Returns the part of a polygon where `inside` is not negative. Crossings are measured from the
+/// inner end, whichever way the edge is walked, so that neighbours get the same one.
 fn cut(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     let mut out = Vec::with_capacity(polygon.len() + 1);
     for (i, &p) in polygon.iter().enumerate() {
@@ -155,7 +157,8 @@ mod tests {
         assert_eq!(shadows(through, lamp), Faces::default(), "seen edge-on");
     }
 
-    /// A triangle from below the floor to above the lamp becomes a quad on the floor, in front of the lamp.
+    /// A triangle from below the floor to above the lamp becomes a quad on the floor, in front of
+    /// the lamp.
     #[test]
     fn casters_that_cross_are_cut_on_both_sides() {
         let out = shadows(

@@ -2,14 +2,16 @@
 
 use glam::{DMat4, DVec4, Mat4, Vec4};
 
-/// Returns the matrix that maps homogeneous points to where their shadows fall on `plane`: `(plane . light) I - light plane^T`. Blinn 1988,
-/// "Me and my (fake) shadow" (Jim Blinn's corner, IEEE CG&A 8.1).
+/// Returns the matrix that maps homogeneous points to where their shadows fall on `plane`:
+/// `(plane . light) I - light plane^T`. Blinn 1988, "Me and my (fake) shadow" (Jim Blinn's corner,
+/// IEEE CG&A 8.1).
 ///
-/// `plane` is (n, d) with `n . p + d = 0` on it, n of any length; `light` is a position (w = 1) or the direction to
-/// the light (w = 0). The results are homogeneous, too: divide by w, which for a plane turned to the light is positive
-/// where there is a shadow. It is negative for points above the light, whose mirrored image on the plane is the
-/// well-known anti-shadow, and points below the plane are projected up to it: casters must be clipped to the slab
-/// between plane and light before.
+/// `plane` is (n, d) with `n . p + d = 0` on it, n of any length; `light` is a position (w = 1) or
+/// the direction to the light (w = 0). The results are homogeneous, too: divide by w, which for a
+/// plane turned to the light is positive where there is a shadow. It is negative for points above
+/// the light, whose mirrored image on the plane is the well-known anti-shadow, and points below the
+/// plane are projected up to it: casters must be clipped to the slab between plane and light
+/// before.
 pub fn planar_shadow_matrix(plane: Vec4, light: Vec4) -> Mat4 {
     exact(plane.as_dvec4(), light.as_dvec4()).as_mat4()
 }

@@ -4,8 +4,8 @@ use crate::shading::facing::turned_away;
 use glam::{DVec3, DVec4, Vec4};
 use umbrage_core::{Camera, Geometry, Receivers, View};
 
-/// Triangles lie in one plane if their corners are within this fraction of the geometry's greatest coordinate of it:
-/// 2^-20, 8 units in the last place, what placing an instance may round.
+/// Triangles lie in one plane if their corners are within this fraction of the geometry's greatest
+/// coordinate of it: 2^-20, 8 units in the last place, what placing an instance may round.
 pub(crate) const SAME_PLANE: f64 = 1.0 / 1_048_576.0;
 
 /// The plane number of triangles in no plane.
@@ -23,8 +23,8 @@ pub(crate) struct Planes {
 }
 
 impl Planes {
-    /// Returns the planes of the receiving triangles that the camera sees on the side that the light is on, the largest triangle's
-    /// first. Stops once there are more than `max_count`.
+    /// Returns the planes of the receiving triangles that the camera sees on the side that the
+    /// light is on, the largest triangle's first. Stops once there are more than `max_count`.
     pub(crate) fn find(
         view: &View<'_>,
         geometry: &Geometry,
@@ -58,7 +58,8 @@ impl Planes {
         out
     }
 
-    /// Returns the index of the plane in which a triangle lies. Adds the triangle's own plane if none of the known ones holds it.
+    /// Returns the index of the plane in which a triangle lies. Adds the triangle's own plane if
+    /// none of the known ones holds it.
     fn plane_of(&mut self, geometry: &Geometry, triangle: u32, light: Vec4) -> u32 {
         let corners = geometry.corners(triangle).map(|p| p.as_dvec3().extend(1.0));
         for (i, plane) in (0..).zip(&self.planes) {
@@ -109,7 +110,8 @@ fn facing_both(geometry: &Geometry, camera: &Camera, light: Vec4) -> Vec<u32> {
         .collect()
 }
 
-/// Returns on which side of a triangle's plane a homogeneous point or direction is: positive in front, negative behind.
+/// Returns on which side of a triangle's plane a homogeneous point or direction is: positive in
+/// front, negative behind.
 fn side(geometry: &Geometry, triangle: u32, point: Vec4) -> f64 {
     let corner = geometry.corners(triangle)[0].as_dvec3();
     let point = point.as_dvec4();

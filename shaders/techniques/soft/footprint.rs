@@ -1,10 +1,13 @@
-//! Where on the lattice boxes and triangles show, as seen from some neighbours together: bounds of rows and of places in them.
+//! Where on the lattice boxes and triangles show, as seen from some neighbours together: bounds of
+//! rows and of places in them.
 //!
-//! With P and Q from point to point and from row to row, and C towards the light's middle, the vector d leads to the point
-//! `C + P x + Q y` of the light's plane for `x = d.(Q x C) / w`, `y = d.(C x P) / w`, `w = d.(P x Q)` (Cramer's rule). Bounds of the
-//! three products over a box bound x and y. From other receivers, up to `reach` away from the one in the middle, d differs by as much;
-//! and to a lamp the way differs in length, which `slack` allows for. Cautious: what shows lies within the bounds, by a margin
-//! that is far more than what is rounded, here and in the functions of `hidden.rs`.
+//! With P and Q from point to point and from row to row, and C towards the light's middle, the
+//! vector d leads to the point `C + P x + Q y` of the light's plane for `x = d.(Q x C) / w`,
+//! `y = d.(C x P) / w`, `w = d.(P x Q)` (Cramer's rule). Bounds of the three products over a box
+//! bound x and y. From other receivers, up to `reach` away from the one in the middle, d differs by
+//! as much; and to a lamp the way differs in length, which `slack` allows for. Cautious: what shows
+//! lies within the bounds, by a margin that is far more than what is rounded, here and in the
+//! functions of `hidden.rs`.
 
 use super::{
     lattice::{Lattice, Lattices, MAX_ROWS},
@@ -71,8 +74,8 @@ impl Footprint {
         last_row: 0.0,
     };
 
-    /// `plane` is that of the receiver at `origin`; the others are up to `reach` away, and their lights' points, seen from it, up to
-    /// `shift` from its own.
+    /// `plane` is that of the receiver at `origin`; the others are up to `reach` away, and their
+    /// lights' points, seen from it, up to `shift` from its own.
     #[inline(always)]
     pub(super) fn new<const LAMP: bool>(
         origin: Vec3,
@@ -97,7 +100,8 @@ impl Footprint {
         } else {
             0.0
         };
-        // Rows that are shifted begin up to one point later, and so much lie points deeper than along their rows.
+        // Rows that are shifted begin up to one point later, and so much lie points deeper than
+        // along their rows.
         let row_shift = Vec2::new(lattices.shift, lattices.shift / lattices.rows as f32);
         let cell = Mat2::from_cols(lattice.step, lattice.rise);
         let middle = -(cell.inverse() * lattice.origin);
@@ -109,7 +113,8 @@ impl Footprint {
             middle,
             margin: from_distance + MARGIN + row_shift,
             slack: [1.0 - slack, 1.0 + slack],
-            // Seen from the side, or of no extent, it bounds nothing; the comparison is false of what is not a number.
+            // Seen from the side, or of no extent, it bounds nothing; the comparison is false of
+            // what is not a number.
             is_bounded: slack < MOST_SLACK && largest < 1e6,
             last_row: (lattices.rows - 1) as f32,
         }
@@ -181,7 +186,8 @@ impl Footprint {
         )
     }
 
-    /// Returns the rows of the first three things that were bounded, and of all that lies between them.
+    /// Returns the rows of the first three things that were bounded, and of all that lies between
+    /// them.
     #[inline(always)]
     pub(super) fn part_of_three(&self, bounds: &Bounds) -> Part {
         if bounds.anywhere & 0b111 != 0 {

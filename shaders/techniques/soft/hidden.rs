@@ -1,20 +1,25 @@
-//! What a triangle hides of a light from one point: linear functions over the light's plane, evaluated for whole rows of points.
+//! What a triangle hides of a light from one point: linear functions over the light's plane,
+//! evaluated for whole rows of points.
 //!
-//! With the corners a, b, c relative to the receiver, the ray along d passes the triangle if d lies on the same side of the three
-//! planes through the receiver and an edge: if `(a x (b - a)) . d` and so on have the sign of the volume `a . ((b - a) x (c - a))`
-//! (Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", in homogeneous form). The rays to a light's points
-//! are linear in two coordinates ([`LightPlane`]), and so are these functions, and that which tells whether the triangle's plane
-//! comes before the light.
+//! With the corners a, b, c relative to the receiver, the ray along d passes the triangle if d lies
+//! on the same side of the three planes through the receiver and an edge: if `(a x (b - a)) . d`
+//! and so on have the sign of the volume `a . ((b - a) x (c - a))` (Möller and Trumbore 1997,
+//! "Fast, Minimum Storage Ray/Triangle Intersection", in homogeneous form). The rays to a light's
+//! points are linear in two coordinates ([`LightPlane`]), and so are these functions, and that
+//! which tells whether the triangle's plane comes before the light.
 //!
-//! * A function that is negative all over the light: the triangle hides nothing of it, and no sample is needed.
-//! * Else, row by row: each function changes its sign at one place of a row, and a row's hidden points are a run of bits
-//!   (Kalbertodt's bit masks, 2023, one row at a time; Eisemann and Décoret 2007, "Visibility Sampling on GPU and Applications", sample
-//!   light sources by bit masks of edges, too).
+//! * A function that is negative all over the light: the triangle hides nothing of it, and no
+//!   sample is needed.
+//! * Else, row by row: each function changes its sign at one place of a row, and a row's hidden
+//!   points are a run of bits (Kalbertodt's bit masks, 2023, one row at a time; Eisemann and
+//!   Décoret 2007, "Visibility Sampling on GPU and Applications", sample light sources by bit masks
+//!   of edges, too).
 //!
-//! **No gaps.** Corners are taken in one order by all triangles ([`sorted`]), so neighbours have the same function for the edge between
-//! them, but for its sign, to the last bit; where it is 0, both hide the point. **Not from afar.** An edge's function takes the edge's
-//! own vector, whose error is in proportion to its length: so where a triangle is small or far away its functions err by a few
-//! roundings of the distance, not of its inverse.
+//! **No gaps.** Corners are taken in one order by all triangles ([`sorted`]), so neighbours have
+//! the same function for the edge between them, but for its sign, to the last bit; where it is 0,
+//! both hide the point. **Not from afar.** An edge's function takes the edge's own vector, whose
+//! error is in proportion to its length: so where a triangle is small or far away its functions err
+//! by a few roundings of the distance, not of its inverse.
 
 use super::{
     lattice::{Lattice, MAX_ROWS},
@@ -137,7 +142,8 @@ impl Seers {
     }
 }
 
-/// A linear function over the light's plane, one for each receiver: points may be hidden where it is not negative.
+/// A linear function over the light's plane, one for each receiver: points may be hidden where it
+/// is not negative.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Functions {
     middle: Numbers,
@@ -160,7 +166,8 @@ impl Functions {
         self.along_v[lane] = dot3(normal, vector_of(&seers.v, lane));
     }
 
-    /// Returns by how much the function differs from its value in the middle at most, from -1 to 1 both ways.
+    /// Returns by how much the function differs from its value in the middle at most, from -1 to 1
+    /// both ways.
     #[inline(always)]
     fn reach(&self, lane: usize) -> f32 {
         self.along_u[lane].abs() + self.along_v[lane].abs()
@@ -191,8 +198,8 @@ impl Cuts {
         Self { functions, inverse }
     }
 
-    /// Lessens a row's runs of places, from `since` to `until`, to those where the functions are not negative. `first` is the row's first
-    /// point.
+    /// Lessens a row's runs of places, from `since` to `until`, to those where the functions are
+    /// not negative. `first` is the row's first point.
     #[inline(always)]
     fn cut(&self, first: Vec2, since: &mut Numbers, until: &mut Numbers) {
         let f = &self.functions;
@@ -263,8 +270,8 @@ impl Shade {
         may_hide: [0; LANES],
     };
 
-    /// Finds the functions of a triangle. Returns whether it may hide something from those who are `asking` (all bits set). `LAMP`: the
-    /// light has a position.
+    /// Finds the functions of a triangle. Returns whether it may hide something from those who are
+    /// `asking` (all bits set). `LAMP`: the light has a position.
     #[inline(always)]
     pub(super) fn find<const LAMP: bool>(
         &mut self,
@@ -346,7 +353,8 @@ fn run_of_bits(since: f32, until: f32) -> u32 {
     1_u32.wrapping_shl(after).wrapping_sub(1) & !1_u32.wrapping_shl(first).wrapping_sub(1)
 }
 
-/// Returns a whole number from 0 on as an integer: 2^23 more has it in its lowest bits, a conversion that knows no bounds.
+/// Returns a whole number from 0 on as an integer: 2^23 more has it in its lowest bits, a
+/// conversion that knows no bounds.
 #[inline(always)]
 fn whole(x: f32) -> u32 {
     const WHOLE: f32 = 8_388_608.0;
@@ -404,7 +412,8 @@ mod tests {
         std::array::from_fn(|lane| std::array::from_fn(|row| open[row][lane]))
     }
 
-    /// What is hidden is what double precision finds of each point, but for points at the rim; a lamp's casters end at the lamp.
+    /// What is hidden is what double precision finds of each point, but for points at the rim; a
+    /// lamp's casters end at the lamp.
     #[test]
     fn bits_are_those_of_single_rays() {
         let lattices = Lattices::new(Domain::Square, 15);
@@ -454,7 +463,8 @@ mod tests {
         Some(slack.iter().all(|&s| s > 0.0))
     }
 
-    /// Two triangles with a common edge leave no point of it open, and what both hide together hangs on no order.
+    /// Two triangles with a common edge leave no point of it open, and what both hide together
+    /// hangs on no order.
     #[test]
     fn neighbours_leave_no_gap() {
         let lattices = Lattices::new(Domain::Disc, 31);

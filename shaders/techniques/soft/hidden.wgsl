@@ -17,7 +17,8 @@ fn function_reach(f: Function) -> f32 {
     return abs(f.along_u) + abs(f.along_v);
 }
 
-// Where along a row a function changes its sign: a root, and whether the function is not negative from there on, or up to there.
+// Where along a row a function changes its sign: a root, and whether the function is not negative
+// from there on, or up to there.
 struct Cut {
     f: Function,
     inverse: f32,
@@ -48,7 +49,8 @@ fn run_of_bits(since: f32, until: f32) -> u32 {
     return ((1u << after) - 1u) & ~((1u << first) - 1u);
 }
 
-// The light's points that nothing is known to hide, a word for each row; and the rows that have any.
+// The light's points that nothing is known to hide, a word for each row; and the rows that have
+// any.
 //
 // Loops are kept short here: see `SHORT_LOOPS` in umbrage-wgpu's drivers.rs.
 var<private> open: array<u32, MAX_ROWS>;
@@ -73,7 +75,8 @@ fn is_part_open(part: Part) -> bool {
     return (rows & (rows - 1u)) != 0u;
 }
 
-// What of the light lies above a receiver's plane is open, as far as the lattice has points there. Returns whether any is.
+// What of the light lies above a receiver's plane is open, as far as the lattice has points there.
+// Returns whether any is.
 fn open_above_horizon(normal: vec3f, plane: LightPlane, lattice: Lattice) -> bool {
     let height = function_across(normal, plane);
     if !(height.middle + function_reach(height) > 0.0) {
@@ -90,7 +93,8 @@ fn open_above_horizon(normal: vec3f, plane: LightPlane, lattice: Lattice) -> boo
     return open_rows != 0u;
 }
 
-// Hides what a triangle hides. What it hides of what its outline covers is said in no_holes.wgsl or holes.wgsl.
+// Hides what a triangle hides. What it hides of what its outline covers is said in no_holes.wgsl or
+// holes.wgsl.
 fn hide(f: Footprint, plane: LightPlane, lattice: Lattice, row: u32) {
     let a_at = bitcast<vec3f>(table_1[row].xyz);
     let b_at = bitcast<vec3f>(table_1[row + 1u].xyz);

@@ -1,7 +1,8 @@
-//! Holes of casters: a triangle hides no point of the light whose ray passes it in a hole that an alpha texture cut out.
+//! Holes of casters: a triangle hides no point of the light whose ray passes it in a hole that an
+//! alpha texture cut out.
 //!
-//! Which points a triangle's outline covers is found row by row (`hidden.rs`); those of a triangle with holes are asked one by one, by
-//! the rule that rays have (core's `cut_out.rs`).
+//! Which points a triangle's outline covers is found row by row (`hidden.rs`); those of a triangle
+//! with holes are asked one by one, by the rule that rays have (core's `cut_out.rs`).
 
 use super::{
     hidden::{LANES, Seers, Shade, Words},

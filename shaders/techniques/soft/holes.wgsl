@@ -1,5 +1,6 @@
-// Twin of holes.rs: what a triangle hides where casters have holes (table_4). table_3 has the triangles as rays meet them: the fourth word of
-// one's second row is the row of its record in the table of holes, 0 if it has none.
+// Twin of holes.rs: what a triangle hides where casters have holes (table_4). table_3 has the
+// triangles as rays meet them: the fourth word of one's second row is the row of its record in the
+// table of holes, 0 if it has none.
 //
 // Points are asked four a turn, as turns are few (hidden.wgsl).
 

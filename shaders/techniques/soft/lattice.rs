@@ -1,12 +1,14 @@
-//! The points of a light at which its visibility is asked: lattices in rows, another one for each group of a few neighbouring pixels.
+//! The points of a light at which its visibility is asked: lattices in rows, another one for each
+//! group of a few neighbouring pixels.
 //!
-//! A row's points are a line's, evenly spaced. So what a linear function hides of a row is all up to some point or all from some point
-//! on, and a division finds it for the whole row.
+//! A row's points are a line's, evenly spaced. So what a linear function hides of a row is all up
+//! to some point or all from some point on, and a division finds it for the whole row.
 //!
-//! Over a disc: a square lattice, turned by an angle of its own and shifted. Over a parallelogram: rows that rise by one row's height
-//! from end to end and begin a golden section of a step further each, so that no two points have the same coordinates; mirrored, and
-//! rows and columns exchanged. Of straight edges in random places both err by about
-//! [`ERROR_OF_ONE`] times the number of points to the power of -3/4, as scrambled (0, 2)-nets do.
+//! Over a disc: a square lattice, turned by an angle of its own and shifted. Over a parallelogram:
+//! rows that rise by one row's height from end to end and begin a golden section of a step further
+//! each, so that no two points have the same coordinates; mirrored, and rows and columns exchanged.
+//! Of straight edges in random places both err by about [`ERROR_OF_ONE`] times the number of points
+//! to the power of -3/4, as scrambled (0, 2)-nets do.
 
 use std::sync::Arc;
 use umbrage_core::{
@@ -27,8 +29,9 @@ pub(super) const LATTICES: u32 = 64;
 /// Rows of a table before those of a lattice's own rows.
 const HEAD: usize = 2;
 
-/// The root mean square error at straight edges is about this times the points to the power of [`ERROR_POWER`]: simulated over 3,000
-/// random edges each for 8 and 16 rows, .33 to .35 over discs, .35 to .40 over squares (.11 to .14 for edges along their sides).
+/// The root mean square error at straight edges is about this times the points to the power of
+/// [`ERROR_POWER`]: simulated over 3,000 random edges each for 8 and 16 rows, .33 to .35 over
+/// discs, .35 to .40 over squares (.11 to .14 for edges along their sides).
 pub(super) const ERROR_OF_ONE: f32 = 0.35;
 
 /// The power of the number of points with which errors at straight edges fall.
@@ -37,8 +40,8 @@ pub(super) const ERROR_POWER: f32 = 0.75;
 /// Divides a circle, or a step, so that multiples are spread evenly: one over the golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// One over the root of x^3 = x + 1, and its square: likewise in two dimensions (Roberts 2018, "The Unreasonable Effectiveness of
-/// Quasirandom Sequences").
+/// One over the root of x^3 = x + 1, and its square: likewise in two dimensions (Roberts 2018, "The
+/// Unreasonable Effectiveness of Quasirandom Sequences").
 const PLASTIC: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
 
 /// What the points are spread over.
@@ -117,8 +120,8 @@ impl Lattices {
         (crossed as f32 / points as f32).min(1.0)
     }
 
-    /// Returns them as rows of a table: for each lattice its step and rise, its origin and number of points, then each row's first
-    /// point and bits.
+    /// Returns them as rows of a table: for each lattice its step and rise, its origin and number
+    /// of points, then each row's first point and bits.
     pub(super) fn table(&self) -> Vec<[u32; 4]> {
         let mut out = Vec::with_capacity(self.all.len() * (HEAD + self.rows as usize));
         for lattice in self.all.iter() {
@@ -148,8 +151,8 @@ pub(super) fn rows_for(error: f32, domain: Domain) -> u32 {
     (rows.ceil() as u32).clamp(1, MAX_ROWS as u32)
 }
 
-/// Returns a lattice over the points that `holds` holds. `at` places a row's point, both counted as numbers with fractions; row `row`
-/// is shifted by `shift(row)` points.
+/// Returns a lattice over the points that `holds` holds. `at` places a row's point, both counted as
+/// numbers with fractions; row `row` is shifted by `shift(row)` points.
 fn lattice(
     rows: u32,
     at: impl Fn(f64, f64) -> DVec2,
@@ -260,7 +263,8 @@ mod tests {
         out
     }
 
-    /// Root mean square errors over all lattices and edges in all directions are what is promised, and bounded.
+    /// Root mean square errors over all lattices and edges in all directions are what is promised,
+    /// and bounded.
     #[test]
     fn edges_err_as_promised() {
         for domain in [Domain::Disc, Domain::Square] {

@@ -1,4 +1,5 @@
-//! A light as seen from a receiver: the plane in which its points lie, so that what hides them is a linear function of two coordinates.
+//! A light as seen from a receiver: the plane in which its points lie, so that what hides them is a
+//! linear function of two coordinates.
 
 use super::lattice::Domain;
 use umbrage_core::{
@@ -12,8 +13,8 @@ use umbrage_core::{
 /// The WGSL half.
 pub(super) const LIGHT_PLANE: Module = module!("soft_light_plane", "light_plane.wgsl");
 
-/// Vectors from a receiver: the light's point (x, y) of the unit disc, or from -1 to 1 both ways, is at
-/// `center + u * x + v * y`. Those to suns have no length that means anything.
+/// Vectors from a receiver: the light's point (x, y) of the unit disc, or from -1 to 1 both ways,
+/// is at `center + u * x + v * y`. Those to suns have no length that means anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LightPlane {
     pub(super) center: Vec3,
@@ -77,7 +78,8 @@ pub(super) fn domain_of(s: &LightSampler) -> Domain {
     }
 }
 
-/// Returns how far the light reaches from its middle along each axis: metres, or for suns as a part of the way.
+/// Returns how far the light reaches from its middle along each axis: metres, or for suns as a part
+/// of the way.
 pub(super) fn spread_of(s: &LightSampler, slope: f32) -> Vec3 {
     let u = s.half_u.truncate().abs();
     let v = s.half_v.truncate().abs();

@@ -1,7 +1,8 @@
 //! The CPU half of the kernel: neighbours walk through the hierarchy together, in vector lanes.
 //!
-//! The walk leaves out what shows only where nothing is open any more on the lattice of any of them: so behind casters that hide a lot
-//! it ends soon, and of a fine mesh it looks at those triangles alone that may hide a point.
+//! The walk leaves out what shows only where nothing is open any more on the lattice of any of
+//! them: so behind casters that hide a lot it ends soon, and of a fine mesh it looks at those
+//! triangles alone that may hide a point.
 
 use super::{
     SoftUniforms,
@@ -111,7 +112,8 @@ struct Walk<'a, const LAMP: bool> {
 }
 
 impl<'a, const LAMP: bool> Walk<'a, LAMP> {
-    /// Takes `count` receivers of a span from `first` on. What of the light lies below a receiver's own plane is hidden.
+    /// Takes `count` receivers of a span from `first` on. What of the light lies below a receiver's
+    /// own plane is hidden.
     #[inline(always)]
     fn begin(
         search: &Search<'a>,
@@ -341,7 +343,8 @@ mod tests {
         (material, texture)
     }
 
-    /// Triangles of all sizes in a ball, among them thin ones and some with common corners. Half of those with holes have them.
+    /// Triangles of all sizes in a ball, among them thin ones and some with common corners. Half of
+    /// those with holes have them.
     fn soup(state: &mut u32, scale: f32, has_holes: bool) -> Geometry {
         let mut positions = Vec::new();
         for i in 0..400 {
@@ -557,7 +560,8 @@ mod tests {
         all
     }
 
-    /// Walks find what all casters in turn hide, and what rays find: these differ at the rims of triangles, where either may be right.
+    /// Walks find what all casters in turn hide, and what rays find: these differ at the rims of
+    /// triangles, where either may be right.
     #[test]
     fn walks_leave_nothing_out() {
         for has_holes in [false, true] {

@@ -1,15 +1,16 @@
 //! The part of shadow volumes' walls that lies in the picture.
 //!
-//! Walls reach beyond all there is, so that devices clip most of them at the picture's borders. Some then round the clipped ends of
-//! neighbours apart, or leave out walls too thin for their grid of sub-pixels, and a pixel between the two is counted wrong. So
-//! walls begin and end at the border already, at points that neighbours share.
+//! Walls reach beyond all there is, so that devices clip most of them at the picture's borders.
+//! Some then round the clipped ends of neighbours apart, or leave out walls too thin for their grid
+//! of sub-pixels, and a pixel between the two is counted wrong. So walls begin and end at the
+//! border already, at points that neighbours share.
 
 use glam::{DMat4, DVec3, DVec4, UVec2};
 use std::collections::HashMap;
 use umbrage_core::LightSpace;
 
-/// How far inside of the picture's border walls end, pixels: beyond the outermost pixels' centres, and more than any device's grid
-/// of sub-pixels moves a vertex.
+/// How far inside of the picture's border walls end, pixels: beyond the outermost pixels' centres,
+/// and more than any device's grid of sub-pixels moves a vertex.
 const MARGIN: f64 = 0.25;
 
 /// The picture, a margin narrower, as the inner sides of planes through the eye.
@@ -80,12 +81,13 @@ impl ClipWindow {
         }
     }
 
-    /// Returns the part within the picture of the edge between two points; `None` if no part of it is. Clips as Cyrus and Beck 1978,
-    /// "Generalized two- and three-dimensional clipping".
+    /// Returns the part within the picture of the edge between two points; `None` if no part of it
+    /// is. Clips as Cyrus and Beck 1978, "Generalized two- and three-dimensional clipping".
     pub(crate) fn visible_part(&self, from: DVec3, to: DVec3) -> Option<VisiblePart<DVec3>> {
         let from = from.extend(1.0);
         let towards = to.extend(1.0) - from;
-        // At `from + s * towards`, the distance to a plane is `distance + s * growth`; it is 0 at the crossing.
+        // At `from + s * towards`, the distance to a plane is `distance + s * growth`; it is 0 at
+        // the crossing.
         let mut enters: Option<Crossing<f64>> = None;
         let mut leaves: Option<Crossing<f64>> = None;
         for (plane, normal) in self.planes.iter().enumerate() {
@@ -117,7 +119,8 @@ impl ClipWindow {
 
 #[cfg(test)]
 impl ClipWindow {
-    /// Whether an edge lies outside of a plane, or on it but for the rounding of its ends to 32 bits.
+    /// Whether an edge lies outside of a plane, or on it but for the rounding of its ends to 32
+    /// bits.
     pub(crate) fn hides(&self, edge: [DVec4; 2]) -> bool {
         self.planes.iter().any(|plane| {
             edge.iter()
@@ -131,8 +134,8 @@ impl ClipWindow {
 pub(crate) struct VisibleParts(HashMap<u32, VisiblePart<u32>>);
 
 impl VisibleParts {
-    /// Returns the part of the edge that begins at a vertex. Calls `find` for each vertex once, and `add` for each point where the
-    /// edge is cut, to make a vertex of it.
+    /// Returns the part of the edge that begins at a vertex. Calls `find` for each vertex once, and
+    /// `add` for each point where the edge is cut, to make a vertex of it.
     pub(crate) fn of(
         &mut self,
         vertex: u32,

@@ -1,5 +1,6 @@
-//! Depth clamping for faces that reach beyond all there is: what lies beyond a plane across the view is flattened onto it, along the view.
-//! Seen without perspective it stays where it is, and closed surfaces stay closed.
+//! Depth clamping for faces that reach beyond all there is: what lies beyond a plane across the
+//! view is flattened onto it, along the view. Seen without perspective it stays where it is, and
+//! closed surfaces stay closed.
 
 use crate::techniques::infinite_far::FarClampPlane;
 use glam::DVec3;
@@ -132,7 +133,8 @@ mod tests {
         assert_eq!(flatten(&faces, &BACKDROP), faces);
     }
 
-    /// A wall from two points 4 m away to one 14 m away, slanted: cut at 10 m, at x = 12, and flat from there on.
+    /// A wall from two points 4 m away to one 14 m away, slanted: cut at 10 m, at x = 12, and flat
+    /// from there on.
     #[test]
     fn walls_beyond_are_cut_and_laid_flat() {
         let vertices = vec![

@@ -1,12 +1,14 @@
 //! Shadow volumes of a silhouette, as faces to draw.
 //!
-//! Crow 1977, "Shadow algorithms for computer graphics"; McGuire, Hughes, Egan, Kilgard and Everitt 2003, "Fast,
-//! practical and robust shadows": walls from edges to beyond all there is, and caps at both ends.
+//! Crow 1977, "Shadow algorithms for computer graphics"; McGuire, Hughes, Egan, Kilgard and Everitt
+//! 2003, "Fast, practical and robust shadows": walls from edges to beyond all there is, and caps at
+//! both ends.
 //!
-//! Those papers end the volumes at infinity, by vertices with w = 0. An edge between two of these that crosses the eye's plane
-//! has clip z = w = 0 there. Hardware clips at the near plane first, and so makes a vertex of that point; rounding takes its w
-//! to either side of 0. An NVIDIA H200 then loses the depth of the face, and a quarter of a picture falls into a false shadow
-//! (the CPU backend's `Clipping::ZeroWBehind` does the same). So all vertices here are finite.
+//! Those papers end the volumes at infinity, by vertices with w = 0. An edge between two of these
+//! that crosses the eye's plane has clip z = w = 0 there. Hardware clips at the near plane first,
+//! and so makes a vertex of that point; rounding takes its w to either side of 0. An NVIDIA H200
+//! then loses the depth of the face, and a quarter of a picture falls into a false shadow (the CPU
+//! backend's `Clipping::ZeroWBehind` does the same). So all vertices here are finite.
 
 use crate::techniques::volumes::{
     clip_window::{ClipWindow, Crossing, VisiblePart, VisibleParts},
@@ -15,8 +17,8 @@ use crate::techniques::volumes::{
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use umbrage_core::{Aabb, Faces};
 
-/// Returns the volumes' faces, counter-clockwise seen from outside, which end `reach` metres beyond their casters. Each wall comes as
-/// often as its edge counts, as far as it lies within the window.
+/// Returns the volumes' faces, counter-clockwise seen from outside, which end `reach` metres beyond
+/// their casters. Each wall comes as often as its edge counts, as far as it lies within the window.
 pub(crate) fn extrude(
     mesh: &Welded,
     silhouette: &Silhouette,
@@ -58,11 +60,12 @@ fn moved_away(p: Vec3, light: DVec4, reach: f64) -> Vec4 {
     moved.as_vec3().extend(1.0)
 }
 
-/// Far caps come no nearer than this fraction of the volumes' reach: a smaller one would take precision from the vertices.
+/// Far caps come no nearer than this fraction of the volumes' reach: a smaller one would take
+/// precision from the vertices.
 const MIN_NEAREST: f64 = 1.0 / 1024.0;
 
-/// Returns a distance from their casters at which volumes may end, metres: their far caps lie beyond the bounds of the scene, as
-/// seen from the light.
+/// Returns a distance from their casters at which volumes may end, metres: their far caps lie
+/// beyond the bounds of the scene, as seen from the light.
 pub(crate) fn beyond_all(
     bounds: &Aabb,
     mesh: &Welded,
@@ -111,7 +114,8 @@ fn distance_to_triangle(corners: [DVec3; 3]) -> f64 {
         .fold(1.0, f64::min)
 }
 
-/// Returns the caps that the scene does not have with the same order of corners. Their depths must be drawn beside the scene's.
+/// Returns the caps that the scene does not have with the same order of corners. Their depths must
+/// be drawn beside the scene's.
 pub(crate) fn caps_not_in_scene(mesh: &Welded, silhouette: &Silhouette) -> Faces {
     let missing = silhouette.caps.iter().filter(|cap| !cap.in_scene);
     let triangles: Vec<[u32; 3]> = missing.map(|cap| cap.corners).collect();
@@ -145,7 +149,8 @@ impl FarVertices {
         triangles.push([self.of(a), self.of(c), self.of(b)]);
     }
 
-    /// Returns the part within the window of the edge from a vertex to its far end. Adds the vertices where it is cut.
+    /// Returns the part within the window of the edge from a vertex to its far end. Adds the
+    /// vertices where it is cut.
     fn visible_part(
         &self,
         v: u32,
@@ -162,8 +167,9 @@ impl FarVertices {
         parts.of(v, || window.visible_part(from, to), add_vertex)
     }
 
-    /// Adds the wall of an edge, which the cap has from `from` to `to` and the wall thus from `to` to `from`. The wall is cut where
-    /// the edges to both far ends cross the window; what lies beyond one of its planes is left out.
+    /// Adds the wall of an edge, which the cap has from `from` to `to` and the wall thus from `to`
+    /// to `from`. The wall is cut where the edges to both far ends cross the window; what lies
+    /// beyond one of its planes is left out.
     fn add_wall(
         &self,
         edge: &NetEdge,
@@ -199,7 +205,8 @@ fn cross_same_plane(a: Option<Crossing<u32>>, b: Option<Crossing<u32>>) -> bool 
     }
 }
 
-/// Adds the part of a wall between two edges, `near` and `far`, without triangles that have no area.
+/// Adds the part of a wall between two edges, `near` and `far`, without triangles that have no
+/// area.
 fn add_strip(near: [u32; 2], far: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
     let [a, b] = near;
     let [far_a, far_b] = far;

@@ -1,31 +1,33 @@
 //! Light that grazes receiving planes, lifted so far that depth can tell the difference.
 //!
-//! A shadow volume's side runs along the light's rays. Where these graze a plane by the sine s, the side of what stands on
-//! the plane, and of the plane itself, lies within s x of it at the distance x from its edge: for a sun 1e-7 above a floor,
-//! a micrometre after ten metres. Camera depth is rounded to about 2^-23 w^2 / near metres at the distance w, so that the
-//! two fight, and lit floors lie in their own volume.
+//! A shadow volume's side runs along the light's rays. Where these graze a plane by the sine s, the
+//! side of what stands on the plane, and of the plane itself, lies within s x of it at the distance
+//! x from its edge: for a sun 1e-7 above a floor, a micrometre after ten metres. Camera depth is
+//! rounded to about 2^-23 w^2 / near metres at the distance w, so that the two fight, and lit
+//! floors lie in their own volume.
 //!
-//! So volumes are made for a light that is moved off such planes, to [`GRAZE`] above them (or below those that face away).
-//! That moves no shadow's edge by more than that part of its distance, a hundredth of a pixel, and shortens
-//! no shadow on the plane to less than 1/GRAZE of its caster's height. Which surfaces face away is still asked of the
-//! light itself.
+//! So volumes are made for a light that is moved off such planes, to [`GRAZE`] above them (or below
+//! those that face away). That moves no shadow's edge by more than that part of its distance, a
+//! hundredth of a pixel, and shortens no shadow on the plane to less than 1/GRAZE of its caster's
+//! height. Which surfaces face away is still asked of the light itself.
 
 use crate::techniques::infinite_far::InfiniteFarView;
 use glam::{DVec3, DVec4};
 use umbrage_core::{Geometry, Receivers, View};
 
-/// Sine of the angle to which light is lifted off a plane: 2^-17, .0004 degrees; 76 micrometres after ten metres.
+/// Sine of the angle to which light is lifted off a plane: 2^-17, .0004 degrees; 76 micrometres
+/// after ten metres.
 const GRAZE: f64 = 1.0 / 131_072.0;
 
-/// Planes with a smaller share of the area that receives are left alone: of curved surfaces every facet is grazed by some
-/// light.
+/// Planes with a smaller share of the area that receives are left alone: of curved surfaces every
+/// facet is grazed by some light.
 pub(crate) const MIN_SHARE: f64 = 0.001;
 
 /// Most planes considered: with more the surface is curved, and each is small.
 const MAX_PLANES: usize = 64;
 
-/// Triangles are in one plane if their normals, and their distances along them as a fraction of the greatest coordinate,
-/// differ by less than this (2^-20, what placing an instance may round).
+/// Triangles are in one plane if their normals, and their distances along them as a fraction of the
+/// greatest coordinate, differ by less than this (2^-20, what placing an instance may round).
 const SAME_PLANE: f64 = 1.0 / 1_048_576.0;
 
 /// The light that volumes are made for, and the planes that it was lifted off.
@@ -68,8 +70,9 @@ impl LiftedLight {
         }
     }
 
-    /// Returns the share of seen receivers that lie on a grazed plane, and where depth is rounded by more than the light was lifted
-    /// by over the whole scene: there volumes can't tell a plane from what stands on it.
+    /// Returns the share of seen receivers that lie on a grazed plane, and where depth is rounded
+    /// by more than the light was lifted by over the whole scene: there volumes can't tell a plane
+    /// from what stands on it.
     pub(crate) fn share_lost(
         &self,
         view: &View<'_>,
@@ -102,8 +105,8 @@ impl LiftedLight {
     }
 }
 
-/// Returns the planes of receiving triangles that the light grazes, but is not in, with more than [`MIN_SHARE`] of the area.
-/// `reach` is the geometry's greatest coordinate, metres.
+/// Returns the planes of receiving triangles that the light grazes, but is not in, with more than
+/// [`MIN_SHARE`] of the area. `reach` is the geometry's greatest coordinate, metres.
 fn grazed_planes(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<GrazedPlane> {
     let mut planes: Vec<GrazedPlane> = Vec::new();
     let mut area = 0.0;
@@ -155,10 +158,11 @@ impl GrazedPlane {
     }
 }
 
-/// Moves a light off planes by the shortest way: along up to three of their normals that do not depend on each other, the
-/// largest planes' first.
+/// Moves a light off planes by the shortest way: along up to three of their normals that do not
+/// depend on each other, the largest planes' first.
 fn lift(light: DVec4, planes: &[GrazedPlane]) -> DVec4 {
-    // Orthonormal directions in turn (Gram and Schmidt): each plane moves the light along what is left of its normal.
+    // Orthonormal directions in turn (Gram and Schmidt): each plane moves the light along what is
+    // left of its normal.
     let mut basis: Vec<DVec3> = Vec::new();
     let mut lifted = light;
     for plane in planes {
@@ -254,8 +258,8 @@ mod tests {
         );
     }
 
-    /// Seen from 30 m depth tells a lifted sun's shadows; seen from 30 km, with the near plane before one's feet, it
-    /// doesn't.
+    /// Seen from 30 m depth tells a lifted sun's shadows; seen from 30 km, with the near plane
+    /// before one's feet, it doesn't.
     #[test]
     fn where_depth_is_too_coarse_there_is_no_hope() {
         let geometry = squares(&[FLOOR]);

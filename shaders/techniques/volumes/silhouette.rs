@@ -1,19 +1,21 @@
-//! The silhouette of casters as a light sees it: the triangles that cap their shadow volumes, and the edges that these do not share.
+//! The silhouette of casters as a light sees it: the triangles that cap their shadow volumes, and
+//! the edges that these do not share.
 //!
-//! Bergeron 1986, "A general version of Crow's shadow volumes": on meshes of any kind, each edge extrudes as many
-//! walls as the triangles turned to the light leave over when they are counted with their direction; Kim, Kim and Oh
-//! 2008, "Efficient shadow volume rendering for general meshes". Whatever triangles are chosen, such walls close their
-//! volumes.
+//! Bergeron 1986, "A general version of Crow's shadow volumes": on meshes of any kind, each edge
+//! extrudes as many walls as the triangles turned to the light leave over when they are counted
+//! with their direction; Kim, Kim and Oh 2008, "Efficient shadow volume rendering for general
+//! meshes". Whatever triangles are chosen, such walls close their volumes.
 
 use crate::techniques::volumes::t_junctions::split_at_t_junctions;
 use glam::{DVec3, DVec4, Vec3};
 use umbrage_core::{Aabb, Geometry, WeldedVertices};
 
-/// Triangles within this angle (sine) of a light's ray count as turned to it, as rounding cannot tell.
+/// Triangles within this angle (sine) of a light's ray count as turned to it, as rounding cannot
+/// tell.
 const EDGE_ON: f64 = 1e-6;
 
-/// Light positions within this fraction of the greatest coordinate of a triangle's plane lie in it: such a triangle
-/// hides nothing from anywhere else.
+/// Light positions within this fraction of the greatest coordinate of a triangle's plane lie in it:
+/// such a triangle hides nothing from anywhere else.
 const TOUCHES: f64 = 1e-6;
 
 /// Casters, with vertices at bit-equal positions merged into one.
@@ -55,7 +57,8 @@ impl CasterShells {
 pub(crate) struct Cap {
     /// Counter-clockwise seen from the light.
     pub(crate) corners: [u32; 3],
-    /// Whether the scene has it with its corners in the same order, so that both are drawn with equal depths.
+    /// Whether the scene has it with its corners in the same order, so that both are drawn with
+    /// equal depths.
     pub(crate) in_scene: bool,
 }
 
@@ -148,7 +151,8 @@ impl Welded {
         Silhouette { caps, edges }
     }
 
-    /// Returns whether a triangle's front faces away from the light; `None` if the light lies in it.
+    /// Returns whether a triangle's front faces away from the light; `None` if the light lies in
+    /// it.
     fn faces_away(&self, corners: [u32; 3], light: DVec4) -> Option<bool> {
         let [a, b, c] = self.corners(corners);
         let n = (b - a).cross(c - a);
@@ -179,8 +183,8 @@ fn flipped(corners: [u32; 3]) -> Cap {
     }
 }
 
-/// Returns the edges of triangles, the two directions of each subtracted from one another; sorted by their lower, then their
-/// higher end.
+/// Returns the edges of triangles, the two directions of each subtracted from one another; sorted
+/// by their lower, then their higher end.
 pub(crate) fn net_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<NetEdge> {
     let mut edges: Vec<(u64, i32)> = triangles.flat_map(directed_edges).collect();
     edges.sort_unstable();
@@ -201,8 +205,8 @@ pub(crate) fn net_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<NetEdg
     out
 }
 
-/// Returns a triangle's three edges: both ends as one number, the lower end in its upper half, and 1 if the triangle has them in
-/// that order, else -1.
+/// Returns a triangle's three edges: both ends as one number, the lower end in its upper half, and
+/// 1 if the triangle has them in that order, else -1.
 fn directed_edges(corners: [u32; 3]) -> [(u64, i32); 3] {
     let [a, b, c] = corners;
     [
@@ -220,7 +224,8 @@ fn directed_edge(from: u32, to: u32) -> (u64, i32) {
 /// Which triangles of a shell cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
-    /// Those whose front faces the light: the shell is closed, its fronts are outside, and so is the light.
+    /// Those whose front faces the light: the shell is closed, its fronts are outside, and so is
+    /// the light.
     Fronts,
     /// The same for a shell whose fronts are inside.
     Backs,
@@ -231,8 +236,9 @@ enum Role {
 /// Triangles that are connected by edges.
 #[derive(Clone, Copy, Debug)]
 struct Shell {
-    /// Whether its triangles have each edge as often in one direction as in the other: then how often they wind around
-    /// a point is a whole number, and a ray from outside enters before it leaves.
+    /// Whether its triangles have each edge as often in one direction as in the other: then how
+    /// often they wind around a point is a whole number, and a ray from outside enters before it
+    /// leaves.
     closed: bool,
     /// Six times the signed volume.
     volume: f64,
@@ -244,7 +250,8 @@ struct Shell {
 struct Shells {
     /// Each triangle's index in `shells`.
     of_triangle: Vec<u32>,
-    /// As many as there are triangles: a shell has the index of its first triangle, and all others are empty.
+    /// As many as there are triangles: a shell has the index of its first triangle, and all others
+    /// are empty.
     shells: Vec<Shell>,
 }
 
@@ -301,7 +308,8 @@ impl Shells {
         }
         for (&t, &shell) in mesh.triangles.iter().zip(&of_triangle) {
             let shell = &mut shells[shell as usize];
-            // Closed shells have the same volume seen from any origin; one of the mesh's corners keeps numbers small.
+            // Closed shells have the same volume seen from any origin; one of the mesh's corners
+            // keeps numbers small.
             let origin = mesh.positions[mesh.triangles[0][0] as usize].as_dvec3();
             let [a, b, c] = mesh.corners(t).map(|p| p - origin);
             shell.volume += a.dot(b.cross(c));
@@ -316,7 +324,8 @@ impl Shells {
     }
 }
 
-/// Disjoint sets (Tarjan 1975, "Efficiency of a good but not linear set union algorithm"), paths halved.
+/// Disjoint sets (Tarjan 1975, "Efficiency of a good but not linear set union algorithm"), paths
+/// halved.
 struct DisjointSets {
     parents: Vec<u32>,
 }

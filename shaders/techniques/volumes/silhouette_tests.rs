@@ -147,7 +147,8 @@ fn duplicates_count_twice() {
     assert!(is_closed(&mesh, &s, SUN));
 }
 
-/// One triangle's edge meets two of its neighbours, another's is met off its end: four corners lie on others' edges.
+/// One triangle's edge meets two of its neighbours, another's is met off its end: four corners lie
+/// on others' edges.
 #[test]
 fn seams_have_no_walls() {
     let p = |x: f32, z: f32| Vec3::new(x, 0.1 * x + 0.3, z);
@@ -238,7 +239,8 @@ fn volumes_are_closed_as_far_as_they_are_seen() {
     }
 }
 
-/// A far cap's nearest point lies beyond the farthest corner, for a lamp right above a wide triangle, too.
+/// A far cap's nearest point lies beyond the farthest corner, for a lamp right above a wide
+/// triangle, too.
 #[test]
 fn volumes_that_end_do_so_beyond_everything() {
     let mesh = Welded::weld(

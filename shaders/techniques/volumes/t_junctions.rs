@@ -1,18 +1,20 @@
-//! T-junctions: seams where triangles meet without sharing their corners, one edge on one side and several on the other.
+//! T-junctions: seams where triangles meet without sharing their corners, one edge on one side and
+//! several on the other.
 //!
-//! Shadow volumes would put walls on both sides there, which cancel but for rounding. Splitting the triangles at the
-//! corners that lie on their edges makes both sides share them, and then there is no wall.
+//! Shadow volumes would put walls on both sides there, which cancel but for rounding. Splitting the
+//! triangles at the corners that lie on their edges makes both sides share them, and then there is
+//! no wall.
 
 use crate::techniques::volumes::silhouette::{Cap, NetEdge, net_edges};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// A corner lies on an edge if it is within this fraction of the greatest coordinate of it: 2^-21, 8 units in the last
-/// place at most, what placing an instance rounds.
+/// A corner lies on an edge if it is within this fraction of the greatest coordinate of it: 2^-21,
+/// 8 units in the last place at most, what placing an instance rounds.
 const ON_EDGE: f64 = 1.0 / 2_097_152.0;
 
-/// The points inside of edges. Keys are an edge's two ends, the lower first; points come in the order from the lower end to the
-/// higher one.
+/// The points inside of edges. Keys are an edge's two ends, the lower first; points come in the
+/// order from the lower end to the higher one.
 type PointsOnEdges = HashMap<[u32; 2], Vec<u32>>;
 
 /// Returns the same triangles, split where a seam's corners lie on an edge.
@@ -51,8 +53,8 @@ fn points_along(on_edges: &PointsOnEdges, from: u32, to: u32) -> Vec<u32> {
     points
 }
 
-/// Splits the triangle (a, b, c) with these points along its sides ab, bc and ca: from the middle point of a side to the opposite
-/// corner, and each half again.
+/// Splits the triangle (a, b, c) with these points along its sides ab, bc and ca: from the middle
+/// point of a side to the opposite corner, and each half again.
 fn split(a: u32, b: u32, c: u32, sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
     let [ab, bc, ca] = sides;
     if ab.is_empty() {
@@ -91,7 +93,8 @@ fn find_points_on_edges(positions: &[Vec3], edges: &[NetEdge]) -> PointsOnEdges 
     out
 }
 
-/// Points in cubes as wide as an edge is long on average, so that all edges together pass few of them.
+/// Points in cubes as wide as an edge is long on average, so that all edges together pass few of
+/// them.
 struct Grid<'a> {
     positions: &'a [Vec3],
     /// Side of a cube, metres.
@@ -137,7 +140,8 @@ impl<'a> Grid<'a> {
     fn points_inside(&self, from: u32, to: u32) -> Vec<u32> {
         let a = self.positions[from as usize].as_dvec3();
         let b = self.positions[to as usize].as_dvec3();
-        // In pieces no longer than a cell, since the box of a long slanting edge holds many cells that it does not pass.
+        // In pieces no longer than a cell, since the box of a long slanting edge holds many cells
+        // that it does not pass.
         let pieces = ((b - a).length() / self.cell).ceil().max(1.0) as usize;
         let mut candidates = Vec::new();
         for i in 0..pieces {
@@ -161,7 +165,8 @@ impl<'a> Grid<'a> {
         let max = p.max(q) + self.tolerance;
         let low = self.cell_of(min);
         let high = self.cell_of(max);
-        // Where small triangles lie beside large ones, a cell holds many points, and few of them are in the box.
+        // Where small triangles lie beside large ones, a cell holds many points, and few of them
+        // are in the box.
         let is_inside = |&v: &u32| {
             let point = self.positions[v as usize].as_dvec3();
             point.cmpge(min).all() && point.cmple(max).all()
@@ -176,7 +181,8 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Returns how far along the edge from `a` to `b` a point lies, between 0 and 1; `None` if it does not lie inside of the edge.
+    /// Returns how far along the edge from `a` to `b` a point lies, between 0 and 1; `None` if it
+    /// does not lie inside of the edge.
     fn along(&self, a: DVec3, b: DVec3, point: u32) -> Option<f64> {
         let p = self.positions[point as usize].as_dvec3();
         let t = (p - a).dot(b - a) / (b - a).length_squared();

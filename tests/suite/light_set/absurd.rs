@@ -1,4 +1,5 @@
-//! Absurd numbers in all that a light set takes: an error or a light without shadows, and never a panic, a hang or a fault of the device.
+//! Absurd numbers in all that a light set takes: an error or a light without shadows, and never a
+//! panic, a hang or a fault of the device.
 
 use super::alike::World;
 use glam::{Affine3A, Mat3, UVec2, Vec3};
@@ -9,10 +10,12 @@ use umbrage_techniques::{ShadowMap, TechniquePreset, all};
 use umbrage_tests::absurd_values::{camera, light, number, spoilt, vector};
 use umbrage_wgpu::{FrameGeometry, SetFrame, SetLight};
 
-/// Largest side of a map, texels: what is tested is what numbers do, and not how long large maps take.
+/// Largest side of a map, texels: what is tested is what numbers do, and not how long large maps
+/// take.
 const LARGEST: u32 = 128;
 
-/// A preset on a map that is quickly drawn; what a spoilt number made of its side stays if it is small.
+/// A preset on a map that is quickly drawn; what a spoilt number made of its side stays if it is
+/// small.
 fn on_a_small_map(preset: &TechniquePreset) -> TechniquePreset {
     let map = preset.map().map(|map| ShadowMap {
         size: map.size.min(LARGEST),

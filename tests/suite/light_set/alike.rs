@@ -88,7 +88,8 @@ impl World {
         set
     }
 
-    /// Adds the scene's casters to a set as meshes, which cast nothing yet; those with holes are left out.
+    /// Adds the scene's casters to a set as meshes, which cast nothing yet; those with holes are
+    /// left out.
     pub(super) fn meshes(&self, set: &mut LightSet) -> Vec<MeshId> {
         let d = self.program.d;
         let positions: Vec<[f32; 3]> = self
@@ -254,7 +255,8 @@ fn each_light_of_a_set_gives_the_bits_that_it_gives_alone() {
     );
 }
 
-/// Moment maps with mipmaps, in a set with one without, give the bits that they give alone and on the CPU; mipmaps change some.
+/// Moment maps with mipmaps, in a set with one without, give the bits that they give alone and on
+/// the CPU; mipmaps change some.
 #[test]
 fn moment_maps_of_a_set_have_mipmaps() {
     let world = World::new("far-range");
@@ -358,7 +360,8 @@ fn another_map_gives_other_bits() {
     assert!(alone.compare_with_cpu("spoilt", &mask).is_err());
 }
 
-/// Casters with holes come and go with [`LightSet::set_cut_outs`], and what was drawn of them goes with them.
+/// Casters with holes come and go with [`LightSet::set_cut_outs`], and what was drawn of them goes
+/// with them.
 #[test]
 fn casters_with_holes_come_and_go() {
     come_and_go(&World::new(FENCE));

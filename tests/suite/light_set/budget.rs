@@ -90,7 +90,8 @@ fn redraws_are_spread_over_frames() {
     assert_eq!(stage.frame(), SetReport::default());
 }
 
-/// A budget never lets shaders read what was not drawn: a frame that was prepared and thrown away is made up for at once.
+/// A budget never lets shaders read what was not drawn: a frame that was prepared and thrown away
+/// is made up for at once.
 #[test]
 fn thrown_away_redraws_are_not_put_off() {
     let budget = SetBudget {
@@ -137,7 +138,8 @@ fn two_hundred_and_fifty_six_lights_fit() {
     let light = |stage: &mut Stage, i: usize| stage.light(places[i % 8] + 0.001 * i as f32, 1.0);
     let mut lights: Vec<LightId> = Vec::new();
     let mut revisions = Vec::new();
-    // The numbers of few lights are in a uniform buffer, those of many in a storage buffer: both give the same.
+    // The numbers of few lights are in a uniform buffer, those of many in a storage buffer: both
+    // give the same.
     for count in [1, 40, 256] {
         while lights.len() < count {
             let i = lights.len();

@@ -52,7 +52,8 @@ impl World {
         }
     }
 
-    /// Returns what rays answer for the receivers of a light of a set, each from where the set's kernel lifts it to.
+    /// Returns what rays answer for the receivers of a light of a set, each from where the set's
+    /// kernel lifts it to.
     fn traced(&self, set: &LightSet, light: &Light) -> Vec<f32> {
         self.answers(set, light, true)
     }
@@ -120,7 +121,8 @@ fn compare(world: &World, set: &mut LightSet, light: Light) -> [usize; 2] {
     [differing(&found, &expected), shadowed]
 }
 
-/// Drivers that round as the CPU does give its bits; of others, a few rays that meet an edge may tell something else.
+/// Drivers that round as the CPU does give its bits; of others, a few rays that meet an edge may
+/// tell something else.
 fn allowed(pixels: usize) -> usize {
     if gpu().snapping() == umbrage_core::Snapping::default() {
         0
@@ -191,7 +193,8 @@ fn rays_of_another_light_answer_otherwise() {
     assert!(differing(&found, &world.traced(&set, &moved)) > 10);
 }
 
-/// Where lists have no room, wider cells give the same answer; where even these have none, the light is lit and says so.
+/// Where lists have no room, wider cells give the same answer; where even these have none, the
+/// light is lit and says so.
 #[test]
 fn lists_without_room_have_wider_cells() {
     let world = World::new("figure");
@@ -250,7 +253,8 @@ fn room_grows_by_what_was_needed() {
     assert_eq!(differing(&found, &world.traced(&set, &light)), 0);
 }
 
-/// Meshes that compute shaders can't read leave the light unserved, with a reason that names the mesh.
+/// Meshes that compute shaders can't read leave the light unserved, with a reason that names the
+/// mesh.
 #[test]
 fn buffers_without_the_usage_are_named() {
     let mut stage = Stage::new(SetBudget::default(), &[0.0]);

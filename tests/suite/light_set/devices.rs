@@ -217,7 +217,8 @@ fn play(stage: &mut Stage, frames: std::ops::Range<u32>) {
     }
 }
 
-/// What a copy takes decides whether still casters have a layer of their own, whichever way prices change; shadows stay the same.
+/// What a copy takes decides whether still casters have a layer of their own, whichever way prices
+/// change; shadows stay the same.
 #[test]
 fn still_layers_go_where_copies_take_longer() {
     let mut stage = moving_stage(umbrage_tests::adapter::device(), StillLayers::Auto);

@@ -1,4 +1,5 @@
-//! Whatever happens to a set, its shadows are those of a set that was made anew: nothing that is kept is ever stale.
+//! Whatever happens to a set, its shadows are those of a set that was made anew: nothing that is
+//! kept is ever stale.
 
 use bytemuck::cast_slice;
 use glam::{Affine3A, DAffine3, DVec3, EulerRot, Quat, UVec2, Vec3};
@@ -92,8 +93,9 @@ const FIRST_LAMP: Lamp = Lamp {
     technique: 0,
 };
 
-/// Maps of two sizes, filtered ones, one that is compared by the sampler, one of moments of 16 bits, which is blurred and has mipmaps, for suns cascades, which
-/// follow the camera, and lists that the device makes.
+/// Maps of two sizes, filtered ones, one that is compared by the sampler, one of moments of 16
+/// bits, which is blurred and has mipmaps, for suns cascades, which follow the camera, and lists
+/// that the device makes.
 fn technique(lamp: &Lamp) -> Arc<dyn ShadowTechnique> {
     let map = |size| ShadowMap {
         size,
@@ -175,7 +177,8 @@ impl Meshes {
         ];
         let faces = [0_u16, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2];
         let floats: Vec<[f32; 3]> = faces.iter().map(|&i| corners[usize::from(i)]).collect();
-        // 1 and -1 in 16-bit floats, and in whole numbers; two vertices that are skipped come first.
+        // 1 and -1 in 16-bit floats, and in whole numbers; two vertices that are skipped come
+        // first.
         let half = |v: f32| if v > 0.0 { 0x3c00_u16 } else { 0xbc00 };
         let snorm = |v: f32| if v > 0.0 { 0x7fff_u16 } else { 0x8001 };
         let packed = |word: fn(f32) -> u16| -> Vec<[u16; 4]> {
@@ -261,7 +264,8 @@ fn relative(place: &Affine3A, anchor: Anchor) -> Affine3A {
     anchor.placement(&world_from_local)
 }
 
-/// Two that stay in the corners of the box around all casters: else every move changes the box, and with it all maps.
+/// Two that stay in the corners of the box around all casters: else every move changes the box, and
+/// with it all maps.
 const CORNERS: [Vec3; 2] = [Vec3::new(-9.0, -2.0, -8.0), Vec3::new(9.0, 6.0, 8.0)];
 
 impl<'a> Model<'a> {

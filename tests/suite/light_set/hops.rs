@@ -73,11 +73,13 @@ fn light(lamp: &Lamp, anchor: Anchor) -> SetLight {
 }
 
 impl World {
-    /// A set at the anchor of an eye, with triangles and lamps at these places, counted from [`PLACE`].
+    /// A set at the anchor of an eye, with triangles and lamps at these places, counted from
+    /// [`PLACE`].
     fn new(eye: DVec3, budget: SetBudget, places: &[DVec3], lamps: &[Lamp]) -> Self {
         let program = ForwardProgram::floor(device(), UVec2::new(64, 48));
         let mut set = program.set(budget, StillLayers::Auto);
-        // A copy costs nothing here, so that layers are split wherever something is still and something moves.
+        // A copy costs nothing here, so that layers are split wherever something is still and
+        // something moves.
         set.assume_prices(1.0, 1e-9);
         let corners = [[-0.8_f32, 0.0, -0.8], [0.8, 0.1, -0.8], [0.0, 0.4, 0.8]];
         let usage = BufferUsages::VERTEX | BufferUsages::STORAGE;

@@ -122,7 +122,8 @@ impl ShadowTechnique for Broken {
     }
 }
 
-/// Errors of the compiler come at once, or when they are asked for, and the set goes on without the light that made them.
+/// Errors of the compiler come at once, or when they are asked for, and the set goes on without the
+/// light that made them.
 #[test]
 fn errors_of_the_compiler_are_told_at_once_or_later() {
     for when in [ApiErrors::AtOnce, ApiErrors::Later] {
@@ -237,8 +238,8 @@ fn normals(program: &ForwardProgram) -> [(TextureView, NormalCoding); 3] {
     ]
 }
 
-/// Straight from a depth buffer, with normals in three formats and without: a few pixels at edges may differ, since positions are
-/// rounded otherwise.
+/// Straight from a depth buffer, with normals in three formats and without: a few pixels at edges
+/// may differ, since positions are rounded otherwise.
 #[test]
 fn masks_come_from_depth_and_normals_of_any_format() {
     let mut stage = Stage::new(SetBudget::default(), &PLACES);

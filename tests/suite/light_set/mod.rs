@@ -1,4 +1,5 @@
-//! Light sets: many lights in one renderer, against the same lights alone, and against a set that was made anew.
+//! Light sets: many lights in one renderer, against the same lights alone, and against a set that
+//! was made anew.
 
 mod absurd;
 mod alike;

@@ -14,7 +14,8 @@ fn camera(yaw: f32) -> Camera {
     Camera::perspective(eye, eye + ahead, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid")
 }
 
-/// A sun with three cascades of this fit, over a row of triangles so long that no map is around all of them.
+/// A sun with three cascades of this fit, over a row of triangles so long that no map is around all
+/// of them.
 fn stage(fit: Fit) -> (Stage, LightId) {
     let places: Vec<f32> = (-20..=20).map(|i| 4.0 * i as f32).collect();
     let mut stage = Stage::new(SetBudget::default(), &places);

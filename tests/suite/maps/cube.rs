@@ -1,8 +1,9 @@
 //! Cubes of maps: no seams, and no face drawn in vain.
 //!
-//! A pixel is in the **seam band** when it is seen at most two texels from the edge of a cube's face. It is **unexplained**
-//! when its mask is false (by more than a quarter) although truth doesn't change within what the kernel spans, and two
-//! texels more, around it: error that no true shadow edge explains.
+//! A pixel is in the **seam band** when it is seen at most two texels from the edge of a cube's
+//! face. It is **unexplained** when its mask is false (by more than a quarter) although truth
+//! doesn't change within what the kernel spans, and two texels more, around it: error that no true
+//! shadow edge explains.
 
 use super::Case;
 use glam::{UVec2, Vec2, Vec3};
@@ -39,7 +40,8 @@ fn techniques() -> [(TechniquePreset, f32); 4] {
     ]
 }
 
-/// Where a point is seen from the lamp: distance along the face's axis, and texels from the face's middle.
+/// Where a point is seen from the lamp: distance along the face's axis, and texels from the face's
+/// middle.
 struct OnFace {
     axes: [Vec3; 3],
     distance: f32,
@@ -188,7 +190,8 @@ fn a_turned_face_is_caught() {
     assert!(count > 5, "only {count} pixels show the turned faces");
 }
 
-/// Only those faces are cast in which something casts and something seen receives; each of them matters.
+/// Only those faces are cast in which something casts and something seen receives; each of them
+/// matters.
 #[test]
 fn faces_are_drawn_if_they_are_needed() {
     let case = Case::of(one_octant());
@@ -207,7 +210,8 @@ fn faces_are_drawn_if_they_are_needed() {
     }
 }
 
-/// A bulb over a floor, and three balls in the octant +x, -y, +z of the bulb, one before each of its faces.
+/// A bulb over a floor, and three balls in the octant +x, -y, +z of the bulb, one before each of
+/// its faces.
 fn one_octant() -> Scene {
     let mut scene = (umbrage_scenes::find("lamp-in-room")
         .expect("built in")

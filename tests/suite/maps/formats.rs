@@ -17,8 +17,8 @@ fn hard(format: MapFormat, constant: f32, fit: Fit) -> MapTechnique<Hard> {
     })
 }
 
-/// The sun's tight fit around far-range, with its depth stretched by `factor` before the first caster and behind the last
-/// receiver.
+/// The sun's tight fit around far-range, with its depth stretched by `factor` before the first
+/// caster and behind the last receiver.
 fn stretched(case: &Case, factor: f32) -> Fit {
     let bounds = case.geometry.bounds();
     let reach = (bounds.max - bounds.min).length() * 0.5;
@@ -38,8 +38,8 @@ fn stretched(case: &Case, factor: f32) -> Fit {
     Fit::Manual { eye, extents }
 }
 
-/// Biases in texels, with no more for rounding than 32-bit floats need (a few 2^-24 of a depth near 1). What the bias moves casters
-/// by, for grids that are coarser than the CPU's, is taken back.
+/// Biases in texels, with no more for rounding than 32-bit floats need (a few 2^-24 of a depth near
+/// 1). What the bias moves casters by, for grids that are coarser than the CPU's, is taken back.
 const FOR_FLOATS: Bias = Bias {
     constant: 1e-6,
     raster: TAKEN_BACK,
@@ -61,8 +61,8 @@ fn false_shadow(case: &Case, format: MapFormat, factor: f32) -> f64 {
     case.errors(&Hard {}.on(map)).false_shadow
 }
 
-/// The longer the range of depths, the coarser the steps of 16 bits in metres: a bias that follows the receiver's plane
-/// doesn't cover them. Floats have bits to spare, packed or not.
+/// The longer the range of depths, the coarser the steps of 16 bits in metres: a bias that follows
+/// the receiver's plane doesn't cover them. Floats have bits to spare, packed or not.
 #[test]
 fn sixteen_bits_grow_acne_with_range() {
     let case = Case::named("far-range");

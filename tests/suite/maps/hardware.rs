@@ -52,8 +52,8 @@ fn small(name: &str) -> Case {
     Case::of(scene)
 }
 
-/// On the measured driver both halves are bit-equal; elsewhere lookups into the same map differ by the weights' bits, where
-/// no comparison hangs on rounding: fewer than one in a thousand.
+/// On the measured driver both halves are bit-equal; elsewhere lookups into the same map differ by
+/// the weights' bits, where no comparison hangs on rounding: fewer than one in a thousand.
 #[test]
 fn both_halves_agree() {
     let mut faults = Vec::new();
@@ -101,7 +101,8 @@ fn both_halves_agree() {
     assert_eq!((played, refused), (2 * 6 * 7 - 7, 7));
 }
 
-/// The comparison must notice a kernel that is not its twin: here the GPU's filter is one texel wider.
+/// The comparison must notice a kernel that is not its twin: here the GPU's filter is one texel
+/// wider.
 #[test]
 fn another_kernel_is_caught() {
     let case = Case::named("figure");
@@ -130,7 +131,8 @@ fn another_kernel_is_caught() {
     assert!(off > cpu.mask.len() / 1000, "only {off} differ");
 }
 
-/// Blending moves a hard edge by no more than it blurs it: the mean error stays near one comparison's, and steps vanish.
+/// Blending moves a hard edge by no more than it blurs it: the mean error stays near one
+/// comparison's, and steps vanish.
 #[test]
 fn blended_edges_are_closer_to_truth() {
     let case = Case::named("figure");

@@ -27,7 +27,8 @@ fn wrong(cases: &[Case], technique: &dyn ShadowTechnique) -> f64 {
     cases.iter().map(|case| case.errors(technique).mean).sum()
 }
 
-/// Closed casters of different thickness under different lights: each has a constant that suits it, and none suits all.
+/// Closed casters of different thickness under different lights: each has a constant that suits it,
+/// and none suits all.
 #[test]
 fn every_constant_is_worse_on_closed_meshes() {
     let cases = [
@@ -55,7 +56,8 @@ fn every_constant_is_worse_on_closed_meshes() {
     }
 }
 
-/// Sheets that enclose nothing: second depth loses those that face the light; a midpoint alone lies too near to them.
+/// Sheets that enclose nothing: second depth loses those that face the light; a midpoint alone lies
+/// too near to them.
 #[test]
 fn open_meshes_defeat_both() {
     let case = [Case::named("open-shells")];
@@ -69,7 +71,8 @@ fn open_meshes_defeat_both() {
     );
 }
 
-/// Walls one texel thick: light leaks past their far sides, and not past a midpoint or the near sides.
+/// Walls one texel thick: light leaks past their far sides, and not past a midpoint or the near
+/// sides.
 #[test]
 fn thin_walls_leak_by_second_depth() {
     let case = Case::named("sealed-room");

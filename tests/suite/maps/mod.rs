@@ -1,4 +1,5 @@
-//! Kinds of maps and of lookups, measured against truth: comparison samplers, midpoints, cubes, coarse and packed depth.
+//! Kinds of maps and of lookups, measured against truth: comparison samplers, midpoints, cubes,
+//! coarse and packed depth.
 
 mod cube;
 mod formats;

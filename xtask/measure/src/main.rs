@@ -1,5 +1,6 @@
-//! `cargo xtask compare`, `stability`, `plan`, `which`, `bias`, `bench`, `card` and `merge`: umbrage's commands with this repository's folder for
-//! reports. A program with techniques of its own looks just like this one.
+//! `cargo xtask compare`, `stability`, `plan`, `which`, `bias`, `bench`, `card` and `merge`:
+//! umbrage's commands with this repository's folder for reports. A program with techniques of its
+//! own looks just like this one.
 
 use std::{path::Path, process::ExitCode};
 

@@ -1,5 +1,5 @@
-//! Programs whose output nobody reads to its end, as in `cargo xtask compare --list | head -3`. The tests of all three programs
-//! use this file.
+//! Programs whose output nobody reads to its end, as in `cargo xtask compare --list | head -3`. The
+//! tests of all three programs use this file.
 
 use std::process::{Command, ExitStatus, Stdio};
 
@@ -9,7 +9,8 @@ const CLOSED_PIPE: i32 = 141;
 /// What a panic ends a program with.
 const PANIC: i32 = 101;
 
-/// Runs a program into pipes that were closed before it started. Returns how it ended, and its errors where they were read.
+/// Runs a program into pipes that were closed before it started. Returns how it ended, and its
+/// errors where they were read.
 fn unread(program: &str, arguments: &[&str], errors_too: bool) -> (ExitStatus, String) {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);

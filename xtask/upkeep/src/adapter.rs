@@ -6,7 +6,8 @@ use std::{fs, process::Command};
 
 const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
 
-/// The name of the adapter that the tests will use. `cargo test` has built the program that tells, beside this one.
+/// The name of the adapter that the tests will use. `cargo test` has built the program that tells,
+/// beside this one.
 pub(crate) fn find() -> Result<Option<String>> {
     find_with(|_| ())
 }
@@ -44,8 +45,8 @@ pub(crate) fn with_runtime_dir(command: &mut Command) -> Result<&mut Command> {
 /// Folders in which Vulkan's loader looks for drivers' manifests on Debian and Ubuntu.
 const MANIFESTS: [&str; 2] = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
 
-/// Returns whether any Vulkan driver is installed, as far as files tell; [`find`] tells whether it has an adapter. Elsewhere than on
-/// Debian and Ubuntu files tell nothing, and the answer is yes.
+/// Returns whether any Vulkan driver is installed, as far as files tell; [`find`] tells whether it
+/// has an adapter. Elsewhere than on Debian and Ubuntu files tell nothing, and the answer is yes.
 pub(crate) fn has_driver() -> bool {
     let holds_any =
         |folder: &str| fs::read_dir(folder).is_ok_and(|entries| entries.flatten().next().is_some());
@@ -98,7 +99,8 @@ pub(crate) fn is_debian() -> bool {
         .any(|id| id == "debian" || id == "ubuntu")
 }
 
-/// What must stand before a command that installs: nothing for root, `sudo -n` if that works without asking.
+/// What must stand before a command that installs: nothing for root, `sudo -n` if that works
+/// without asking.
 pub(crate) fn privilege() -> Option<&'static [&'static str]> {
     let id = Command::new("id").arg("-u").output().ok()?;
     if id.stdout.trim_ascii() == b"0" {

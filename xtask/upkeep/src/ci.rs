@@ -124,8 +124,8 @@ fn doc() -> Result<()> {
     run(&mut command)
 }
 
-/// Packs every published package, and checks what was packed as its users would get it: a file that a package lacks, or a
-/// dependency that it doesn't name, is an error there.
+/// Packs every published package, and checks what was packed as its users would get it: a file that
+/// a package lacks, or a dependency that it doesn't name, is an error there.
 fn package() -> Result<()> {
     let folder = root().join("target").join("packed");
     // Removes what an earlier run left; there may be nothing.
@@ -157,7 +157,8 @@ fn pack(folder: &Path) -> Result<Vec<Packed>> {
     for package in published {
         let stem = format!("{}-{}", package.name, package.version);
         let archive = archives.join(format!("{stem}.crate"));
-        // Files in archives are dated 2006, which cargo would take for unchanged: `m` gives them the present time.
+        // Files in archives are dated 2006, which cargo would take for unchanged: `m` gives them
+        // the present time.
         let mut tar = Command::new("tar");
         tar.arg("-xzmf").arg(archive).arg("-C").arg(folder);
         run(&mut tar)?;
@@ -169,8 +170,9 @@ fn pack(folder: &Path) -> Result<Vec<Packed>> {
     Ok(packed)
 }
 
-/// Checks unpacked packages in a workspace of their own, each with the others in place of those that a registry would give.
-/// What they depend on is taken from this workspace's target folder where clippy has checked it already.
+/// Checks unpacked packages in a workspace of their own, each with the others in place of those
+/// that a registry would give. What they depend on is taken from this workspace's target folder
+/// where clippy has checked it already.
 fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
     let mut manifest = "[workspace]\nresolver = \"3\"\nmembers = [".to_owned();
     let mut patches = String::from("[patch.crates-io]\n");
@@ -197,7 +199,8 @@ fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
     run(&mut command)
 }
 
-/// Returns the profiles of a manifest, which stand at its end. What is checked with other ones is checked anew.
+/// Returns the profiles of a manifest, which stand at its end. What is checked with other ones is
+/// checked anew.
 fn profiles(manifest: &str) -> Result<String> {
     let start = manifest
         .find("\n[profile.")

@@ -3,7 +3,8 @@
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// Keeps umbrage in order: tests, house style, golden images, all that a change has to pass, the viewer's page and the site.
+/// Keeps umbrage in order: tests, house style, golden images, all that a change has to pass, the
+/// viewer's page and the site.
 #[derive(Debug, Parser)]
 #[command(
     name = "cargo xtask",
@@ -32,7 +33,8 @@ pub(crate) enum Command {
     Web(WebOptions),
     /// Build the documentation as a site with the viewer in it, and serve it
     Site(SiteOptions),
-    /// Run what a release has to pass besides `ci`: the oldest Rust, licences and advisories, versions, Miri, publishing
+    /// Run what a release has to pass besides `ci`: the oldest Rust, licences and advisories,
+    /// versions, Miri, publishing
     ReleaseCheck(ReleaseOptions),
 }
 
@@ -43,15 +45,15 @@ pub(crate) enum Command {
   cargo xtask test --drivers all                    all that compares an adapter with the CPU, under each model of a driver
   cargo xtask test -- -p umbrage-core light_space   further arguments go to `cargo test`")]
 pub(crate) struct TestOptions {
-    /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or with sudo); and fetch a second
-    /// one, SwiftShader, into cargo's target folder (Debian)
+    /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or
+    /// with sudo); and fetch a second one, SwiftShader, into cargo's target folder (Debian)
     #[arg(long)]
     pub(crate) install_driver: bool,
     /// How much runs under each model of a driver that rounds otherwise, and on SwiftShader
     #[arg(long, value_name = "HOW", value_enum, default_value = "tenth")]
     pub(crate) drivers: DriverTests,
-    /// Fail unless the adapter is the software driver on which the backends promise the same bits; else other drivers are
-    /// compared by decided pixels
+    /// Fail unless the adapter is the software driver on which the backends promise the same bits;
+    /// else other drivers are compared by decided pixels
     #[arg(long)]
     pub(crate) pinned_driver: bool,
     /// Further arguments of `cargo test`
@@ -145,7 +147,8 @@ pub(crate) struct WebOptions {
 pub(crate) struct SiteOptions {
     #[command(flatten)]
     pub(crate) serve: ServeOptions,
-    /// Folder that the site is written into, a new one or one with an earlier site; else `site` in cargo's target folder
+    /// Folder that the site is written into, a new one or one with an earlier site; else `site` in
+    /// cargo's target folder
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
     /// Leave out the viewer: its page says so, and shows a picture
@@ -176,7 +179,8 @@ pub(crate) enum ReleaseStep {
     Miri,
     /// `cargo publish --dry-run` of every published package
     Publish,
-    /// The viewer's lints and tests, and its window and page played with keys and a mouse: Xvfb, Chromium, Python
+    /// The viewer's lints and tests, and its window and page played with keys and a mouse: Xvfb,
+    /// Chromium, Python
     Viewer,
 }
 

@@ -1,4 +1,5 @@
-//! `cargo xtask test`, `bless`, `tidy`, `ci`, `card --pack`, `web`, `site` and `release-check`. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
+//! `cargo xtask test`, `bless`, `tidy`, `ci`, `card --pack`, `web`, `site` and `release-check`.
+//! They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
 
 #[path = "../../../crates/umbrage-lab/src/print.rs"]
 #[macro_use]

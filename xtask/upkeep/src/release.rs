@@ -1,4 +1,5 @@
-//! What a release has to pass besides `ci`: it needs programs that a change doesn't, and takes longer.
+//! What a release has to pass besides `ci`: it needs programs that a change doesn't, and takes
+//! longer.
 
 use crate::{
     ci::{Step, published, run_all},
@@ -12,13 +13,16 @@ use std::process::Command;
 
 /// For Miri:
 /// * tests read snapshots and tell the time;
-/// * rayon's threads outlive the tests; its queues (crossbeam-epoch) hold by the rules of tree borrows, not by those of stacked borrows
+/// * rayon's threads outlive the tests; its queues (crossbeam-epoch) hold by the rules of tree
+///   borrows, not by those of stacked borrows
 ///   (<https://github.com/crossbeam-rs/crossbeam/issues/545>), and keep numbers in pointers;
-/// * sines differ from call to call, unless told otherwise, and so would what is made of them twice.
+/// * sines differ from call to call, unless told otherwise, and so would what is made of them
+///   twice.
 const MIRI_FLAGS: &str = "-Zmiri-disable-isolation -Zmiri-ignore-leaks -Zmiri-tree-borrows -Zmiri-permissive-provenance \
                           -Zmiri-deterministic-floats";
 
-/// Modules of the core whose tests end within minutes there: what traces or fits thousands of triangles takes hours.
+/// Modules of the core whose tests end within minutes there: what traces or fits thousands of
+/// triangles takes hours.
 const MIRI_TESTS: [&str; 10] = [
     "geometry::aabb",
     "geometry::derived",
@@ -79,8 +83,8 @@ fn oldest_rust() -> Result<()> {
     run(&mut check)
 }
 
-/// Whether `cargo --version` tells a version, such as 1.95, or a correction of it, such as 1.95.1; and not one that is still to come, such as
-/// 1.95.0-nightly.
+/// Whether `cargo --version` tells a version, such as 1.95, or a correction of it, such as 1.95.1;
+/// and not one that is still to come, such as 1.95.0-nightly.
 fn is_of(told: &str, version: &str) -> bool {
     let number = told.strip_prefix("cargo ").unwrap_or_default();
     let number = number.split_whitespace().next().unwrap_or_default();
@@ -131,8 +135,8 @@ fn last_release() -> Result<Option<String>> {
     Ok(tags.lines().next().map(str::to_owned))
 }
 
-/// Runs tests of the core in an interpreter that sees undefined behaviour. The workspace forbids unsafe code; what it depends on
-/// has some.
+/// Runs tests of the core in an interpreter that sees undefined behaviour. The workspace forbids
+/// unsafe code; what it depends on has some.
 fn miri() -> Result<()> {
     let mut install = Command::new("rustup");
     install.args(["component", "add", "--toolchain", "nightly"]);
@@ -157,7 +161,8 @@ fn publish() -> Result<()> {
     run(&mut command)
 }
 
-/// Lints and tests the viewer, and plays its window and its page as a user would. The example `forward` takes the page's preset, too.
+/// Lints and tests the viewer, and plays its window and its page as a user would. The example
+/// `forward` takes the page's preset, too.
 fn viewer() -> Result<()> {
     let package = ["--release", "--package", "umbrage-viewer"];
     let mut clippy = cargo();

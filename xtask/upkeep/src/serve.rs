@@ -29,7 +29,8 @@ except KeyboardInterrupt:
     pass
 ";
 
-/// Takes a port of this machine, or a free one for 0. A folder is served later, but a port that is taken is reported at once.
+/// Takes a port of this machine, or a free one for 0. A folder is served later, but a port that is
+/// taken is reported at once.
 pub(crate) fn take_port(port: u16) -> Result<TcpListener> {
     TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
         format!("port {port} can't be taken: name another one by --port, or use --no-serve")

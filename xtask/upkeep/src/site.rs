@@ -1,4 +1,5 @@
-//! The documentation as a site: the pages of `docs` by mdBook, with the viewer in a folder beside them.
+//! The documentation as a site: the pages of `docs` by mdBook, with the viewer in a folder beside
+//! them.
 
 mod links;
 mod source;
@@ -19,7 +20,8 @@ use std::{
     process::Command,
 };
 
-/// Makes pages of Markdown, with a list of them and a search. It is built without what it serves and watches with.
+/// Makes pages of Markdown, with a list of them and a search. It is built without what it serves
+/// and watches with.
 const MDBOOK: Tool<'_> = Tool {
     package: "mdbook",
     program: "mdbook",
@@ -29,8 +31,8 @@ const MDBOOK: Tool<'_> = Tool {
     options: &["--no-default-features", "--features", "search"],
 };
 
-/// Checks the links of the pages that were built, since mdBook names headings by its own rules. It is a Python package, which installs
-/// in seconds.
+/// Checks the links of the pages that were built, since mdBook names headings by its own rules. It
+/// is a Python package, which installs in seconds.
 const LINK_CHECKER: &str = "LinkChecker==10.6.0";
 /// Headings are checked, too. The viewer's page is not read.
 const LINK_RULES: &str = "[AnchorCheck]\n[checking]\nmaxrequestspersecond=1000\n[filtering]\nnofollow=\n  /viewer/\n[output]\nstatus=0\n";

@@ -1,7 +1,8 @@
-//! The second software driver: Google's SwiftShader, which rounds vertices to the coarsest grid that Vulkan allows.
+//! The second software driver: Google's SwiftShader, which rounds vertices to the coarsest grid
+//! that Vulkan allows.
 //!
-//! Debian's package of Chromium's common files holds it. The browser isn't needed: the driver's library is taken out of the
-//! package and put into cargo's target folder. Nothing is installed.
+//! Debian's package of Chromium's common files holds it. The browser isn't needed: the driver's
+//! library is taken out of the package and put into cargo's target folder. Nothing is installed.
 
 use crate::{
     adapter,
@@ -60,7 +61,8 @@ impl SwiftShader {
         unpacked.with_context(|| format!("{} holds no {MEMBER}: {by_hand}", package.display()))
     }
 
-    /// Writes the manifest by which Vulkan's loader finds the library, and checks that its adapter is found.
+    /// Writes the manifest by which Vulkan's loader finds the library, and checks that its adapter
+    /// is found.
     fn in_folder(folder: &Path) -> Result<Self> {
         let path = folder.join("vk_swiftshader_icd.json");
         let text = manifest(&folder.join(LIBRARY));
@@ -107,7 +109,8 @@ fn manifest(library: &Path) -> String {
     serde_json::json!({ "file_format_version": "1.0.0", "ICD": icd }).to_string()
 }
 
-/// Downloads the package and returns its file. The list of packages may be missing or old: then it is updated.
+/// Downloads the package and returns its file. The list of packages may be missing or old: then it
+/// is updated.
 fn download(folder: &Path) -> Result<PathBuf> {
     if apt_get_download(folder).is_err() {
         let prefix = adapter::privilege().context("no rights to run `apt-get update`")?;
@@ -145,7 +148,8 @@ fn unpack(package: &Path, folder: &Path) -> Result<()> {
         .arg(MEMBER)
         .stdin(tar);
     let unpacked = run(&mut out);
-    // `dpkg-deb` may fail if tar stops reading early, which is no error: only the end is waited for.
+    // `dpkg-deb` may fail if tar stops reading early, which is no error: only the end is waited
+    // for.
     archive.wait()?;
     unpacked
 }

@@ -1,5 +1,6 @@
-//! Runs all tests, on a graphics adapter that is there or gets installed, never without one. Tests that compare backends then run
-//! once more on a second driver, and some with shaders rewritten so that the first driver rounds otherwise.
+//! Runs all tests, on a graphics adapter that is there or gets installed, never without one. Tests
+//! that compare backends then run once more on a second driver, and some with shaders rewritten so
+//! that the first driver rounds otherwise.
 
 use crate::{
     adapter,
@@ -67,8 +68,8 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     }
 }
 
-/// Builds the tests. Where drivers are to be installed their packages come meanwhile: building takes the cores, and fetching the
-/// network.
+/// Builds the tests. Where drivers are to be installed their packages come meanwhile: building
+/// takes the cores, and fetching the network.
 fn build_and_fetch(options: &TestOptions) -> Result<()> {
     let fetch_second = plays_second_driver(options) && options.install_driver;
     std::thread::scope(|scope| {
@@ -103,17 +104,19 @@ const SECOND: [&str; 11] = [
     "agreement::", "rasterisers::", "light_set::alike::", "light_set::masks::", "on_the_second_driver",
 ];
 
-/// Environment variable that names how the tests' shaders are rewritten, and its values: see `tests/driver_model.rs`.
+/// Environment variable that names how the tests' shaders are rewritten, and its values: see
+/// `tests/driver_model.rs`.
 const DRIVER_MODEL: &str = "UMBRAGE_DRIVER_MODEL";
 const DRIVER_MODELS: [&str; 3] = ["fused", "reassociated", "inaccurate"];
 
 /// Environment variable that makes tests run each Nth of their cases: see `tests/driver_model.rs`.
 const NTH_CASE: &str = "UMBRAGE_EVERY_NTH_CASE";
-/// Of the cases of each test, one in so many runs on the second driver and under each model of a driver: drivers that run on the CPU
-/// compile each case's shaders for longer than they run them.
+/// Of the cases of each test, one in so many runs on the second driver and under each model of a
+/// driver: drivers that run on the CPU compile each case's shaders for longer than they run them.
 const TENTH: &str = "10";
 
-/// The tests that run once more with shaders rewritten so: some of each kind, and all that compare an adapter with the CPU.
+/// The tests that run once more with shaders rewritten so: some of each kind, and all that compare
+/// an adapter with the CPU.
 #[rustfmt::skip]
 const TENTH_ON_EVERY_DRIVER: [&str; 15] = [
     "test", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--", "every_driver::", "agreement::random_scenes",
@@ -149,8 +152,8 @@ fn test_under(model: &str, tests: DriverTests, adapter: &str) -> Result<usize> {
     Ok(failed + usize::from(totals.passed == 0))
 }
 
-/// Returns the driver on which some tests run once more. Where it is missing a message says so. None for tests that the user
-/// chose.
+/// Returns the driver on which some tests run once more. Where it is missing a message says so.
+/// None for tests that the user chose.
 fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
     if !plays_second_driver(options) {
         return Ok(None);

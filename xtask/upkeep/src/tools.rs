@@ -1,5 +1,5 @@
-//! Third-party programs that commands need: each of one version, installed into cargo's target folder when it is first used. CI
-//! uses none of them.
+//! Third-party programs that commands need: each of one version, installed into cargo's target
+//! folder when it is first used. CI uses none of them.
 
 use crate::run::{cargo, run};
 use anyhow::{Context as _, Result};
@@ -24,7 +24,8 @@ pub(crate) struct Tool<'a> {
 }
 
 impl Tool<'_> {
-    /// Returns the program: the one in the target folder or on the PATH if either is of that version; else installs it.
+    /// Returns the program: the one in the target folder or on the PATH if either is of that
+    /// version; else installs it.
     pub(crate) fn find_or_install(&self, target: &Path) -> Result<PathBuf> {
         let tools = target.join("tools");
         let name = format!("{}{}", self.program, std::env::consts::EXE_SUFFIX);

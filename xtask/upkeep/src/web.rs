@@ -16,8 +16,8 @@ use std::{
 };
 
 const PACKAGE: &str = "umbrage-viewer";
-/// 4 MB compressed, half of [`MOST_COMPRESSED`]. Optimising across all crates as they are linked (`lto = "fat"`) had not ended after 15
-/// minutes on two shared cores.
+/// 4 MB compressed, half of [`MOST_COMPRESSED`]. Optimising across all crates as they are linked
+/// (`lto = "fat"`) had not ended after 15 minutes on two shared cores.
 const PROFILE: &str = "release";
 /// What the page's script imports: `umbrage.js`, which loads `umbrage_bg.wasm`.
 const STEM: &str = "umbrage";
@@ -81,7 +81,8 @@ fn bind(target: &Path, wasm: &Path, out: &Path) -> Result<()> {
     run(command.arg("--out-dir").arg(out).arg(wasm))
 }
 
-/// Returns the program `wasm-bindgen` of the version that the viewer is built with; installs it if there is none.
+/// Returns the program `wasm-bindgen` of the version that the viewer is built with; installs it if
+/// there is none.
 fn bindgen(target: &Path) -> Result<PathBuf> {
     let version = locked_version(&fs::read_to_string(root().join("Cargo.lock"))?)?;
     let tool = Tool {
@@ -110,8 +111,8 @@ fn locked_version(lock: &str) -> Result<String> {
         .context("Cargo.lock names no wasm-bindgen: run `cargo check -p umbrage-viewer`")
 }
 
-/// Makes a module smaller where `wasm-opt` is installed. Old releases of it don't know what compilers write today: then the module
-/// stays as it is.
+/// Makes a module smaller where `wasm-opt` is installed. Old releases of it don't know what
+/// compilers write today: then the module stays as it is.
 fn optimise(wasm: &Path) -> Result<()> {
     if Command::new("wasm-opt").arg("--version").output().is_err() {
         println!(

@@ -8,8 +8,8 @@ use std::ops::Range;
 /// The triangle id of a pixel that shows nothing.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Seen surface points, in rows from the top; one array a component, so that kernels can run along a row. All arrays
-/// are `width * height` long.
+/// Seen surface points, in rows from the top; one array a component, so that kernels can run along
+/// a row. All arrays are `width * height` long.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Receivers {
     /// Image size, pixels.
@@ -30,7 +30,8 @@ pub struct Receivers {
     pub shading_normals: Vec<Vec3>,
     /// Camera depth after projection, 0 near to 1 far; 1 where nothing is seen.
     pub depth: Vec<f32>,
-    /// Distance from the eye (or, without perspective, from the near plane) along the unit ray, metres.
+    /// Distance from the eye (or, without perspective, from the near plane) along the unit ray,
+    /// metres.
     pub distance: Vec<f32>,
     /// Triangle id; [`NO_TRIANGLE`] where nothing is seen.
     pub triangle: Vec<u32>,
@@ -62,8 +63,8 @@ impl Receivers {
     /// Checks that kernels can read the receivers.
     ///
     /// # Errors
-    /// Errors with the first fault found: an array that is not as long as the image has pixels, or a position or normal that is
-    /// not finite where a shadow may fall.
+    /// Errors with the first fault found: an array that is not as long as the image has pixels, or
+    /// a position or normal that is not finite where a shadow may fall.
     pub fn validate(&self) -> Result<(), Invalid> {
         let pixels = self.size.x as usize * self.size.y as usize;
         let lengths = [
@@ -105,10 +106,12 @@ impl Receivers {
         Err(Invalid::new(what, why, help))
     }
 
-    /// Returns whether all positions and normals of a range of pixels are finite where a shadow may fall.
+    /// Returns whether all positions and normals of a range of pixels are finite where a shadow may
+    /// fall.
     fn is_finite_within(&self, pixels: Range<usize>) -> bool {
         let count = pixels.len();
-        // Slices of one length, and no early return, so that the loop becomes one of vector instructions.
+        // Slices of one length, and no early return, so that the loop becomes one of vector
+        // instructions.
         let [x, y, z] = [&self.x, &self.y, &self.z].map(|all| &all[pixels.clone()][..count]);
         let [nx, ny, nz] = [&self.nx, &self.ny, &self.nz].map(|all| &all[pixels.clone()][..count]);
         let receives = &self.receives[pixels.clone()][..count];
@@ -166,8 +169,9 @@ impl Receivers {
     }
 }
 
-/// A part of one row of [`Receivers`]: what a receive kernel's Rust half sees. All slices are equally long. Pixels that
-/// show nothing are among them with zeros; what the kernel writes for them is thrown away.
+/// A part of one row of [`Receivers`]: what a receive kernel's Rust half sees. All slices are
+/// equally long. Pixels that show nothing are among them with zeros; what the kernel writes for
+/// them is thrown away.
 #[derive(Clone, Copy, Debug)]
 pub struct Span<'a> {
     /// Pixel coordinates of the first entry; the others lie to the right.

@@ -1,7 +1,8 @@
-//! From "this pixel shows that triangle" to a receiver: where the pixel's ray meets the triangle's plane.
+//! From "this pixel shows that triangle" to a receiver: where the pixel's ray meets the triangle's
+//! plane.
 //!
-//! Both backends rasterise triangle ids and then resolve them with these formulas. So receivers agree wherever the ids
-//! do, whatever a driver's interpolation rounds to.
+//! Both backends rasterise triangle ids and then resolve them with these formulas. So receivers
+//! agree wherever the ids do, whatever a driver's interpolation rounds to.
 
 use crate::{
     math::{cross3, dot3, unit3},
@@ -19,7 +20,8 @@ pub fn plane_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     cross3(b - a, c - a)
 }
 
-/// Where along the ray `o + t d` the plane through `a` with normal `n` is met; not finite when they are parallel.
+/// Where along the ray `o + t d` the plane through `a` with normal `n` is met; not finite when they
+/// are parallel.
 #[inline(always)]
 pub fn plane_distance(o: Vec3, d: Vec3, a: Vec3, n: Vec3) -> f32 {
     dot3(n, a - o) / dot3(n, d)
@@ -55,7 +57,8 @@ pub struct Resolved {
     pub t: f32,
 }
 
-/// Returns the receiver at pixel (x, y) on the triangle with these corners (world space); none if the ray runs along its plane.
+/// Returns the receiver at pixel (x, y) on the triangle with these corners (world space); none if
+/// the ray runs along its plane.
 #[inline(always)]
 pub fn resolve(rays: &CameraRays, x: u32, y: u32, corners: [Vec3; 3]) -> Option<Resolved> {
     let [a, b, c] = corners;

@@ -1,4 +1,5 @@
-//! Seen points in tiles of the image, with boxes around them, so that whole tiles can be passed over.
+//! Seen points in tiles of the image, with boxes around them, so that whole tiles can be passed
+//! over.
 
 use crate::{
     gbuffer::receivers::Receivers,
@@ -17,8 +18,8 @@ const TILE: usize = 8;
 
 const _: () = assert!(TILE * TILE == RUN as usize, "a tile is a run");
 
-/// The points of an image on which a shadow may fall, tile by tile, tiles in rows from the top. Entries of its list are places in
-/// tiles: [`RUN`] a tile, whether something is seen there or not.
+/// The points of an image on which a shadow may fall, tile by tile, tiles in rows from the top.
+/// Entries of its list are places in tiles: [`RUN`] a tile, whether something is seen there or not.
 #[derive(Clone, Debug)]
 pub(crate) struct SeenPoints<'a> {
     receivers: &'a Receivers,
@@ -155,7 +156,8 @@ fn box_of(receivers: &Receivers, column: usize, row: usize) -> Aabb {
     around
 }
 
-/// Returns the world positions of the points in a tile, given by its column and row among the tiles.
+/// Returns the world positions of the points in a tile, given by its column and row among the
+/// tiles.
 fn points_in(
     receivers: &Receivers,
     column: usize,

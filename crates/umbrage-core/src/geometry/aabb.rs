@@ -20,7 +20,8 @@ impl Aabb {
         max: Vec3::NEG_INFINITY,
     };
 
-    /// Returns the smallest box around the points. It holds NaN where one of them does, so that [`Aabb::validate`] fails.
+    /// Returns the smallest box around the points. It holds NaN where one of them does, so that
+    /// [`Aabb::validate`] fails.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points
             .into_iter()
@@ -72,7 +73,8 @@ impl Aabb {
         (self.max - self.min).max(Vec3::ZERO)
     }
 
-    /// Length of the diagonal. Finite wherever the box is, though squares of lengths beyond 1e19 m are not.
+    /// Length of the diagonal. Finite wherever the box is, though squares of lengths beyond 1e19 m
+    /// are not.
     pub fn diagonal(&self) -> f32 {
         let extent = self.extent();
         let length = extent.length();
@@ -95,7 +97,8 @@ impl Aabb {
     }
 }
 
-/// The lesser of each component, NaN if either is: `min` would drop it, and a box around NaN would be empty.
+/// The lesser of each component, NaN if either is: `min` would drop it, and a box around NaN would
+/// be empty.
 fn lesser(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::select(a.is_nan_mask() | a.cmplt(b), a, b)
 }

@@ -1,7 +1,8 @@
-//! Boxes around runs of a list, around groups of these boxes, and so on up to one box: so that whole groups can be passed
-//! over.
+//! Boxes around runs of a list, around groups of these boxes, and so on up to one box: so that
+//! whole groups can be passed over.
 //!
-//! Runs are in the order of the list, which meshes give some locality, so that the tree is made in one pass.
+//! Runs are in the order of the list, which meshes give some locality, so that the tree is made in
+//! one pass.
 
 use crate::geometry::{Geometry, aabb::Aabb};
 use crate::parallel::prelude::*;
@@ -17,8 +18,8 @@ const GROUP: usize = 8;
 /// The boxes, level by level.
 #[derive(Debug)]
 pub(crate) struct BoxTree {
-    /// First the boxes of the runs; each level's boxes hold [`GROUP`] boxes of the level before; the last level has one box. A
-    /// single empty level for an empty list.
+    /// First the boxes of the runs; each level's boxes hold [`GROUP`] boxes of the level before;
+    /// the last level has one box. A single empty level for an empty list.
     levels: Vec<Vec<Aabb>>,
     /// See [`BoxTree::count`].
     #[cfg(feature = "testing")]
@@ -30,7 +31,8 @@ pub(crate) struct BoxTree {
 pub(crate) struct Block {
     node: Node,
     pub(crate) bounds: Aabb,
-    /// The entries of the list, if it is the box of a run. At the ends of the asked range, the box may be larger than these.
+    /// The entries of the list, if it is the box of a run. At the ends of the asked range, the box
+    /// may be larger than these.
     pub(crate) run: Option<Range<u32>>,
 }
 
@@ -118,8 +120,9 @@ impl BoxTree {
         walk
     }
 
-    /// Returns the least value that runs of a range have; infinity where none has any. `least_in` returns a run's value, from its
-    /// entries and its box; no run in a box may have less than the `bound` of the box.
+    /// Returns the least value that runs of a range have; infinity where none has any. `least_in`
+    /// returns a run's value, from its entries and its box; no run in a box may have less than the
+    /// `bound` of the box.
     ///
     /// Boxes are taken in the order of their bounds, so that few runs are looked at.
     pub(crate) fn least(

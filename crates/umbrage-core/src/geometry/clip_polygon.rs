@@ -1,5 +1,5 @@
-//! Clipping of small convex polygons by planes, without allocating: Sutherland and Hodgman 1974, "Reentrant Polygon
-//! Clipping".
+//! Clipping of small convex polygons by planes, without allocating: Sutherland and Hodgman 1974,
+//! "Reentrant Polygon Clipping".
 //!
 //! The CPU rasteriser has a clipper of its own, whose bits must be those of Mesa.
 
@@ -48,11 +48,13 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
         }
     }
 
-    /// Returns the part of the polygon on the side of a plane where `signed_distance` is not negative.
+    /// Returns the part of the polygon on the side of a plane where `signed_distance` is not
+    /// negative.
     ///
-    /// `crossing(p, q, distance_p, distance_q)` returns the corner at which the edge from `p` to `q` crosses the plane, or
-    /// none if it doesn't; the last two parameters are the signed distances of its ends. It stands with the callers,
-    /// since they interpolate by different formulas, whose bits differ.
+    /// `crossing(p, q, distance_p, distance_q)` returns the corner at which the edge from `p` to
+    /// `q` crosses the plane, or none if it doesn't; the last two parameters are the signed
+    /// distances of its ends. It stands with the callers, since they interpolate by different
+    /// formulas, whose bits differ.
     pub fn clip(
         &self,
         signed_distance: impl Fn(P) -> f64,
@@ -73,9 +75,10 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
         inside
     }
 
-    /// Appends a corner. A plane takes at least one corner from a convex polygon that it cuts and gives it two, so `MAX`
-    /// is to be three and the number of planes. Where an edge runs along a plane, rounding may make more crossings: corners
-    /// beyond `MAX` are left out, which lie on the outline anyway.
+    /// Appends a corner. A plane takes at least one corner from a convex polygon that it cuts and
+    /// gives it two, so `MAX` is to be three and the number of planes. Where an edge runs along a
+    /// plane, rounding may make more crossings: corners beyond `MAX` are left out, which lie on the
+    /// outline anyway.
     fn push(&mut self, corner: P) {
         if let Some(slot) = self.corners.get_mut(self.count) {
             *slot = corner;
@@ -84,8 +87,9 @@ impl<P: Copy + Default, const MAX: usize> Polygon<P, MAX> {
     }
 }
 
-/// Returns the point at which the edge from `p` to `q` crosses a plane, given the signed distances of both; none if both are on
-/// one side. An end on the plane counts as inside, so an edge that leaves or enters there gets that end as its crossing.
+/// Returns the point at which the edge from `p` to `q` crosses a plane, given the signed distances
+/// of both; none if both are on one side. An end on the plane counts as inside, so an edge that
+/// leaves or enters there gets that end as its crossing.
 pub fn edge_crossing(p: DVec3, q: DVec3, distance_p: f64, distance_q: f64) -> Option<DVec3> {
     if (distance_p >= 0.0) == (distance_q >= 0.0) {
         return None;

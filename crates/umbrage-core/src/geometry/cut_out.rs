@@ -1,24 +1,29 @@
 //! Holes in triangles, cut out by alpha textures: one rule for rays and for pixels.
 //!
-//! A segment's line meets a triangle's plane at a point, whose barycentric coordinates are the areas of the triangle test
-//! (`ray_triangle.rs`) over their sum. They give the point's uv, the uv its nearest texel (textures repeat), and one bit says whether the
-//! texel's alpha is less than the material's cut-off: then there is no surface, and the segment goes on.
+//! A segment's line meets a triangle's plane at a point, whose barycentric coordinates are the
+//! areas of the triangle test (`ray_triangle.rs`) over their sum. They give the point's uv, the uv
+//! its nearest texel (textures repeat), and one bit says whether the texel's alpha is less than the
+//! material's cut-off: then there is no surface, and the segment goes on.
 //!
-//! A pixel is asked in the same way, along the ray through its centre ([`CameraRays`]). So what a rasteriser
-//! interpolates, and how it rounds that, decides nothing: CPU, GPU and truth have the same holes, to the last bit where a
-//! driver's arithmetic is that of WGSL as it is written.
+//! A pixel is asked in the same way, along the ray through its centre ([`CameraRays`]). So what a
+//! rasteriser interpolates, and how it rounds that, decides nothing: CPU, GPU and truth have the
+//! same holes, to the last bit where a driver's arithmetic is that of WGSL as it is written.
 //!
 //! All of it is one table of rows of four words, the same for both backends:
 //!
 //! * Row 0: the two runs of triangles that are cut out, as first, end, first, end.
-//! * Two rows a cut-out triangle, in the order of ids: uvs of its corners as x, y, x, y and x, y; width and height of its texture
-//!   (the lower and the upper 16 bits of a word); the row at which the texture begins.
-//! * Textures: one bit a texel, in rows from the top, lowest bits first; 1 where the surface is. Each begins with a row of the table.
+//! * Two rows a cut-out triangle, in the order of ids: uvs of its corners as x, y, x, y and x, y;
+//!   width and height of its texture (the lower and the upper 16 bits of a word); the row at which
+//!   the texture begins.
+//! * Textures: one bit a texel, in rows from the top, lowest bits first; 1 where the surface is.
+//!   Each begins with a row of the table.
 //!
-//! `Geometry::bake` puts triangles with holes beside each other. A geometry without holes has none of this: its casts, rays and shaders are
-//! those of opaque casters. `umbrage-cpu`'s `raster/holes.rs` is a test beside `NoHoles`, `umbrage-wgpu` has pipelines of its own for the two
-//! runs, and `traced`, `exact` and `soft` have other tests of a caster. Techniques that take casters for whole refuse holes (`check_no_holes`). What
-//! images may use instead, where their pixels are larger than texels, is `hashed_alpha.rs`; rays and truth don't.
+//! `Geometry::bake` puts triangles with holes beside each other. A geometry without holes has none
+//! of this: its casts, rays and shaders are those of opaque casters. `umbrage-cpu`'s
+//! `raster/holes.rs` is a test beside `NoHoles`, `umbrage-wgpu` has pipelines of its own for the
+//! two runs, and `traced`, `exact` and `soft` have other tests of a caster. Techniques that take
+//! casters for whole refuse holes (`check_no_holes`). What images may use instead, where their
+//! pixels are larger than texels, is `hashed_alpha.rs`; rays and truth don't.
 
 use crate::{
     gbuffer::resolve::at_pixel,
@@ -38,11 +43,12 @@ use crate::{
 use glam::{UVec2, Vec2, Vec3, Vec4};
 use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
-/// The WGSL half. It calls into [`RAY_BOX`](super::bvh::RAY_BOX) and [`RAY_TRIANGLE`](super::bvh::RAY_TRIANGLE).
+/// The WGSL half. It calls into [`RAY_BOX`](super::bvh::RAY_BOX) and
+/// [`RAY_TRIANGLE`](super::bvh::RAY_TRIANGLE).
 pub const CUT_OUT: Module = crate::module!("cut_out");
 
-/// The WGSL of [`CutOuts::is_hole`]. It calls into [`CUT_OUT`], and into `fn cut_out_row(i: u32) -> vec4u`, which whoever has the
-/// table declares.
+/// The WGSL of [`CutOuts::is_hole`]. It calls into [`CUT_OUT`], and into
+/// `fn cut_out_row(i: u32) -> vec4u`, which whoever has the table declares.
 pub const HOLE: Module = crate::module!("hole");
 
 /// Greatest side of an alpha texture, texels: what 16 bits hold.
@@ -57,7 +63,8 @@ pub(super) const WHOLE_NUMBERS: f32 = 8_388_608.0;
 /// The cut-out triangles of a [`Geometry`](crate::Geometry).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutOuts {
-    /// Ids of the triangles that are cut out: in rising order, without common ones. Either may be empty.
+    /// Ids of the triangles that are cut out: in rising order, without common ones. Either may be
+    /// empty.
     runs: [Range<u32>; 2],
     /// The table.
     rows: Arc<[[u32; 4]]>,
@@ -110,8 +117,8 @@ fn pixel_ray(rays: &CameraRays, x: u32, y: u32) -> Segment {
     Segment::new(o, d)
 }
 
-/// Returns the texel, among `n` along one axis, that holds a texture coordinate. What is not finite has no fraction, as whole numbers
-/// have none.
+/// Returns the texel, among `n` along one axis, that holds a texture coordinate. What is not finite
+/// has no fraction, as whole numbers have none.
 #[inline(always)]
 pub(super) fn nearest_texel(t: f32, n: u32) -> u32 {
     if t.abs() < WHOLE_NUMBERS {
@@ -123,8 +130,8 @@ pub(super) fn nearest_texel(t: f32, n: u32) -> u32 {
     }
 }
 
-/// Returns the uv where a segment's line meets a triangle's plane. `uv_ab` are the uvs of corners a and b. Not finite where the segment
-/// runs along the plane.
+/// Returns the uv where a segment's line meets a triangle's plane. `uv_ab` are the uvs of corners a
+/// and b. Not finite where the segment runs along the plane.
 #[inline(always)]
 pub(super) fn uv_met(segment: &Segment, corners: &Corners, uv_ab: Vec4, uv_c: Vec2) -> Vec2 {
     let areas = segment.areas(corners);
@@ -135,7 +142,8 @@ pub(super) fn uv_met(segment: &Segment, corners: &Corners, uv_ab: Vec4, uv_c: Ve
     Vec2::new(across, down)
 }
 
-/// Returns the number of the texel nearest to a uv in a texture of this size; 0 along an axis where the uv is not finite.
+/// Returns the number of the texel nearest to a uv in a texture of this size; 0 along an axis where
+/// the uv is not finite.
 #[inline(always)]
 pub(super) fn texel_at(uv: Vec2, size: UVec2) -> u32 {
     nearest_texel(uv.y, size.y)
@@ -149,12 +157,14 @@ impl CutOuts {
         &self.rows
     }
 
-    /// Returns the ids of the triangles that are cut out: two runs, in rising order; either may be empty.
+    /// Returns the ids of the triangles that are cut out: two runs, in rising order; either may be
+    /// empty.
     pub fn runs(&self) -> &[Range<u32>; 2] {
         &self.runs
     }
 
-    /// Returns the parts of rising runs of triangles without holes, and those that are cut out: rising, none empty.
+    /// Returns the parts of rising runs of triangles without holes, and those that are cut out:
+    /// rising, none empty.
     pub fn split(&self, runs: &[Range<u32>]) -> [Vec<Range<u32>>; 2] {
         let mut whole = Vec::new();
         let mut cut_out = Vec::new();
@@ -185,8 +195,9 @@ impl CutOuts {
         }
     }
 
-    /// Returns whether there is a hole where the line of the segment from `o` to `o + d` meets a triangle's plane, given its corners.
-    /// False for triangles that are not cut out. Never where a number is not finite.
+    /// Returns whether there is a hole where the line of the segment from `o` to `o + d` meets a
+    /// triangle's plane, given its corners. False for triangles that are not cut out. Never where a
+    /// number is not finite.
     pub fn is_hole(&self, triangle: u32, corners: [Vec3; 3], o: Vec3, d: Vec3) -> bool {
         self.is_hole_met(triangle, &Corners::new(corners), &Segment::new(o, d))
     }
@@ -200,9 +211,10 @@ impl CutOuts {
         self.is_clear(&record, texel_at(uv, record.size))
     }
 
-    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, given its corners. `rays` are those of the pixels' image,
-    /// be it a camera's or a map. Where a material's [`AlphaFilter`] says so, the pixel's footprint on the texture chooses
-    /// what is compared; else the answer is that of [`is_hole`](Self::is_hole).
+    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, given its
+    /// corners. `rays` are those of the pixels' image, be it a camera's or a map. Where a
+    /// material's [`AlphaFilter`] says so, the pixel's footprint on the texture chooses what is
+    /// compared; else the answer is that of [`is_hole`](Self::is_hole).
     pub fn is_hole_at_pixel(
         &self,
         triangle: u32,
@@ -232,12 +244,14 @@ impl CutOuts {
         }
     }
 
-    /// Returns the table of mipmapped coverages, for shaders; none if no material's [`AlphaFilter`] asks for it.
+    /// Returns the table of mipmapped coverages, for shaders; none if no material's [`AlphaFilter`]
+    /// asks for it.
     pub fn coverage_rows(&self) -> Option<&Arc<[[u32; 4]]>> {
         self.coverage.as_ref().map(Coverage::rows)
     }
 
-    /// Returns the levels of a triangle's texture; none if it has no holes or they are not to be hashed.
+    /// Returns the levels of a triangle's texture; none if it has no holes or they are not to be
+    /// hashed.
     fn levels_of(&self, triangle: u32) -> Option<Levels<'_>> {
         let coverage = self.coverage.as_ref()?;
         let record = (self.record_row(triangle)? - 1) / 2;
@@ -255,9 +269,10 @@ impl CutOuts {
         word >> (texel % 32) & 1 == 0
     }
 
-    /// Returns whether all texels that a triangle shows within a box of barycentric uvs are alike: `Some(true)` if all are holes,
-    /// `Some(false)` if none is, as for triangles that are not cut out; none if there are both, or too many to look at. `weights`
-    /// are barycentric coordinates of points of the triangle; the box is that around their uvs.
+    /// Returns whether all texels that a triangle shows within a box of barycentric uvs are alike:
+    /// `Some(true)` if all are holes, `Some(false)` if none is, as for triangles that are not cut
+    /// out; none if there are both, or too many to look at. `weights` are barycentric coordinates
+    /// of points of the triangle; the box is that around their uvs.
     pub fn is_hole_around(&self, triangle: u32, weights: &[[f64; 3]]) -> Option<bool> {
         const MAX_TEXELS: f64 = 4096.0;
         let Some(record) = self.record(triangle) else {
@@ -348,10 +363,12 @@ impl CutOuts {
         })))
     }
 
-    /// Returns the cut-outs that a table and one of coverages describe, of a geometry with so many triangles; none if it is empty.
+    /// Returns the cut-outs that a table and one of coverages describe, of a geometry with so many
+    /// triangles; none if it is empty.
     ///
     /// # Errors
-    /// Errors if they are not tables as [`CutOuts::rows`] and [`CutOuts::coverage_rows`] return them.
+    /// Errors if they are not tables as [`CutOuts::rows`] and [`CutOuts::coverage_rows`] return
+    /// them.
     #[cfg(feature = "serde")]
     pub(super) fn from_rows(
         rows: &[[u32; 4]],

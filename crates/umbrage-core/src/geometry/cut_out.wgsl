@@ -1,5 +1,5 @@
-// Twin of cut_out.rs: which texel of an alpha texture lies where a segment's line meets a triangle, and whether it is a hole.
-// Calls into ray_box.wgsl and ray_triangle.wgsl.
+// Twin of cut_out.rs: which texel of an alpha texture lies where a segment's line meets a triangle,
+// and whether it is a hole. Calls into ray_box.wgsl and ray_triangle.wgsl.
 
 fn nearest_texel(t: f32, n: u32) -> u32 {
     if abs(t) < 8388608.0 {

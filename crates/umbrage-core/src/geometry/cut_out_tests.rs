@@ -20,7 +20,8 @@ fn texture(size: UVec2, is_there: impl Fn(u32, u32) -> bool) -> Texture {
     }
 }
 
-/// A slanted card, its lower left corner at the origin, over whose width a texture repeats `repeats` times.
+/// A slanted card, its lower left corner at the origin, over whose width a texture repeats
+/// `repeats` times.
 fn card(texture: Option<Texture>, repeats: f32) -> Scene {
     let corner = |x: f32, y: f32| Vec3::new(3.0 * x, 2.0 * y, x + 0.5 * y);
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
@@ -114,7 +115,8 @@ fn what_is_behind_a_hole_is_hit() {
     assert!(!g.bvh().occluded(o, Vec3::Z * 5.0, u32::MAX));
 }
 
-/// What shows no hole is hit as if there were no alpha texture, and what is all holes as if it were not there.
+/// What shows no hole is hit as if there were no alpha texture, and what is all holes as if it were
+/// not there.
 #[test]
 fn textures_without_holes_and_without_anything() {
     // The card shows three quarters of the texture's width, and the hole is in its last fifth.
@@ -138,8 +140,8 @@ fn textures_without_holes_and_without_anything() {
     assert!(hits > 100, "{hits}");
 }
 
-/// An alpha texture without a texel below the cut-off is left aside, whatever the filter: one such texel makes the difference, and so does a
-/// cut-off that is the next float above all alphas.
+/// An alpha texture without a texel below the cut-off is left aside, whatever the filter: one such
+/// texel makes the difference, and so does a cut-off that is the next float above all alphas.
 #[test]
 fn textures_without_a_hole_cut_nothing_out() {
     let has_holes = |alphas: [f32; 4], cutoff, filter| {
@@ -198,7 +200,8 @@ fn uvs_that_are_no_numbers_have_a_texel() {
     assert_eq!(nearest_texel(0.25, 4), 1);
 }
 
-/// Materials that share a texture share its bits, unless they cut off at another alpha; other geometries' fingerprints differ.
+/// Materials that share a texture share its bits, unless they cut off at another alpha; other
+/// geometries' fingerprints differ.
 #[test]
 fn textures_are_kept_once_for_each_cut_off() {
     let rows = |cutoffs: [f32; 2]| {

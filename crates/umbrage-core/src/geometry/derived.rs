@@ -15,8 +15,8 @@ pub(super) struct Derived {
 }
 
 impl Derived {
-    /// Returns the value of a type, which `make` makes the first time. Threads that ask at once may each make one; all get the
-    /// same.
+    /// Returns the value of a type, which `make` makes the first time. Threads that ask at once may
+    /// each make one; all get the same.
     pub(super) fn get_or_make<T: Any + Send + Sync>(&self, make: impl FnOnce() -> T) -> Arc<T> {
         if let Some(known) = self.get() {
             return known;

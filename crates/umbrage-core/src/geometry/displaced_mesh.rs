@@ -12,15 +12,15 @@ use crate::{
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 
-/// Least cosine between the normals of two vertices at one place between which the surface is smooth: 60 degrees, between the
-/// seams of bent surfaces and the edges of boxes.
+/// Least cosine between the normals of two vertices at one place between which the surface is
+/// smooth: 60 degrees, between the seams of bent surfaces and the edges of boxes.
 const MIN_SMOOTH_COSINE: f32 = 0.5;
-/// Greatest number of vertices at one place whose normals are compared. More are a fan, not an edge, and comparing each with
-/// each would take forever.
+/// Greatest number of vertices at one place whose normals are compared. More are a fan, not an
+/// edge, and comparing each with each would take forever.
 const MAX_COMPARED: usize = 64;
 
-/// Returns the mesh of a valid scene's instance, displaced if its material says so. `baked` is how many triangles the geometry
-/// has already.
+/// Returns the mesh of a valid scene's instance, displaced if its material says so. `baked` is how
+/// many triangles the geometry has already.
 pub(crate) fn applied<'a>(
     scene: &'a Scene,
     instance: &Instance,
@@ -47,12 +47,13 @@ pub(crate) fn applied<'a>(
 }
 
 impl Mesh {
-    /// Returns the mesh with each vertex moved along its unit normal by `lambda (2 h - 1)` metres, where h is the first channel
-    /// of `heights` at its texture coordinates; shading normals fit the result. See
-    /// [`displacement`](crate::geometry::displacement).
+    /// Returns the mesh with each vertex moved along its unit normal by `lambda (2 h - 1)` metres,
+    /// where h is the first channel of `heights` at its texture coordinates; shading normals fit
+    /// the result. See [`displacement`](crate::geometry::displacement).
     ///
     /// # Errors
-    /// Errors if the mesh or the texture is invalid, if the mesh has no texture coordinates, and if lambda is not finite.
+    /// Errors if the mesh or the texture is invalid, if the mesh has no texture coordinates, and if
+    /// lambda is not finite.
     pub fn displaced(&self, heights: &Texture, lambda: f32) -> Result<Self, Invalid> {
         self.validate()?;
         heights.validate()?;
@@ -82,7 +83,8 @@ fn with_normals(mesh: &Mesh) -> Cow<'_, Mesh> {
     })
 }
 
-/// Returns, for each vertex, the sum of its triangles' normals, each as long as twice the triangle's area.
+/// Returns, for each vertex, the sum of its triangles' normals, each as long as twice the
+/// triangle's area.
 fn normal_sums(mesh: &Mesh) -> Vec<DVec3> {
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     for (vertex, normal) in corner_normals(mesh) {
@@ -107,8 +109,8 @@ fn displaced_positions(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3>
     positions
 }
 
-/// Returns the mesh at new positions, its normals averaged from them: over all vertices of a place between which the surface
-/// was smooth.
+/// Returns the mesh at new positions, its normals averaged from them: over all vertices of a place
+/// between which the surface was smooth.
 fn with_fitting_normals(mesh: Mesh, positions: Vec<Vec3>) -> Mesh {
     let places = WeldedVertices::new(&mesh.positions);
     let old: Vec<Vec3> = mesh.normals.iter().map(|n| unit(n.as_dvec3())).collect();

@@ -27,7 +27,8 @@ fn square() -> Mesh {
     }
 }
 
-/// A box of six squares with normals of their own; `uv` tells the coordinates of each side's corners.
+/// A box of six squares with normals of their own; `uv` tells the coordinates of each side's
+/// corners.
 fn cube(uv: impl Fn(usize, usize) -> Vec2) -> Mesh {
     let mut mesh = Mesh {
         name: "cube".to_owned(),
@@ -128,7 +129,8 @@ fn fingerprints_tell_reliefs_apart() {
 
 #[test]
 fn normals_fit_the_slope() {
-    // Heights rise by 1 along u over 64 texels, apart from the jump at the repeat: 45 degrees at lambda 1/2.
+    // Heights rise by 1 along u over 64 texels, apart from the jump at the repeat: 45 degrees at
+    // lambda 1/2.
     let ramp = texture(64, |x, _| (x as f32 + 0.5) / 64.0);
     let baked = Geometry::bake(&scene(square(), ramp, 0.5, 5)).unwrap();
     let inner = baked

@@ -1,19 +1,22 @@
-//! Displacement mapping (Cook 1984, "Shade trees"): a vertex moves along its unit normal by `lambda (2 h - 1)`, where h
-//! is a texture's first channel at its uv, bilinear and repeating.
+//! Displacement mapping (Cook 1984, "Shade trees"): a vertex moves along its unit normal by
+//! `lambda (2 h - 1)`, where h is a texture's first channel at its uv, bilinear and repeating.
 //!
-//! [`Geometry::bake`](crate::Geometry::bake) displaces meshes whose material has a displacement: first each triangle is split
-//! in four, as often as the material says, since a coarse mesh cannot show relief; then vertices move. Both backends, truth,
-//! the depth pass and the camera pass draw that one list, and so they see the same relief.
+//! [`Geometry::bake`](crate::Geometry::bake) displaces meshes whose material has a displacement:
+//! first each triangle is split in four, as often as the material says, since a coarse mesh cannot
+//! show relief; then vertices move. Both backends, truth, the depth pass and the camera pass draw
+//! that one list, and so they see the same relief.
 //!
-//! * **Seams.** Where texture coordinates part, several vertices stand at one place and read different heights. They
-//!   move together, by the mean of their offsets: the surface never tears.
-//! * **Shading normals** are averaged anew from the moved triangles, so that they fit any relief and any lambda without
-//!   the derivatives of the texture; edges that were sharp before stay sharp. With a normal map they stay what they
-//!   were: a map that fits the relief holds its slopes over the smooth surface, and both together would tilt twice.
-//! * **Known failures.** Relief finer than the triangles is aliased; vertices of a hollow may cross when |lambda|
-//!   exceeds its radius of curvature; an open mesh shows its rim.
+//! * **Seams.** Where texture coordinates part, several vertices stand at one place and read
+//!   different heights. They move together, by the mean of their offsets: the surface never tears.
+//! * **Shading normals** are averaged anew from the moved triangles, so that they fit any relief
+//!   and any lambda without the derivatives of the texture; edges that were sharp before stay
+//!   sharp. With a normal map they stay what they were: a map that fits the relief holds its slopes
+//!   over the smooth surface, and both together would tilt twice.
+//! * **Known failures.** Relief finer than the triangles is aliased; vertices of a hollow may cross
+//!   when |lambda| exceeds its radius of curvature; an open mesh shows its rim.
 //!
-//! A program that displaces in its own vertex shader uses [`DISPLACEMENT`], whose halves are bit-equal:
+//! A program that displaces in its own vertex shader uses [`DISPLACEMENT`], whose halves are
+//! bit-equal:
 //!
 //! ```
 //! use umbrage_core::{displacement::DISPLACEMENT, join, Module};
@@ -50,7 +53,8 @@ pub fn repeated(t: f32) -> f32 {
     if part >= 1.0 { 0.0 } else { part }
 }
 
-/// Returns how many texels a texture coordinate is from the centre of the first of `n`, along one axis: -0.5 to below n - 0.5.
+/// Returns how many texels a texture coordinate is from the centre of the first of `n`, along one
+/// axis: -0.5 to below n - 0.5.
 #[inline(always)]
 pub fn from_first_centre(t: f32, n: u32) -> f32 {
     repeated(t) * n as f32 - 0.5

@@ -98,7 +98,8 @@ fn attributes_follow_the_order_of_roles() {
     );
 }
 
-/// On the surface, the tangent must stay on the way of u and the bitangent against that of v, however it is placed.
+/// On the surface, the tangent must stay on the way of u and the bitangent against that of v,
+/// however it is placed.
 #[test]
 fn frames_follow_turns_scales_and_mirrors() {
     let turned = Affine3A::from_rotation_x(0.7) * Affine3A::from_rotation_z(1.1);

@@ -1,26 +1,34 @@
-//! Holes where a pixel is larger than the texels of an alpha texture: mipmapped coverage against a hashed threshold, after Wyman and
-//! McGuire 2017, "Hashed Alpha Testing" ([`AlphaFilter::Hashed`](crate::AlphaFilter::Hashed)).
+//! Holes where a pixel is larger than the texels of an alpha texture: mipmapped coverage against a
+//! hashed threshold, after Wyman and McGuire 2017, "Hashed Alpha Testing"
+//! ([`AlphaFilter::Hashed`](crate::AlphaFilter::Hashed)).
 //!
-//! * **Footprint.** The rays through the centres of a pixel and of the next ones along the row and down meet the triangle's plane at three uvs
-//!   (`cut_out.rs`). The longer of the two steps between them, in texels, is s.
+//! * **Footprint.** The rays through the centres of a pixel and of the next ones along the row and
+//!   down meet the triangle's plane at three uvs (`cut_out.rs`). The longer of the two steps
+//!   between them, in texels, is s.
 //! * s is 1 or less: the nearest texel decides, as it does for rays.
-//! * **Coverage.** Else a pixel takes the two levels with 2^L <= s < 2^(L + 1). A texel of level L says how much of the texture is there over 2^L x
-//!   2^L texels: what is averaged is whether alpha reaches the cut-off, since alpha that is averaged before it is cut off
-//!   makes thin leaves vanish. Of each level the nearest texel counts; the two answers are weighed by (s^2 / 4^L - 1) / 3, which is 0 at
-//!   the finer level and 1 at the coarser one.
-//! * **Threshold.** Each level's texel, in each repeat of the texture, on each triangle has a threshold from 0 to 1 of its own, hashed from whole
-//!   numbers. That of a pixel is the mean of the two levels' with the same weights, made even again by the mean's distribution (there, section
-//!   3.3). There is a hole where the coverage is less than the threshold.
+//! * **Coverage.** Else a pixel takes the two levels with 2^L <= s < 2^(L + 1). A texel of level L
+//!   says how much of the texture is there over 2^L x 2^L texels: what is averaged is whether alpha
+//!   reaches the cut-off, since alpha that is averaged before it is cut off makes thin leaves
+//!   vanish. Of each level the nearest texel counts; the two answers are weighed by (s^2 / 4^L - 1)
+//!   / 3, which is 0 at the finer level and 1 at the coarser one.
+//! * **Threshold.** Each level's texel, in each repeat of the texture, on each triangle has a
+//!   threshold from 0 to 1 of its own, hashed from whole numbers. That of a pixel is the mean of
+//!   the two levels' with the same weights, made even again by the mean's distribution (there,
+//!   section 3.3). There is a hole where the coverage is less than the threshold.
 //!
-//! So a triangle of which one half is there shows at one half of its pixels, from any distance; and which half follows from places on the
-//! triangle alone, so that it stays where the camera or a map moves, and gives way to another little by little where they come nearer. From
-//! s = 1 on the answers depart from the nearest texel's, without a step.
+//! So a triangle of which one half is there shows at one half of its pixels, from any distance; and
+//! which half follows from places on the triangle alone, so that it stays where the camera or a map
+//! moves, and gives way to another little by little where they come nearer. From s = 1 on the
+//! answers depart from the nearest texel's, without a step.
 //!
-//! All of it is explicit arithmetic: levels are taken from a float's exponent, without logarithms, and hashes are whole numbers'.
+//! All of it is explicit arithmetic: levels are taken from a float's exponent, without logarithms,
+//! and hashes are whole numbers'.
 //!
-//! The table: a word for each cut-out triangle in the order of ids, which is the row where its levels begin, or 0 if the nearest texel is to
-//! decide; then for each texture a row for each level (its width and height as the lower and the upper 16 bits; the row where its texels
-//! begin; the number of the last level), and its texels, 8 bits each, from level 1 on: level 0 is the texture, whose bits are elsewhere.
+//! The table: a word for each cut-out triangle in the order of ids, which is the row where its
+//! levels begin, or 0 if the nearest texel is to decide; then for each texture a row for each level
+//! (its width and height as the lower and the upper 16 bits; the row where its texels begin; the
+//! number of the last level), and its texels, 8 bits each, from level 1 on: level 0 is the texture,
+//! whose bits are elsewhere.
 
 use crate::{
     geometry::cut_out::{WHOLE_NUMBERS, nearest_texel, texel_at},
@@ -34,8 +42,9 @@ use std::{collections::BTreeMap, sync::Arc};
 /// The WGSL half. It calls into [`CUT_OUT`](super::cut_out::CUT_OUT).
 pub const HASHED_ALPHA: Module = crate::module!("hashed_alpha");
 
-/// The WGSL of the rule, for a pixel whose footprint is larger than a texel. It calls into [`HASHED_ALPHA`], into
-/// [`HOLE`](super::cut_out::HOLE), and into `fn coverage_row(i: u32) -> vec4u`, which whoever has the table declares.
+/// The WGSL of the rule, for a pixel whose footprint is larger than a texel. It calls into
+/// [`HASHED_ALPHA`], into [`HOLE`](super::cut_out::HOLE), and into
+/// `fn coverage_row(i: u32) -> vec4u`, which whoever has the table declares.
 pub const HASHED_HOLE: Module = crate::module!("hashed_hole");
 
 /// Texels whose coverages a row of the table holds.
@@ -44,8 +53,8 @@ const TEXELS_A_ROW: u32 = 16;
 /// The coverage of what is there all over.
 const WHOLLY_THERE: f32 = 255.0;
 
-/// Returns the square of a pixel's extent on a texture of this size, texels: of the longer one of the steps from its uv to those of the next
-/// pixels.
+/// Returns the square of a pixel's extent on a texture of this size, texels: of the longer one of
+/// the steps from its uv to those of the next pixels.
 #[inline(always)]
 pub(super) fn squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2) -> f32 {
     let across = (right - uv) * size.as_vec2();
@@ -59,22 +68,24 @@ pub(super) fn squared_footprint(uv: Vec2, right: Vec2, below: Vec2, size: UVec2)
     }
 }
 
-/// Returns the finer one of the two levels between which a footprint lies, given its square, 1 or more: half the exponent is the logarithm of
-/// its root. At most `last`.
+/// Returns the finer one of the two levels between which a footprint lies, given its square, 1 or
+/// more: half the exponent is the logarithm of its root. At most `last`.
 #[inline(always)]
 fn finer_level(squared: f32, last: u32) -> u32 {
     let exponent = (squared.to_bits() >> 23).wrapping_sub(127);
     (exponent >> 1).min(last)
 }
 
-/// Returns how far a footprint is on the way from a level to the next, 0 to 1, given its square. The exponent is lessened by twice the level.
+/// Returns how far a footprint is on the way from a level to the next, 0 to 1, given its square.
+/// The exponent is lessened by twice the level.
 #[inline(always)]
 fn part_to_next_level(squared: f32, level: u32) -> f32 {
     let scaled = f32::from_bits(squared.to_bits().wrapping_sub(level << 24));
     (scaled - 1.0) / 3.0
 }
 
-/// Returns how often a texture has repeated before a texture coordinate; 0 where the coordinate is not finite.
+/// Returns how often a texture has repeated before a texture coordinate; 0 where the coordinate is
+/// not finite.
 #[inline(always)]
 fn whole_repeats(t: f32) -> i32 {
     if t.abs() < WHOLE_NUMBERS {
@@ -84,7 +95,8 @@ fn whole_repeats(t: f32) -> i32 {
     }
 }
 
-/// Returns the threshold of the texel that holds a uv, of a level of this size: more than 0, less than 1.
+/// Returns the threshold of the texel that holds a uv, of a level of this size: more than 0, less
+/// than 1.
 #[inline(always)]
 fn cell_threshold(uv: Vec2, size: UVec2, level: u32, triangle: u32) -> f32 {
     let repeats = [uv.x, uv.y].map(|t| whole_repeats(t).cast_unsigned());
@@ -98,7 +110,8 @@ fn cell_threshold(uv: Vec2, size: UVec2, level: u32, triangle: u32) -> f32 {
     ((mixed_words(column, row, level, triangle) >> 9) as f32 + 0.5) * 1.192_092_9e-7
 }
 
-/// Mixes four words into one: the first of the four that `pcg4d` makes (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
+/// Mixes four words into one: the first of the four that `pcg4d` makes (Jarzynski and Olano 2020,
+/// "Hash Functions for GPU Rendering").
 #[inline(always)]
 fn mixed_words(column: u32, row: u32, level: u32, triangle: u32) -> u32 {
     let [mut x, mut y, mut z, mut w] = [column, row, level, triangle]
@@ -113,8 +126,9 @@ fn mixed_words(column: u32, row: u32, level: u32, triangle: u32) -> u32 {
     x.wrapping_add(y.wrapping_mul(w))
 }
 
-/// Returns a threshold `part` of the way between those of two levels, made even: the share of all pairs whose mean, with these weights, is less
-/// than theirs. The weighted mean of two even numbers is distributed as a trapezium, whose integral this is, piece by piece.
+/// Returns a threshold `part` of the way between those of two levels, made even: the share of all
+/// pairs whose mean, with these weights, is less than theirs. The weighted mean of two even numbers
+/// is distributed as a trapezium, whose integral this is, piece by piece.
 #[inline(always)]
 fn threshold_between(fine: f32, coarse: f32, part: f32) -> f32 {
     let rest = 1.0 - part;
@@ -176,8 +190,8 @@ impl Levels<'_> {
         Level::of_row(self.rows[(self.first + number) as usize])
     }
 
-    /// Returns whether there is a hole at a uv where the footprint's square is `squared`, more than 1. `is_clear` tells whether a texel of
-    /// the texture itself is one.
+    /// Returns whether there is a hole at a uv where the footprint's square is `squared`, more than
+    /// 1. `is_clear` tells whether a texel of the texture itself is one.
     pub(super) fn is_hole(
         &self,
         uv: Vec2,
@@ -226,7 +240,8 @@ impl Coverage {
         &self.rows
     }
 
-    /// Returns the levels of the texture of the cut-out triangle number `record`; none where the nearest texel decides.
+    /// Returns the levels of the texture of the cut-out triangle number `record`; none where the
+    /// nearest texel decides.
     pub(super) fn levels_of(&self, record: u32) -> Option<Levels<'_>> {
         let first = self.rows[record as usize / 4][record as usize % 4];
         (first != 0).then_some(Levels {
@@ -235,10 +250,12 @@ impl Coverage {
         })
     }
 
-    /// Returns the coverages that a table describes, of cut-out triangles with textures of these sizes; none if it is empty.
+    /// Returns the coverages that a table describes, of cut-out triangles with textures of these
+    /// sizes; none if it is empty.
     ///
     /// # Errors
-    /// Errors if it is not a table as [`CutOuts::coverage_rows`](crate::CutOuts::coverage_rows) returns it.
+    /// Errors if it is not a table as [`CutOuts::coverage_rows`](crate::CutOuts::coverage_rows)
+    /// returns it.
     #[cfg(feature = "serde")]
     pub(super) fn from_rows(rows: &[[u32; 4]], sizes: &[UVec2]) -> Result<Option<Self>, Invalid> {
         if rows.is_empty() {
@@ -303,7 +320,8 @@ impl CoverageBuilder {
         }
     }
 
-    /// Says that a triangle's holes are hashed. `key` is the texture's number and the bits of the cut-off.
+    /// Says that a triangle's holes are hashed. `key` is the texture's number and the bits of the
+    /// cut-off.
     pub(super) fn add(&mut self, triangle: usize, key: (usize, u32), texture: &Texture) {
         let rows = &mut self.rows;
         let first = *self
@@ -366,7 +384,8 @@ fn append_texels(rows: &mut Vec<[u32; 4]>, coverages: &[f32]) {
     }
 }
 
-/// Returns the means of a level's texels over those of the next one: of each as much as lies there, as sides need not be even.
+/// Returns the means of a level's texels over those of the next one: of each as much as lies there,
+/// as sides need not be even.
 fn shrunk(coverages: &[f32], from: UVec2, to: UVec2) -> Vec<f32> {
     let [width, height] = from.to_array().map(|n| n as usize);
     let columns = shares(from.x, to.x);
@@ -391,7 +410,8 @@ fn weighed(shares: &Shares, coverage: impl Fn(usize) -> f32) -> f32 {
     shares.iter().map(|&(i, share)| share * coverage(i)).sum()
 }
 
-/// Returns which of `from` texels of a line lie in each of `to` equal parts of it, and what share of the part they are.
+/// Returns which of `from` texels of a line lie in each of `to` equal parts of it, and what share
+/// of the part they are.
 fn shares(from: u32, to: u32) -> Vec<Shares> {
     let length = f64::from(from) / f64::from(to);
     let part = |i: u32| {

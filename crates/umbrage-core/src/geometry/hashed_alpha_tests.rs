@@ -60,7 +60,8 @@ fn card(there: u32, filter: AlphaFilter) -> Geometry {
     Geometry::bake(&scene).unwrap()
 }
 
-/// Returns a camera before the card whose image is `pixels` wide and shows the middle half of it, moved by parts of a pixel.
+/// Returns a camera before the card whose image is `pixels` wide and shows the middle half of it,
+/// moved by parts of a pixel.
 fn camera(pixels: u32, moved: f32) -> Camera {
     let eye = Vec3::new(moved * 2.0 / pixels as f32, 0.0, 5.0);
     let extents = Extents {
@@ -110,7 +111,8 @@ fn coverage_is_kept_from_any_distance() {
                 .flat_map(|moved| shown(&geometry, &camera(pixels, moved)))
                 .collect();
             let found = share(&all);
-            // Five times the deviation of one picture's pixels, which are not independent from picture to picture.
+            // Five times the deviation of one picture's pixels, which are not independent from
+            // picture to picture.
             let deviation = (expected * (1.0 - expected)).sqrt() / f64::from(pixels);
             assert!(
                 (found - expected).abs() < 5.0 * deviation,
@@ -120,7 +122,8 @@ fn coverage_is_kept_from_any_distance() {
     }
 }
 
-/// Levels of a texture without holes have none, which is why [`Geometry::bake`] leaves such textures aside; of a texture with one they do.
+/// Levels of a texture without holes have none, which is why [`Geometry::bake`] leaves such
+/// textures aside; of a texture with one they do.
 #[test]
 fn levels_of_whole_textures_have_no_holes() {
     let holes = |texture: &Texture| {
@@ -144,7 +147,8 @@ fn levels_of_whole_textures_have_no_holes() {
     assert!(holes(&texture) > 0);
 }
 
-/// Where a pixel is no larger than a texel, the nearest one decides, and where all is holes, nothing is made.
+/// Where a pixel is no larger than a texel, the nearest one decides, and where all is holes,
+/// nothing is made.
 #[test]
 fn near_pixels_and_clear_textures_are_as_without_hashes() {
     let hashed = card(120, AlphaFilter::Hashed);

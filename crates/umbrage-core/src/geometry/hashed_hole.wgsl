@@ -1,8 +1,10 @@
-// Whether a pixel lies in a hole of a triangle whose alpha texture is mipmapped and hashed. Calls into hashed_alpha.wgsl, hole.wgsl, and into
-// `fn coverage_row(i: u32) -> vec4u` of whoever has the table of hashed_alpha.rs.
+// Whether a pixel lies in a hole of a triangle whose alpha texture is mipmapped and hashed. Calls
+// into hashed_alpha.wgsl, hole.wgsl, and into `fn coverage_row(i: u32) -> vec4u` of whoever has the
+// table of hashed_alpha.rs.
 
-// The coverage of a level, 0 to 255, and the threshold of its cell. `levels` is the row of the table at which a texture's levels begin, `bits`
-// the row of the other table at which its texels do.
+// The coverage of a level, 0 to 255, and the threshold of its cell. `levels` is the row of the
+// table at which a texture's levels begin, `bits` the row of the other table at which its texels
+// do.
 fn coverage_and_threshold(uv: vec2f, level: u32, levels: u32, bits: u32, triangle: u32) -> vec2f {
     let head = coverage_row(levels + level);
     let size = vec2u(head.x & 0xffffu, head.x >> 16u);

@@ -50,7 +50,8 @@ use std::{
 /// Triangles a box of [`Geometry::run_boxes`]; the last one may have fewer.
 pub const TRIANGLES_A_RUN: u32 = RUN;
 
-/// World-space triangles, ordered so that casters and receivers are each one contiguous range. Copies share the triangles.
+/// World-space triangles, ordered so that casters and receivers are each one contiguous range.
+/// Copies share the triangles.
 ///
 /// `serde` writes the triangles, without what is found on first use; what is read back has the same
 /// [fingerprint](Geometry::fingerprint).
@@ -79,8 +80,9 @@ struct Group {
     has_holes: bool,
 }
 
-/// The order of triangles. In it casters and receivers are each one range, which overlap, and what has holes is two: the last of
-/// what only casts and the first of what does both; the last of what only receives and the first of what does neither.
+/// The order of triangles. In it casters and receivers are each one range, which overlap, and what
+/// has holes is two: the last of what only casts and the first of what does both; the last of what
+/// only receives and the first of what does neither.
 #[rustfmt::skip]
 const GROUPS: [Group; 8] = [
     Group { casts: true, receives: false, has_holes: false },
@@ -107,12 +109,12 @@ impl Group {
 type Rows = Arc<[[u32; 4]]>;
 
 impl Geometry {
-    /// Places every instance of a scene into the world, displaced if its material says so. Mirroring instances keep their
-    /// outside out.
+    /// Places every instance of a scene into the world, displaced if its material says so.
+    /// Mirroring instances keep their outside out.
     ///
     /// # Errors
-    /// Errors if [`Scene::validate`] does; if subdivisions make too many triangles; if an alpha texture with holes is too large; and
-    /// if a placement leaves the range of `f32`.
+    /// Errors if [`Scene::validate`] does; if subdivisions make too many triangles; if an alpha
+    /// texture with holes is too large; and if a placement leaves the range of `f32`.
     pub fn bake(scene: &Scene) -> Result<Self, Invalid> {
         scene.validate()?;
         let mut placed = PlacedMeshes::default();
@@ -187,8 +189,8 @@ impl Geometry {
         out
     }
 
-    /// Returns the same triangles without the hierarchies that were built over them, as if they had just been placed: for those
-    /// who time what is built once a scene.
+    /// Returns the same triangles without the hierarchies that were built over them, as if they had
+    /// just been placed: for those who time what is built once a scene.
     #[must_use]
     pub fn without_hierarchies(&self) -> Self {
         Self {
@@ -214,19 +216,20 @@ impl Geometry {
         &self.placed.normals
     }
 
-    /// Texture coordinates, one a vertex, origin top left; empty when no mesh has any, zero where a mesh has none.
+    /// Texture coordinates, one a vertex, origin top left; empty when no mesh has any, zero where a
+    /// mesh has none.
     pub fn uvs(&self) -> &[Vec2] {
         &self.placed.uvs
     }
 
-    /// World-space tangents, one a vertex: xyz of unit length along growing u, w the handedness (bitangent = w n x t);
-    /// empty when no mesh has any, zero where a mesh has none.
+    /// World-space tangents, one a vertex: xyz of unit length along growing u, w the handedness
+    /// (bitangent = w n x t); empty when no mesh has any, zero where a mesh has none.
     pub fn tangents(&self) -> &[Vec4] {
         &self.placed.tangents
     }
 
-    /// Indices into [`Scene::materials`], one a triangle, [`NO_MATERIAL`] for the default one; empty when no instance
-    /// names any.
+    /// Indices into [`Scene::materials`], one a triangle, [`NO_MATERIAL`] for the default one;
+    /// empty when no instance names any.
     pub fn materials(&self) -> &[u32] {
         &self.placed.materials
     }
@@ -341,24 +344,28 @@ impl Geometry {
         before.union(&whole).union(&after)
     }
 
-    /// Returns a number that is equal for bit-equal triangles in the same order with the same roles, and otherwise differs.
+    /// Returns a number that is equal for bit-equal triangles in the same order with the same
+    /// roles, and otherwise differs.
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint
     }
 
-    /// Returns the hierarchy over the casters, which is built on first use (the one costly step of ray tracing).
+    /// Returns the hierarchy over the casters, which is built on first use (the one costly step of
+    /// ray tracing).
     #[cfg(feature = "rays")]
     pub fn bvh(&self) -> &Arc<Bvh> {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
     }
 
-    /// Returns what `make` makes of the triangles: once for each type, and from then on the same. It is for what techniques need
-    /// again and again and no light or camera changes, such as welded edges. `make` must not ask for the same type.
+    /// Returns what `make` makes of the triangles: once for each type, and from then on the same.
+    /// It is for what techniques need again and again and no light or camera changes, such as
+    /// welded edges. `make` must not ask for the same type.
     pub fn derived<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
         self.derived.get_or_make(|| make(self))
     }
 
-    /// Returns the greatest extent of a receiving triangle along an axis, metres; found on first use.
+    /// Returns the greatest extent of a receiving triangle along an axis, metres; found on first
+    /// use.
     pub fn max_receiver_extent(&self) -> f32 {
         *self.max_receiver_extent.get_or_init(|| {
             let extents = self.receivers().into_par_iter().map(|id| {
@@ -386,7 +393,8 @@ impl Geometry {
         self.box_tree().counted()
     }
 
-    /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.
+    /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from
+    /// then on.
     #[cfg(feature = "rays")]
     pub fn bvh_tables(&self) -> &[Rows; 2] {
         self.bvh_tables.get_or_init(|| {
@@ -396,9 +404,11 @@ impl Geometry {
     }
 }
 
-/// Returns, for each material of a valid scene, whether its alpha texture has a hole: a texel that is less than its cut-off. Without one every
-/// [`AlphaFilter`](crate::AlphaFilter) answers that the surface is there: the nearest texel is, and the coverage that is compared with a
-/// threshold is 1 on all levels, which no threshold exceeds. So such a material is baked as one without alpha, and costs as little.
+/// Returns, for each material of a valid scene, whether its alpha texture has a hole: a texel that
+/// is less than its cut-off. Without one every [`AlphaFilter`](crate::AlphaFilter) answers that the
+/// surface is there: the nearest texel is, and the coverage that is compared with a threshold is 1
+/// on all levels, which no threshold exceeds. So such a material is baked as one without alpha, and
+/// costs as little.
 fn materials_with_holes(scene: &Scene) -> Vec<bool> {
     // Materials often share a texture, and textures have millions of texels.
     let mut known: BTreeMap<(usize, u32), bool> = BTreeMap::new();

@@ -7,7 +7,8 @@ use crate::{
 };
 use glam::{Mat3, Vec2, Vec3, Vec4};
 
-/// The material of triangles whose instance names none: [`Material::default`](crate::Material::default).
+/// The material of triangles whose instance names none:
+/// [`Material::default`](crate::Material::default).
 pub const NO_MATERIAL: u32 = u32::MAX;
 
 /// Vertices and triangles in world space. [`Geometry`](super::Geometry) says what each list holds.
@@ -89,7 +90,8 @@ impl PlacedMeshes {
         }
     }
 
-    /// Appends what only shading reads. Such an attribute stays empty until a mesh has it; what came before is padded then.
+    /// Appends what only shading reads. Such an attribute stays empty until a mesh has it; what
+    /// came before is padded then.
     fn append_attributes(&mut self, mesh: &Mesh, instance: &Instance, mirrored: bool) {
         let first = self.positions.len() - mesh.positions.len();
         if !mesh.uvs.is_empty() {
@@ -113,7 +115,8 @@ impl PlacedMeshes {
         }
     }
 
-    /// Makes attributes that some meshes have as long as the lists of vertices or triangles, and finds the hash.
+    /// Makes attributes that some meshes have as long as the lists of vertices or triangles, and
+    /// finds the hash.
     pub(super) fn finish(&mut self) {
         let vertices = self.positions.len();
         let triangles = self.triangles.len();

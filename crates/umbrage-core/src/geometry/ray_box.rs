@@ -1,14 +1,16 @@
 //! Whether a segment enters an axis-aligned box, and the box around a triangle.
 //!
-//! The slab test of Kay, Kajiya 1986, "Ray Tracing Complex Scenes". It only subtracts, multiplies and takes the least and
-//! the greatest. These are monotone, and so is rounding: where `x <= y`, the rounded `x` is at most the rounded `y`. Hence
-//! of two boxes, one within the other, a segment that enters the inner one enters the outer one, **to the last bit**,
-//! however far away it starts. A hierarchy in which every box holds those below it, asked by this test alone, never
-//! passes over a triangle whose own box is entered. No margin for rounding is needed for that.
+//! The slab test of Kay, Kajiya 1986, "Ray Tracing Complex Scenes". It only subtracts, multiplies
+//! and takes the least and the greatest. These are monotone, and so is rounding: where `x <= y`,
+//! the rounded `x` is at most the rounded `y`. Hence of two boxes, one within the other, a segment
+//! that enters the inner one enters the outer one, **to the last bit**, however far away it starts.
+//! A hierarchy in which every box holds those below it, asked by this test alone, never passes over
+//! a triangle whose own box is entered. No margin for rounding is needed for that.
 //!
-//! Margins are needed so that the box of a triangle is entered wherever the triangle is hit; `ray_triangle.rs` shows how large.
-//! One is in proportion to the triangle ([`padded_box`]), the other to the distance from the segment's start ([`EXIT_SLACK`],
-//! as in Ize 2013, "Robust BVH Ray Traversal").
+//! Margins are needed so that the box of a triangle is entered wherever the triangle is hit;
+//! `ray_triangle.rs` shows how large. One is in proportion to the triangle ([`padded_box`]), the
+//! other to the distance from the segment's start ([`EXIT_SLACK`], as in Ize 2013, "Robust BVH Ray
+//! Traversal").
 
 use crate::recipe::shader::Module;
 use glam::{Vec3, Vec3A};
@@ -41,9 +43,9 @@ pub(crate) fn safe_inverse(x: f32) -> f32 {
     }
 }
 
-/// Returns where the segment from `o` is within a box, the least and the greatest corner of which are given: from which to which
-/// fraction of its vector. It enters the box if the first is at most [`EXIT_SLACK`] times the second. `inverse` is
-/// [`slab_inverse`] of the vector.
+/// Returns where the segment from `o` is within a box, the least and the greatest corner of which
+/// are given: from which to which fraction of its vector. It enters the box if the first is at most
+/// [`EXIT_SLACK`] times the second. `inverse` is [`slab_inverse`] of the vector.
 #[inline(always)]
 pub(crate) fn span(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> [f32; 2] {
     let [low, high] = corners;
@@ -62,8 +64,9 @@ pub(crate) fn enters_box(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> bool 
     entry <= exit * EXIT_SLACK
 }
 
-/// Returns the box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its longest side or by 2^-22 of
-/// its greatest coordinate, whichever is more. (Not by a sum: see `SUM_ORDER` in umbrage-wgpu's drivers.rs.)
+/// Returns the box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its
+/// longest side or by 2^-22 of its greatest coordinate, whichever is more. (Not by a sum: see
+/// `SUM_ORDER` in umbrage-wgpu's drivers.rs.)
 #[inline(always)]
 pub(crate) fn padded_box(corners: [Vec3A; 3]) -> [Vec3A; 2] {
     let [a, b, c] = corners;
@@ -75,7 +78,8 @@ pub(crate) fn padded_box(corners: [Vec3A; 3]) -> [Vec3A; 2] {
     [low - pad, high + pad]
 }
 
-/// Whether the least rectangle around a triangle holds the origin; the triangle as the x and the y of its corners.
+/// Whether the least rectangle around a triangle holds the origin; the triangle as the x and the y
+/// of its corners.
 #[inline(always)]
 pub(crate) fn holds_origin(x: Vec3A, y: Vec3A) -> bool {
     x.min_element() <= 0.0

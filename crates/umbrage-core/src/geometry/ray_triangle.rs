@@ -1,38 +1,46 @@
-//! Whether a segment meets a triangle: without cracks between triangles, not from afar, and in any order.
+//! Whether a segment meets a triangle: without cracks between triangles, not from afar, and in any
+//! order.
 //!
-//! A segment from `o` along `d` hits a triangle if three tests agree. They know the segment and the triangle, and nothing
-//! else: not the hierarchy, nor what was asked before.
+//! A segment from `o` along `d` hits a triangle if three tests agree. They know the segment and the
+//! triangle, and nothing else: not the hierarchy, nor what was asked before.
 //!
-//! 1. Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection": a shear that depends on the segment alone turns it
-//!    into the z axis, and the rest happens in the plane. A corner lands on the same point for every triangle that has it.
-//!    The sign of `x0 y1 - y0 x1` is never wrong, since rounding is monotone: at worst it is 0. Edges count as inside
-//!    here, so 0 needs no second look (the paper's double precision).
+//! 1. Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection": a shear that depends on the
+//!    segment alone turns it into the z axis, and the rest happens in the plane. A corner lands on
+//!    the same point for every triangle that has it. The sign of `x0 y1 - y0 x1` is never wrong,
+//!    since rounding is monotone: at worst it is 0. Edges count as inside here, so 0 needs no
+//!    second look (the paper's double precision).
 //! 2. The least rectangle around the triangle in that plane holds the origin.
-//! 3. The segment enters the triangle's own box, by the test that the hierarchies ask of theirs (`slab.rs`).
+//! 3. The segment enters the triangle's own box, by the test that the hierarchies ask of theirs
+//!    (`slab.rs`).
 //!
-//! **No cracks.** In a closed mesh some triangle holds the plane's origin once its corners are rounded: neighbours share
-//! rounded corners. It passes test 1, as no sign is wrong, and test 2. It passes test 3, too, if the segment meets it:
+//! **No cracks.** In a closed mesh some triangle holds the plane's origin once its corners are
+//! rounded: neighbours share rounded corners. It passes test 1, as no sign is wrong, and test 2. It
+//! passes test 3, too, if the segment meets it:
 //!
-//! * Let z be the longest axis of `d`, `r = d.x / d.z` (at most 1), `u = 2^-24` the greatest relative error of one rounding,
-//!   and (X, Y, Z) a corner less `o`. The sheared `x = X - r Z` errs by at most `2u |X| + 4u |r Z|`: the roundings of X, of
-//!   r, Z and their product, and of the sum, whose size is at most `|X| + |r Z|`.
-//! * Weigh the exact corners as the origin is weighed by the rounded ones: this gives a point Q of the triangle. The
-//!   segment's line passes it, at Q's z, within the mean of those errors. With `w` the longest side of the triangle's box
-//!   and `D` the distance between Q and `o` along x, `|X|` and `|r Z|` are at most `D + w`, so that is `6u (D + w)`. The
-//!   same holds along y.
-//! * The box is grown by `16u w` or `4u c` (c: its greatest coordinate), whichever is more, hence by at least `8u w + 2u c`;
-//!   its own rounding takes about `u c` of that. What is left covers the part with w.
-//! * The other part moves the place `t` where a side is passed by no more than `6u t`; the slab test's difference, inverse
-//!   and product add `3u t`. So the box is entered before `t (1 + 9u)` and left after `t (1 - 9u)`, and `EXIT_SLACK = 1 + 32u` is
-//!   more than their ratio.
+//! * Let z be the longest axis of `d`, `r = d.x / d.z` (at most 1), `u = 2^-24` the greatest
+//!   relative error of one rounding, and (X, Y, Z) a corner less `o`. The sheared `x = X - r Z`
+//!   errs by at most `2u |X| + 4u |r Z|`: the roundings of X, of r, Z and their product, and of the
+//!   sum, whose size is at most `|X| + |r Z|`.
+//! * Weigh the exact corners as the origin is weighed by the rounded ones: this gives a point Q of
+//!   the triangle. The segment's line passes it, at Q's z, within the mean of those errors. With
+//!   `w` the longest side of the triangle's box and `D` the distance between Q and `o` along x,
+//!   `|X|` and `|r Z|` are at most `D + w`, so that is `6u (D + w)`. The same holds along y.
+//! * The box is grown by `16u w` or `4u c` (c: its greatest coordinate), whichever is more, hence
+//!   by at least `8u w + 2u c`; its own rounding takes about `u c` of that. What is left covers the
+//!   part with w.
+//! * The other part moves the place `t` where a side is passed by no more than `6u t`; the slab
+//!   test's difference, inverse and product add `3u t`. So the box is entered before `t (1 + 9u)`
+//!   and left after `t (1 - 9u)`, and `EXIT_SLACK = 1 + 32u` is more than their ratio.
 //!
-//! **Not from afar.** Test 1 alone accepts what it cannot tell: where all products round to 0 or to each other, a small or
-//! thin triangle is "hit" from anywhere on the lines of its edges. Test 2 keeps the origin within a triangle's size of its
-//! corners. There a sign that is 0 by rounding puts it within a few `u` times that size of the edge, so a segment that
-//! hits comes within a few roundings of the triangle.
+//! **Not from afar.** Test 1 alone accepts what it cannot tell: where all products round to 0 or to
+//! each other, a small or thin triangle is "hit" from anywhere on the lines of its edges. Test 2
+//! keeps the origin within a triangle's size of its corners. There a sign that is 0 by rounding
+//! puts it within a few `u` times that size of the edge, so a segment that hits comes within a few
+//! roundings of the triangle.
 //!
-//! **In any order.** By test 3 whatever is hit has a box that is entered, and so are all boxes around it (`slab.rs`). Every
-//! search that skips boxes by that test alone finds a hit if brute force does.
+//! **In any order.** By test 3 whatever is hit has a box that is entered, and so are all boxes
+//! around it (`slab.rs`). Every search that skips boxes by that test alone finds a hit if brute
+//! force does.
 
 use crate::{
     geometry::ray_box::{enters_box, holds_origin, inverse_power, padded_box, slab_inverse},
@@ -106,7 +114,8 @@ impl Segment {
         }
     }
 
-    /// The three corners' coordinate along one row of the shear. Sums run from left to right, as in the twin.
+    /// The three corners' coordinate along one row of the shear. Sums run from left to right, as in
+    /// the twin.
     #[inline(always)]
     fn along_row(&self, row: usize, t: &Corners) -> Vec3A {
         let r = self.rows[row];
@@ -116,8 +125,8 @@ impl Segment {
             + Vec3A::splat(r.z) * (t.z - Vec3A::splat(o.z))
     }
 
-    /// The areas by which the triangle test weighs the corners: barycentric coordinates of where the segment's line meets the
-    /// triangle's plane, times their sum.
+    /// The areas by which the triangle test weighs the corners: barycentric coordinates of where
+    /// the segment's line meets the triangle's plane, times their sum.
     #[inline(always)]
     pub(crate) fn areas(&self, t: &Corners) -> Vec3A {
         areas(self.along_row(0, t), self.along_row(1, t))
@@ -132,7 +141,8 @@ impl Segment {
         if !(areas.cmpge(Vec3A::ZERO).all() || areas.cmple(Vec3A::ZERO).all()) {
             return false;
         }
-        // The plane's third coordinate, weighted by the areas: the fraction of the segment's vector times the whole area.
+        // The plane's third coordinate, weighted by the areas: the fraction of the segment's vector
+        // times the whole area.
         let weighted = areas * self.along_row(2, t);
         let whole = areas.x + areas.y + areas.z;
         let along = weighted.x + weighted.y + weighted.z;
@@ -147,17 +157,17 @@ impl Segment {
     }
 }
 
-/// Returns (u, v, w): the signed areas opposite to the corners, as the third axis of a cross product; given the corners' x and y in
-/// the shear.
+/// Returns (u, v, w): the signed areas opposite to the corners, as the third axis of a cross
+/// product; given the corners' x and y in the shear.
 #[inline(always)]
 fn areas(x: Vec3A, y: Vec3A) -> Vec3A {
     Vec3A::new(x.y, x.z, x.x) * Vec3A::new(y.z, y.x, y.y)
         - Vec3A::new(y.y, y.z, y.x) * Vec3A::new(x.z, x.x, x.y)
 }
 
-/// Rows of the shear (with a cyclic exchange of axes that brings the longest to the end) that maps `d` to (0, 0, 1). The
-/// first two are scaled by a power of two, so that the products of lengths in proportion to `d`, however large or small,
-/// stay within range; it changes no bit of their digits.
+/// Rows of the shear (with a cyclic exchange of axes that brings the longest to the end) that maps
+/// `d` to (0, 0, 1). The first two are scaled by a power of two, so that the products of lengths in
+/// proportion to `d`, however large or small, stay within range; it changes no bit of their digits.
 #[inline(always)]
 fn shear_rows(d: Vec3) -> [Vec3A; 3] {
     let size = d.abs();
@@ -184,8 +194,8 @@ fn shear_rows(d: Vec3) -> [Vec3A; 3] {
     ]
 }
 
-/// Whether the segment from `o` to `o + d` meets the triangle, edges and ends included. Never where a number is not finite,
-/// or `d` is zero.
+/// Whether the segment from `o` to `o + d` meets the triangle, edges and ends included. Never where
+/// a number is not finite, or `d` is zero.
 #[inline(always)]
 pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
     Segment::new(o, d).hits(&Corners::new([a, b, c]))

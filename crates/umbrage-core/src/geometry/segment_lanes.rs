@@ -1,8 +1,10 @@
-//! The triangle test of four segments at once: bit by bit what [`Segment::hits`](super::ray_triangle::Segment) says of each.
+//! The triangle test of four segments at once: bit by bit what
+//! [`Segment::hits`](super::ray_triangle::Segment) says of each.
 //!
-//! In the shear of `ray_triangle.rs` each of the first two rows has two factors that are not zero, one for the segment's longest axis and one
-//! for another. What a product with zero adds changes no bit that a comparison sees, and a sum of two numbers has one order; so two
-//! products and a sum are the same as the three products there.
+//! In the shear of `ray_triangle.rs` each of the first two rows has two factors that are not zero,
+//! one for the segment's longest axis and one for another. What a product with zero adds changes no
+//! bit that a comparison sees, and a sum of two numbers has one order; so two products and a sum
+//! are the same as the three products there.
 
 use crate::geometry::ray_box::{EXIT_SLACK, inverse_power, padded_box};
 use glam::{Vec3, Vec3A, Vec4};
@@ -36,7 +38,8 @@ impl<const N: usize> Default for SegmentArrays<N> {
     }
 }
 
-/// Returns the longest axis of a segment's vector, as the triangle test has it: of equal ones z before x before y.
+/// Returns the longest axis of a segment's vector, as the triangle test has it: of equal ones z
+/// before x before y.
 #[inline(always)]
 pub fn longest_axis(d: Vec3) -> u32 {
     let size = d.abs();
@@ -51,8 +54,8 @@ pub fn longest_axis(d: Vec3) -> u32 {
     }
 }
 
-/// Returns the components of `v` along `axis` and the two axes that follow it, in turn. Selections instead of an index, so that a
-/// loop over many becomes one of vector instructions.
+/// Returns the components of `v` along `axis` and the two axes that follow it, in turn. Selections
+/// instead of an index, so that a loop over many becomes one of vector instructions.
 #[inline(always)]
 fn turned(v: Vec3, axis: u32) -> [f32; 3] {
     let pick = |x: f32, y: f32, z: f32| {
@@ -105,7 +108,8 @@ impl<const N: usize> SegmentArrays<N> {
         self.axis[i]
     }
 
-    /// Returns the four segments from `first` on, which share the longest axis of the first (what is said of others means nothing).
+    /// Returns the four segments from `first` on, which share the longest axis of the first (what
+    /// is said of others means nothing).
     ///
     /// # Panics
     /// Panics if there are fewer.
@@ -190,7 +194,8 @@ pub struct FourSegments {
 }
 
 impl FourSegments {
-    /// Returns segments from points along vectors, one a lane for each axis, all of whose vectors are longest along `axis`.
+    /// Returns segments from points along vectors, one a lane for each axis, all of whose vectors
+    /// are longest along `axis`.
     #[inline(always)]
     #[must_use]
     pub fn new(origin: [Vec4; 3], vector: [Vec4; 3], axis: u32) -> Self {
@@ -222,7 +227,8 @@ impl FourSegments {
     /// Returns a bit for each segment that meets the triangle, edges and ends included.
     #[inline(always)]
     pub fn hits(&self, corners: [Vec3; 3]) -> u32 {
-        // Loops instead of closures over arrays, which compilers don't always put in place, so that they'd lack vector instructions.
+        // Loops instead of closures over arrays, which compilers don't always put in place, so that
+        // they'd lack vector instructions.
         let axes = following_axes(self.axis);
         let origin = self.turned_origin;
         let mut along_axis = [Vec4::ZERO; 3];
@@ -299,7 +305,8 @@ impl FourSegments {
         let mut entry = Vec4::ZERO;
         let mut exit = Vec4::ONE;
         for axis in 0..3 {
-            // Few come so far that to divide here costs less than to keep the inverse of every segment.
+            // Few come so far that to divide here costs less than to keep the inverse of every
+            // segment.
             let inverse = safe_inverses(self.vector[axis]);
             let a = (Vec4::splat(low[axis]) - self.origin[axis]) * inverse;
             let b = (Vec4::splat(high[axis]) - self.origin[axis]) * inverse;
@@ -348,7 +355,8 @@ mod tests {
         }
     }
 
-    /// Returns a point of a coarse grid, so that segments pass through edges and corners, and along planes.
+    /// Returns a point of a coarse grid, so that segments pass through edges and corners, and along
+    /// planes.
     fn grid_point(random: &mut Random) -> Vec3 {
         (random.vector() * 3.0).round()
     }

@@ -1,10 +1,13 @@
-//! Whether any segment of a bundle enters an axis-aligned box: one question for all shadow rays of a light with an extent.
+//! Whether any segment of a bundle enters an axis-aligned box: one question for all shadow rays of
+//! a light with an extent.
 //!
-//! Haines and Wallace 1991, "Shaft Culling for Efficient Ray-Traced Radiosity". A [`Shaft`] holds all segments that start in one box and
-//! end in another. At the fraction t of their lengths all of them are within a box, too, whose corners move along lines; so the
-//! question is for which t that box and the other meet, axis by axis: as the slab test of `ray_box.rs`, with two origins.
+//! Haines and Wallace 1991, "Shaft Culling for Efficient Ray-Traced Radiosity". A [`Shaft`] holds
+//! all segments that start in one box and end in another. At the fraction t of their lengths all of
+//! them are within a box, too, whose corners move along lines; so the question is for which t that
+//! box and the other meet, axis by axis: as the slab test of `ray_box.rs`, with two origins.
 //!
-//! It is cautious: segments that enter a box are never denied, and a shaft that passes close by may be said to enter.
+//! It is cautious: segments that enter a box are never denied, and a shaft that passes close by may
+//! be said to enter.
 
 use crate::{
     geometry::{
@@ -19,7 +22,8 @@ use glam::{Vec3, Vec4};
 /// The WGSL half. It calls into [`RAY_BOX`](super::bvh::RAY_BOX).
 pub const SHAFT: Module = crate::module!("shaft");
 
-/// By this part of its length a shaft is wider at its end than asked (2^-17): far more than what tests of its segments round.
+/// By this part of its length a shaft is wider at its end than asked (2^-17): far more than what
+/// tests of its segments round.
 const SHAFT_MARGIN: f32 = 1.0 / 131_072.0;
 
 /// All segments from the points of one box to those of another.
@@ -34,7 +38,8 @@ pub struct Shaft {
 }
 
 impl Shaft {
-    /// Makes the shaft of all segments from a point of `start` along a vector of the box from `low` to `high`.
+    /// Makes the shaft of all segments from a point of `start` along a vector of the box from `low`
+    /// to `high`.
     #[inline(always)]
     pub fn along(start: &Aabb, low: Vec3, high: Vec3) -> Self {
         let length = low.abs().max(high.abs()).max_element();
@@ -50,25 +55,28 @@ impl Shaft {
     /// Makes the shaft of all segments from a point of `start` to a point of `end`.
     #[inline(always)]
     pub fn between(start: &Aabb, end: &Aabb) -> Self {
-        // At the fraction t a segment from s to e is at s (1 - t) + e t: no less than the same of the least s and e.
+        // At the fraction t a segment from s to e is at s (1 - t) + e t: no less than the same of
+        // the least s and e.
         Self::along(start, end.min - start.min, end.max - start.max)
     }
 }
 
 /// A search for the casters in a [`Shaft`]: [`Bvh::in_shaft`](super::bvh::Bvh::in_shaft).
 pub trait ShaftSearch {
-    /// Returns which of four boxes have to be searched: a bit for each, of those that are set in `entered`. `low` and `high` are the
-    /// boxes' sides along x, y, z.
+    /// Returns which of four boxes have to be searched: a bit for each, of those that are set in
+    /// `entered`. `low` and `high` are the boxes' sides along x, y, z.
     fn keep(&mut self, entered: u32, low: [Vec4; 3], high: [Vec4; 3]) -> u32;
 
     /// Takes a caster. Returns whether the search has enough.
     fn visit(&mut self, id: u32, corners: [Vec3; 3]) -> bool;
 }
 
-/// Whether a segment of the shaft enters a box, the least and the greatest corner of which are given.
+/// Whether a segment of the shaft enters a box, the least and the greatest corner of which are
+/// given.
 ///
-/// The greatest side of the box is reached by the shaft's least corner: from then on, if that corner comes from beyond it, and else
-/// until then. Likewise the least side by the greatest corner.
+/// The greatest side of the box is reached by the shaft's least corner: from then on, if that
+/// corner comes from beyond it, and else until then. Likewise the least side by the greatest
+/// corner.
 ///
 /// What the shader says, and [`ShaftLanes`] of four boxes, and [`Shafts`] of many shafts.
 #[cfg(any(test, feature = "testing"))]
@@ -134,7 +142,8 @@ impl Shafts {
         }
     }
 
-    /// Returns all bits for each shaft that enters a box, of those that are set in `asking`, none for others.
+    /// Returns all bits for each shaft that enters a box, of those that are set in `asking`, none
+    /// for others.
     #[inline(always)]
     pub fn entered(
         &self,
@@ -194,14 +203,16 @@ impl ShaftLanes {
         }
     }
 
-    /// Returns the octant towards which the shaft leads, for the order of visits: a bit for each axis, that of x the highest.
+    /// Returns the octant towards which the shaft leads, for the order of visits: a bit for each
+    /// axis, that of x the highest.
     #[inline(always)]
     pub(super) fn octant(&self) -> u32 {
         let [x, y, z] = self.high_rises.map(u32::from);
         x << 2 | y << 1 | z
     }
 
-    /// Returns a bit for each of four boxes that is entered; `low` and `high` are their sides along x, y, z.
+    /// Returns a bit for each of four boxes that is entered; `low` and `high` are their sides along
+    /// x, y, z.
     #[inline(always)]
     pub(super) fn entered(&self, low: [Vec4; 3], high: [Vec4; 3]) -> u32 {
         let mut entry = Vec4::ZERO;
@@ -244,7 +255,8 @@ mod tests {
         ray_box::{enters_box, slab_inverse},
     };
 
-    /// Whatever box a segment enters, every shaft that holds the segment enters; one that leads elsewhere doesn't.
+    /// Whatever box a segment enters, every shaft that holds the segment enters; one that leads
+    /// elsewhere doesn't.
     #[test]
     fn shafts_enter_what_their_segments_enter() {
         let mut random = Random(23);

@@ -7,13 +7,15 @@ use crate::{
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 
-/// Greatest number of triangles that subdivision makes: their positions, normals and hierarchy still fit into a few gigabytes.
+/// Greatest number of triangles that subdivision makes: their positions, normals and hierarchy
+/// still fit into a few gigabytes.
 pub const MAX_SUBDIVIDED_TRIANGLES: usize = 1 << 24;
 
 impl Mesh {
-    /// Splits each triangle in four at the middles of its edges, `times` times, without smoothing. Triangles that share
-    /// an edge share the new vertex; where two edges only share their ends' positions, the new vertices' positions are
-    /// bit-equal. Normals and tangents are blended and made unit vectors, texture coordinates blended.
+    /// Splits each triangle in four at the middles of its edges, `times` times, without smoothing.
+    /// Triangles that share an edge share the new vertex; where two edges only share their ends'
+    /// positions, the new vertices' positions are bit-equal. Normals and tangents are blended and
+    /// made unit vectors, texture coordinates blended.
     ///
     /// # Errors
     /// Errors if the result would have more than [`MAX_SUBDIVIDED_TRIANGLES`].
@@ -47,8 +49,9 @@ impl Mesh {
         ))
     }
 
-    /// Returns the number of triangles after some subdivisions: four times as many after each. (Beyond 60 subdivisions, which no
-    /// mesh survives, the number stays, so that it doesn't overflow.)
+    /// Returns the number of triangles after some subdivisions: four times as many after each.
+    /// (Beyond 60 subdivisions, which no mesh survives, the number stays, so that it doesn't
+    /// overflow.)
     fn subdivided_count(&self, times: u32) -> u128 {
         (self.triangles.len() as u128) << (2 * times.min(60))
     }
@@ -71,7 +74,8 @@ impl Mesh {
         self
     }
 
-    /// Returns the index of the vertex in the middle of an edge, which is added if `middles` doesn't hold it.
+    /// Returns the index of the vertex in the middle of an edge, which is added if `middles`
+    /// doesn't hold it.
     fn middle(&mut self, p: u32, q: u32, middles: &mut HashMap<(u32, u32), u32>) -> u32 {
         *middles
             .entry((p.min(q), p.max(q)))

@@ -4,7 +4,8 @@ use crate::scene::Mesh;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// Vertices grouped by place: those at bit-equal positions (zeros of both signs are equal) share one.
+/// Vertices grouped by place: those at bit-equal positions (zeros of both signs are equal) share
+/// one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WeldedVertices {
     /// The place of each vertex.
@@ -63,7 +64,8 @@ impl WeldedVertices {
         &self.order[start as usize..end as usize]
     }
 
-    /// Returns, for each vertex, the mean of the values of all vertices at its place. `values` has one for each vertex.
+    /// Returns, for each vertex, the mean of the values of all vertices at its place. `values` has
+    /// one for each vertex.
     pub fn shared_mean(&self, values: &[Vec3]) -> Vec<Vec3> {
         let mut means = Vec::with_capacity(self.count());
         for place in 0..self.count() as u32 {
@@ -77,7 +79,8 @@ impl WeldedVertices {
             .collect()
     }
 
-    /// Returns the unit normals of the places, averaged from the triangles around them by area; zero where these have none.
+    /// Returns the unit normals of the places, averaged from the triangles around them by area;
+    /// zero where these have none.
     pub fn normals(&self, mesh: &Mesh) -> Vec<Vec3> {
         let mut sums = vec![DVec3::ZERO; self.count()];
         for (v, n) in corner_normals(mesh) {
@@ -87,8 +90,8 @@ impl WeldedVertices {
     }
 }
 
-/// Returns every corner's vertex, and its triangle's normal, as long as twice the triangle's area: f64, since the smallest
-/// triangles' squares leave the range of f32.
+/// Returns every corner's vertex, and its triangle's normal, as long as twice the triangle's area:
+/// f64, since the smallest triangles' squares leave the range of f32.
 pub(crate) fn corner_normals(mesh: &Mesh) -> impl Iterator<Item = (u32, DVec3)> + '_ {
     mesh.triangles.iter().flat_map(|t| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize].as_dvec3());
@@ -133,7 +136,8 @@ mod tests {
 
     #[test]
     fn normals_weigh_by_area_across_seams() {
-        // Two triangles that meet at a right angle in an edge whose vertices are double; one has thrice the area.
+        // Two triangles that meet at a right angle in an edge whose vertices are double; one has
+        // thrice the area.
         let positions = [
             Vec3::ZERO,
             Vec3::X,

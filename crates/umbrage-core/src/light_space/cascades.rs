@@ -1,9 +1,9 @@
 //! Cascaded shadow maps: how the camera's view is cut into slices, each with a layer of its own.
 //!
-//! Of one map for all that a camera sees, the texels are far too large near the camera and far too small beyond. So the view is
-//! cut across into slices, each slice gets a map (Engel 2006, "Cascaded shadow maps"; Zhang, Sun, Xu and Lun 2006,
-//! "Parallel-split shadow maps for large-scale virtual environments"), and a receiver is looked up in the finest map that holds
-//! it.
+//! Of one map for all that a camera sees, the texels are far too large near the camera and far too
+//! small beyond. So the view is cut across into slices, each slice gets a map (Engel 2006,
+//! "Cascaded shadow maps"; Zhang, Sun, Xu and Lun 2006, "Parallel-split shadow maps for large-scale
+//! virtual environments"), and a receiver is looked up in the finest map that holds it.
 
 use crate::invalid::{self, Invalid};
 
@@ -14,8 +14,9 @@ const SHRINK_AT: f32 = 1.2;
 
 /// How a camera's view is cut into slices: see [`Layout::Cascades`](crate::Layout::Cascades).
 ///
-/// Slices are cut along the camera's view, and their maps overlap. A lookup takes the first map, from the camera on, that holds
-/// the receiver with all that the kernel reaches; the last one where none does.
+/// Slices are cut along the camera's view, and their maps overlap. A lookup takes the first map,
+/// from the camera on, that holds the receiver with all that the kernel reaches; the last one where
+/// none does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -27,11 +28,13 @@ pub struct Cascades {
     pub count: u32,
     /// Where one slice ends and the next begins.
     pub split: Split,
-    /// Metres along the camera's view: slices are cut as if the camera's near plane were at least there, and the first reaches
-    /// to the camera all the same. A camera's near plane is mostly far nearer than what it looks at.
+    /// Metres along the camera's view: slices are cut as if the camera's near plane were at least
+    /// there, and the first reaches to the camera all the same. A camera's near plane is mostly far
+    /// nearer than what it looks at.
     pub nearest: f32,
-    /// Over how many texels, from where the kernel would leave a map inwards, its answers blend into those of the next map. 0
-    /// switches blending off: then only one map is looked up, and the change of texel size may show as a line.
+    /// Over how many texels, from where the kernel would leave a map inwards, its answers blend
+    /// into those of the next map. 0 switches blending off: then only one map is looked up, and the
+    /// change of texel size may show as a line.
     pub blend: f32,
 }
 
@@ -54,8 +57,9 @@ impl Default for Cascades {
     serde(rename_all = "snake_case")
 )]
 pub enum Split {
-    /// Each slice ends at the same multiple of the distance at which it begins: then a texel of each map spans as many pixels
-    /// (Lloyd, Tuft, Yoon and Manocha 2006, "Warping and partitioning for low error shadow maps").
+    /// Each slice ends at the same multiple of the distance at which it begins: then a texel of
+    /// each map spans as many pixels (Lloyd, Tuft, Yoon and Manocha 2006, "Warping and partitioning
+    /// for low error shadow maps").
     #[default]
     Log,
     /// Between [`Split::Log`] and slices of equal length (Zhang et al. 2006).
@@ -63,20 +67,21 @@ pub enum Split {
         /// Share of the logarithmic split, 0..=1.
         lambda: f32,
     },
-    /// By what is seen: where the texels' size in pixels, over all receivers that face the light, is least in the mean. It is
-    /// [`Split::Log`] where receivers aren't known. After Lauritzen, Salvi and Lefohn 2010, "Sample distribution shadow maps",
-    /// who cut the range of seen depths; here the cuts themselves follow the receivers, too.
+    /// By what is seen: where the texels' size in pixels, over all receivers that face the light,
+    /// is least in the mean. It is [`Split::Log`] where receivers aren't known. After Lauritzen,
+    /// Salvi and Lefohn 2010, "Sample distribution shadow maps", who cut the range of seen depths;
+    /// here the cuts themselves follow the receivers, too.
     ///
-    /// Slices follow the camera, and texels change size with them. A program that holds them for many frames asks
-    /// [`Fit::slice_ends`](crate::Fit::slice_ends) for those of a frame, makes [`SliceEnds::held`] of them, and gives these as
-    /// [`Split::Given`].
+    /// Slices follow the camera, and texels change size with them. A program that holds them for
+    /// many frames asks [`Fit::slice_ends`](crate::Fit::slice_ends) for those of a frame, makes
+    /// [`SliceEnds::held`] of them, and gives these as [`Split::Given`].
     Receivers,
     /// These ends.
     Given(SliceEnds),
 }
 
-/// Where slices end, metres along the camera's view, from the nearest on. None ends before the one before it; slices that end
-/// where they begin are empty.
+/// Where slices end, metres along the camera's view, from the nearest on. None ends before the one
+/// before it; slices that end where they begin are empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -93,7 +98,8 @@ impl SliceEnds {
     /// Returns these ends.
     ///
     /// # Errors
-    /// Errors unless they are 1 to [`MAX_CASCADES`] positive numbers of which none is less than the one before.
+    /// Errors unless they are 1 to [`MAX_CASCADES`] positive numbers of which none is less than the
+    /// one before.
     pub fn new(ends: &[f32]) -> Result<Self, Invalid> {
         if ends.is_empty() || ends.len() > MAX_CASCADES {
             return Err(Invalid::new(
@@ -122,7 +128,8 @@ impl SliceEnds {
         })
     }
 
-    /// Returns ends of which a search found these, at most [`MAX_CASCADES`] and at least one: positive and rising, whatever was found.
+    /// Returns ends of which a search found these, at most [`MAX_CASCADES`] and at least one:
+    /// positive and rising, whatever was found.
     pub(crate) fn of_found(found: &[f64]) -> Self {
         let mut ends = [0.0; MAX_CASCADES];
         let mut last = f32::MIN_POSITIVE;
@@ -141,9 +148,9 @@ impl SliceEnds {
         &self.ends[..self.count]
     }
 
-    /// Returns what to hold in a frame for which `self` was found, where `before` was held in the frame before: an end grows at
-    /// once, so that all that is seen stays in its slice, and shrinks only once it is too large by a fifth. If the number of slices
-    /// changed, what was found.
+    /// Returns what to hold in a frame for which `self` was found, where `before` was held in the
+    /// frame before: an end grows at once, so that all that is seen stays in its slice, and shrinks
+    /// only once it is too large by a fifth. If the number of slices changed, what was found.
     ///
     /// Texels change size where an end does, and shadows shimmer in that frame.
     #[must_use]
@@ -208,8 +215,8 @@ impl Cascades {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// Errors with the first fault found: a count or a share out of range, a negative length, ends that are more or fewer than the
-    /// slices.
+    /// Errors with the first fault found: a count or a share out of range, a negative length, ends
+    /// that are more or fewer than the slices.
     pub fn validate(&self) -> Result<(), Invalid> {
         if self.count == 0 || self.count as usize > MAX_CASCADES {
             return Err(Invalid::new(

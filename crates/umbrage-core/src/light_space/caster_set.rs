@@ -7,8 +7,8 @@ use crate::{
 use glam::{DMat4, DVec3, DVec4};
 use std::{ops::Range, sync::Arc};
 
-/// Gaps between runs are drawn, too, where they are smaller than this share of all casters: so a set has at most as many runs,
-/// and as many draw calls.
+/// Gaps between runs are drawn, too, where they are smaller than this share of all casters: so a
+/// set has at most as many runs, and as many draw calls.
 const SMALLEST_GAP: f64 = 1.0 / 64.0;
 
 /// Which of a scene's casters are drawn.
@@ -17,7 +17,8 @@ pub enum CasterSet {
     /// All of them.
     #[default]
     All,
-    /// These ranges of the geometry's list of triangles, rising, with gaps between them; no range for no casters.
+    /// These ranges of the geometry's list of triangles, rising, with gaps between them; no range
+    /// for no casters.
     Runs(Arc<[Range<u32>]>),
 }
 
@@ -32,8 +33,9 @@ impl CasterSet {
         matches!(self, Self::Runs(runs) if runs.is_empty())
     }
 
-    /// Returns the casters that may show in a map of `size` x `size` texels that lies in `space`: all runs of triangles whose
-    /// boxes are not wholly beside the map. Drawing the others changes no texel.
+    /// Returns the casters that may show in a map of `size` x `size` texels that lies in `space`:
+    /// all runs of triangles whose boxes are not wholly beside the map. Drawing the others changes
+    /// no texel.
     pub fn shown_in(geometry: &Geometry, space: &LightSpace, size: u32) -> Self {
         let casters = geometry.casters();
         let smallest_gap = f64::from(casters.end - casters.start) * SMALLEST_GAP;
@@ -62,8 +64,9 @@ impl CasterSet {
     }
 }
 
-/// Returns the four sides of a map as planes: the map and one texel beside it lie where a plane's product with a homogeneous
-/// world position is not negative. (Rasterisers move corners by less than a texel: Vulkan asks for at least 4 sub-pixel bits.)
+/// Returns the four sides of a map as planes: the map and one texel beside it lie where a plane's
+/// product with a homogeneous world position is not negative. (Rasterisers move corners by less
+/// than a texel: Vulkan asks for at least 4 sub-pixel bits.)
 fn sides_of(space: &LightSpace, size: u32) -> [DVec4; 4] {
     let clip_from_world: DMat4 = space.clip_from_world().as_dmat4();
     let world_from_clip_rows = clip_from_world.transpose();
@@ -72,17 +75,19 @@ fn sides_of(space: &LightSpace, size: u32) -> [DVec4; 4] {
     // The map spans two units of clip space.
     let one_texel = 2.0 / f64::from(size.max(1));
     let w = world_from_clip_rows.w_axis * (1.0 + one_texel);
-    // As in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the world-view-projection matrix".
+    // As in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the
+    // world-view-projection matrix".
     [w + x, w - x, w + y, w - y]
 }
 
-/// Returns whether a box lies wholly on the outer side of one of the planes. A box with NaN does not.
+/// Returns whether a box lies wholly on the outer side of one of the planes. A box with NaN does
+/// not.
 fn is_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
     sides.iter().any(|side| farthest_inside(bounds, side) < 0.0)
 }
 
-/// Returns whether a box lies so far on the outer side of one of the planes that, whatever rounding does, [`is_beside`] is true of
-/// each box in it.
+/// Returns whether a box lies so far on the outer side of one of the planes that, whatever rounding
+/// does, [`is_beside`] is true of each box in it.
 fn is_group_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
     let reach: DVec3 = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     sides.iter().any(|side| {

@@ -11,17 +11,20 @@ use crate::{
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 use std::ops::Range;
 
-/// Slack of the fitted planes, as a fraction of their distance: rounding in a projection of 32-bit floats is near 1e-7,
-/// and so nothing seen is cut.
+/// Slack of the fitted planes, as a fraction of their distance: rounding in a projection of 32-bit
+/// floats is near 1e-7, and so nothing seen is cut.
 const RANGE_SLACK: f64 = 1e-3;
-/// Least near plane, as a fraction of the far plane, 2^-20: a guard against zero, far beyond what depth can tell apart.
+/// Least near plane, as a fraction of the far plane, 2^-20: a guard against zero, far beyond what
+/// depth can tell apart.
 const MIN_NEAR_OVER_FAR: f64 = 1.0 / 1_048_576.0;
 
-/// A triangle cut by the four sides of a pyramid. It has at most seven corners; the rest is room for corners that rounding adds
-/// where an edge runs along a side (with n corners of any sign, at most 3n/2 are left, so 3, 4, 6, 9, 13).
+/// A triangle cut by the four sides of a pyramid. It has at most seven corners; the rest is room
+/// for corners that rounding adds where an edge runs along a side (with n corners of any sign, at
+/// most 3n/2 are left, so 3, 4, 6, 9, 13).
 type CutTriangle = Polygon<DVec3, 13>;
 
-/// What a camera or a spot light sees: a pyramid with its apex at the eye, without near and far planes.
+/// What a camera or a spot light sees: a pyramid with its apex at the eye, without near and far
+/// planes.
 #[derive(Clone, Copy, Debug)]
 pub struct ViewPyramid {
     /// The view from world space; a rigid motion. It looks along -z.
@@ -31,8 +34,8 @@ pub struct ViewPyramid {
 }
 
 impl ViewPyramid {
-    /// Returns whether a world-space point lies within, or beside it by less than a thousandth of the pyramid's width there, for
-    /// rounding.
+    /// Returns whether a world-space point lies within, or beside it by less than a thousandth of
+    /// the pyramid's width there, for rounding.
     pub fn contains(&self, p: Vec3) -> bool {
         let p = DAffine3::from_mat4(self.view_from_world.as_dmat4()).transform_point3(p.as_dvec3());
         let padded_distance = -p.z * (1.0 + RANGE_SLACK);
@@ -41,8 +44,8 @@ impl ViewPyramid {
     }
 }
 
-/// Returns the distances, along the view, of planes just before and just behind those parts of triangles (world space) that lie
-/// in a pyramid; none if no part does.
+/// Returns the distances, along the view, of planes just before and just behind those parts of
+/// triangles (world space) that lie in a pyramid; none if no part does.
 pub fn depth_range(
     pyramid: &ViewPyramid,
     triangles: impl Iterator<Item = [Vec3; 3]>,
@@ -60,8 +63,8 @@ pub fn depth_range(
     planes(near, far)
 }
 
-/// Returns the [`depth_range`] of a range of a geometry's triangles. Of its boxes, only those are opened that may hold the nearest
-/// or the farthest part.
+/// Returns the [`depth_range`] of a range of a geometry's triangles. Of its boxes, only those are
+/// opened that may hold the nearest or the farthest part.
 pub(crate) fn depth_range_of(
     pyramid: &ViewPyramid,
     geometry: &Geometry,
@@ -98,8 +101,8 @@ pub(crate) fn depth_range_of(
     planes(least(1.0), far)
 }
 
-/// Returns a bound of the least of `sign` (1 or -1) times the distance along the view that a part of a box in a pyramid has; infinity
-/// if no part lies there.
+/// Returns a bound of the least of `sign` (1 or -1) times the distance along the view that a part
+/// of a box in a pyramid has; infinity if no part lies there.
 fn least_distance(view_from_world: &DAffine3, tangents: [f64; 2], b: &Aabb, sign: f64) -> f64 {
     let in_view = ViewBox::padded(view_from_world, b);
     let is_beside = side_normals(tangents)
@@ -111,8 +114,9 @@ fn least_distance(view_from_world: &DAffine3, tangents: [f64; 2], b: &Aabb, sign
     sign * -in_view.center.z - in_view.half.z
 }
 
-/// Returns the distances of planes just before `near` and just behind `far`, the distances of the nearest and the farthest seen
-/// part; none if nothing is seen, which `far` says by not being positive.
+/// Returns the distances of planes just before `near` and just behind `far`, the distances of the
+/// nearest and the farthest seen part; none if nothing is seen, which `far` says by not being
+/// positive.
 fn planes(near: f64, far: f64) -> Option<[f32; 2]> {
     let far = far * (1.0 + RANGE_SLACK);
     if far <= 0.0 {
@@ -133,8 +137,8 @@ fn side_normals(tangents: [f64; 2]) -> [DVec3; 4] {
     ]
 }
 
-/// Returns the part of a triangle, in view space, that lies inside the pyramid. The four sides meet in the eye, so that
-/// nothing behind it is left.
+/// Returns the part of a triangle, in view space, that lies inside the pyramid. The four sides meet
+/// in the eye, so that nothing behind it is left.
 fn seen_part(corners: &[DVec3; 3], tangents: [f64; 2]) -> CutTriangle {
     let side_normals = side_normals(tangents);
     // Most triangles lie wholly beyond one side.
@@ -198,7 +202,8 @@ mod tests {
     fn a_triangle_that_crosses_the_pyramid_counts_where_it_is_seen() {
         // Its corners are far outside, but its middle fills the view 2 m ahead.
         assert_eq!(range(&[at(8.0, 1e4)]), range(&[at(8.0, 0.1)]));
-        // A floor under the eye reaches behind it, yet is first seen where the lower side of the pyramid meets it.
+        // A floor under the eye reaches behind it, yet is first seen where the lower side of the
+        // pyramid meets it.
         let floor = [
             Vec3::new(-99.0, -2.0, 99.0),
             Vec3::new(99.0, -2.0, 99.0),

@@ -1,10 +1,12 @@
-//! Resolution where it counts: how many of a map's texels fall on a pixel, and what side a map needs.
+//! Resolution where it counts: how many of a map's texels fall on a pixel, and what side a map
+//! needs.
 //!
-//! A pixel's step right or down moves the seen point along its plane by dp/dx or dp/dy (Igehy 1999, "Tracing ray
-//! differentials"); the map's projection turns these into texels, the columns of a 2 x 2 matrix J. Its least singular value
-//! is the number of texels in a pixel in the direction in which there are the fewest: 1 or more where no texel is larger
-//! than a pixel, whichever way it is stretched. J grows with the map's side N, so the side at which it reaches 1 is
-//! N / least singular value.
+//! A pixel's step right or down moves the seen point along its plane by dp/dx or dp/dy (Igehy 1999,
+//! "Tracing ray differentials"); the map's projection turns these into texels, the columns of a 2 x
+//! 2 matrix J. Its least singular value is the number of texels in a pixel in the direction in
+//! which there are the fewest: 1 or more where no texel is larger than a pixel, whichever way it is
+//! stretched. J grows with the map's side N, so the side at which it reaches 1 is N / least
+//! singular value.
 
 use crate::{
     gbuffer::receivers::Receivers,
@@ -16,9 +18,9 @@ use crate::{
 };
 use glam::{Mat4, Vec2, Vec3};
 
-/// Returns, for each receiver that faces the light, shadowed or not, and falls on a map: how many texels of it a pixel
-/// spans in the direction in which it spans the fewest. In the order of the pixels. `size` is the maps' side in texels;
-/// `receivers` are what the view's camera sees.
+/// Returns, for each receiver that faces the light, shadowed or not, and falls on a map: how many
+/// texels of it a pixel spans in the direction in which it spans the fewest. In the order of the
+/// pixels. `size` is the maps' side in texels; `receivers` are what the view's camera sees.
 pub fn texels_per_pixel(
     view: &View<'_>,
     receivers: &Receivers,
@@ -32,8 +34,8 @@ pub fn texels_per_pixel(
     })
 }
 
-/// As [`texels_per_pixel`], where a receiver at a position (world space) with a normal is looked up in the map that `clip_from_world`
-/// returns; in none, if it returns none.
+/// As [`texels_per_pixel`], where a receiver at a position (world space) with a normal is looked up
+/// in the map that `clip_from_world` returns; in none, if it returns none.
 pub fn texels_per_pixel_in(
     view: &View<'_>,
     receivers: &Receivers,
@@ -60,9 +62,10 @@ pub fn texels_per_pixel_in(
         .collect()
 }
 
-/// Returns the least side, texels, of a map that lies in `spaces` at which, for a share `quantile` (0..=1) of the seen receivers
-/// that face the light, no texel is larger than a pixel; at most [`MAX_SIDE`]. Margins that kernels take from the map are
-/// neglected. None if no such receiver is seen.
+/// Returns the least side, texels, of a map that lies in `spaces` at which, for a share `quantile`
+/// (0..=1) of the seen receivers that face the light, no texel is larger than a pixel; at most
+/// [`MAX_SIDE`]. Margins that kernels take from the map are neglected. None if no such receiver is
+/// seen.
 pub fn side_for(
     view: &View<'_>,
     receivers: &Receivers,
@@ -80,13 +83,15 @@ pub fn side_of(texels: &[f32], quantile: f32) -> Option<u32> {
     at_least(texels, quantile).map(|texels| ((1.0 / texels).ceil() as u32).clamp(1, MAX_SIDE))
 }
 
-/// Returns, of numbers in rising order, the one that a share `quantile` (0..=1) of them reaches; none of no numbers.
+/// Returns, of numbers in rising order, the one that a share `quantile` (0..=1) of them reaches;
+/// none of no numbers.
 pub fn at_least(rising: &[f32], quantile: f32) -> Option<f32> {
     let last = rising.len().checked_sub(1)?;
     Some(rising[((1.0 - quantile.clamp(0.0, 1.0)) * last as f32).floor() as usize])
 }
 
-/// How far the seen point moves on its plane, metres, when the pixel's ray moves by a pixel: dp/dx and dp/dy.
+/// How far the seen point moves on its plane, metres, when the pixel's ray moves by a pixel: dp/dx
+/// and dp/dy.
 struct PixelSteps {
     right: Vec3,
     down: Vec3,
@@ -108,13 +113,14 @@ impl PixelSteps {
     }
 }
 
-/// Returns a step that leaves a plane with the normal `n`, changed along `direction` so that it stays on the plane.
+/// Returns a step that leaves a plane with the normal `n`, changed along `direction` so that it
+/// stays on the plane.
 fn moved_to_plane(step: Vec3, direction: Vec3, n: Vec3) -> Vec3 {
     step - direction * (dot3(n, step) / dot3(n, direction))
 }
 
-/// Returns the least singular value of the 2 x 2 matrix whose columns are the texels that two steps span at `p`, on a map of
-/// `size` texels; none if the point is not on the map.
+/// Returns the least singular value of the 2 x 2 matrix whose columns are the texels that two steps
+/// span at `p`, on a map of `size` texels; none if the point is not on the map.
 fn fewest_texels(steps: &PixelSteps, clip_from_world: Mat4, p: Vec3, size: f32) -> Option<f32> {
     let clip = transform(clip_from_world, p);
     let ndc = Vec2::new(clip.x / clip.w, clip.y / clip.w);
@@ -136,7 +142,8 @@ fn fewest_texels(steps: &PixelSteps, clip_from_world: Mat4, p: Vec3, size: f32) 
     ) * texels_per_unit;
     let sum_of_squares = right.length_squared() + down.length_squared();
     let area = cross3(right.extend(0.0), down.extend(0.0)).z.abs();
-    // The product of both singular values is the area, the sum of their squares that of the entries.
+    // The product of both singular values is the area, the sum of their squares that of the
+    // entries.
     let root = (sum_of_squares * sum_of_squares - 4.0 * area * area)
         .max(0.0)
         .sqrt();

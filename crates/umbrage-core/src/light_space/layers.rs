@@ -8,7 +8,8 @@ use crate::{
 };
 use glam::{Mat4, Vec3};
 
-/// Into how many light spaces the surroundings of a light are divided. Each has its own layer of a map.
+/// Into how many light spaces the surroundings of a light are divided. Each has its own layer of a
+/// map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -16,20 +17,24 @@ use glam::{Mat4, Vec3};
     serde(rename_all = "snake_case")
 )]
 pub enum Layout {
-    /// One space where one can hold all that matters with texels no larger than a cube's, or all casters; else a cube.
+    /// One space where one can hold all that matters with texels no larger than a cube's, or all
+    /// casters; else a cube.
     #[default]
     Auto,
     /// One space.
     Single,
-    /// Six spaces around a light with a position, along the world's axes: +x, -x, +y, -y, +z, -z. Each is wider than 90
-    /// degrees by what kernels reach, so lookups never cross from one to another and there are no seams.
+    /// Six spaces around a light with a position, along the world's axes: +x, -x, +y, -y, +z, -z.
+    /// Each is wider than 90 degrees by what kernels reach, so lookups never cross from one to
+    /// another and there are no seams.
     Cube,
-    /// A space for each of some slices of what the camera sees, for directional light: see [`Cascades`].
+    /// A space for each of some slices of what the camera sees, for directional light: see
+    /// [`Cascades`].
     ///
-    /// With [`Fit::Stable`](crate::Fit::Stable) each is as stable as that fit's one map, and the last slice ends at its range. With
-    /// [`Fit::Tight`](crate::Fit::Tight) each goes around what is seen in its slice (around the slice itself, cut by the box around
-    /// all receivers, where that is unknown), and the last slice ends at the farthest that can be seen. Other fits don't follow the
-    /// camera, and are refused.
+    /// With [`Fit::Stable`](crate::Fit::Stable) each is as stable as that fit's one map, and the
+    /// last slice ends at its range. With [`Fit::Tight`](crate::Fit::Tight) each goes around what
+    /// is seen in its slice (around the slice itself, cut by the box around all receivers, where
+    /// that is unknown), and the last slice ends at the farthest that can be seen. Other fits don't
+    /// follow the camera, and are refused.
     Cascades(Cascades),
 }
 
@@ -39,7 +44,8 @@ pub enum Arrangement {
     /// There is one.
     #[default]
     Single,
-    /// That of the axis along which they are farthest from the light: six, in the order of [`Layout::Cube`].
+    /// That of the axis along which they are farthest from the light: six, in the order of
+    /// [`Layout::Cube`].
     Cube,
     /// The first that holds them with all that a kernel reaches; the last where none does.
     Cascades(CascadePick),
@@ -48,8 +54,8 @@ pub enum Arrangement {
 /// What picks one of several cascades.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CascadePick {
-    /// How far kernels reach beyond the texel on which a receiver falls, texels of each cascade. Receivers on which a normal offset
-    /// acts are picked where they are, so it counts, too.
+    /// How far kernels reach beyond the texel on which a receiver falls, texels of each cascade.
+    /// Receivers on which a normal offset acts are picked where they are, so it counts, too.
     pub reach: f32,
     /// See [`Cascades::blend`].
     pub blend: f32,
@@ -67,7 +73,8 @@ pub struct LightSpaces {
 }
 
 impl LightSpaces {
-    /// Returns spaces into each of which all casters are drawn. Several are taken for the faces of a cube.
+    /// Returns spaces into each of which all casters are drawn. Several are taken for the faces of
+    /// a cube.
     pub fn with_all_casters(spaces: Vec<LightSpace>) -> Self {
         let arrangement = if spaces.len() > 1 {
             Arrangement::Cube
@@ -82,7 +89,8 @@ impl LightSpaces {
         }
     }
 
-    /// Returns the spaces of cascades, from the nearest on, into each of which all casters are drawn.
+    /// Returns the spaces of cascades, from the nearest on, into each of which all casters are
+    /// drawn.
     pub fn cascades(spaces: Vec<LightSpace>, pick: CascadePick) -> Self {
         Self {
             arrangement: Arrangement::Cascades(pick),
@@ -107,7 +115,8 @@ impl LightSpaces {
     }
 }
 
-/// Finds the layers in which receivers are looked up. Kernels have a rule of their own, whose bits count: this one is for figures.
+/// Finds the layers in which receivers are looked up. Kernels have a rule of their own, whose bits
+/// count: this one is for figures.
 #[derive(Clone, Debug)]
 pub struct LayerPicker<'a> {
     layers: &'a LightSpaces,
@@ -131,7 +140,8 @@ impl<'a> LayerPicker<'a> {
         }
     }
 
-    /// Returns the index of the layer in which a receiver at `p` (world space) is looked up; none if there are no layers.
+    /// Returns the index of the layer in which a receiver at `p` (world space) is looked up; none
+    /// if there are no layers.
     pub fn layer_at(&self, p: Vec3) -> Option<usize> {
         let last = self.clip_from_world.len().checked_sub(1)?;
         Some(match self.layers.arrangement {

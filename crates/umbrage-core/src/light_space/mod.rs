@@ -2,11 +2,13 @@
 //!
 //! * **world**: right-handed, y up, metres.
 //! * **view** (of a camera or a light): right-handed, y up, looking along -z.
-//! * **clip**: y up; after division by w: x and y in -1..1 from left to right and bottom to top, z in 0..1 from near to
-//!   far, as WebGPU has it.
-//! * **texture**: u and v in 0..1, origin top left. **texel**: u and v times the size; texel centres at .5.
+//! * **clip**: y up; after division by w: x and y in -1..1 from left to right and bottom to top, z
+//!   in 0..1 from near to far, as WebGPU has it.
+//! * **texture**: u and v in 0..1, origin top left. **texel**: u and v times the size; texel
+//!   centres at .5.
 //!
-//! Matrices are named `destination_from_source` and multiply column vectors. They are built in `f64` and rounded once.
+//! Matrices are named `destination_from_source` and multiply column vectors. They are built in
+//! `f64` and rounded once.
 
 pub(crate) mod cascades;
 pub(crate) mod caster_set;
@@ -30,7 +32,8 @@ use glam::{
 pub struct LightSpace {
     /// The light's view; a rigid motion.
     pub view_from_world: Mat4,
-    /// Its projection, orthographic or perspective, depth 0 at the near plane and 1 at the far plane.
+    /// Its projection, orthographic or perspective, depth 0 at the near plane and 1 at the far
+    /// plane.
     pub clip_from_view: Mat4,
 }
 
@@ -40,7 +43,8 @@ impl LightSpace {
         (self.clip_from_view.as_dmat4() * self.view_from_world.as_dmat4()).as_mat4()
     }
 
-    /// Texture coordinates (u, v) and depth from world positions: the textbooks' bias matrix times clip from world.
+    /// Texture coordinates (u, v) and depth from world positions: the textbooks' bias matrix times
+    /// clip from world.
     pub fn texture_from_world(&self) -> Mat4 {
         (TEXTURE_FROM_CLIP.as_dmat4()
             * self.clip_from_view.as_dmat4()
@@ -48,8 +52,8 @@ impl LightSpace {
         .as_mat4()
     }
 
-    /// Returns the rays through the centres of the texels of a map of this size, in proportion to the way from the light (or, without
-    /// perspective, from the near plane).
+    /// Returns the rays through the centres of the texels of a map of this size, in proportion to
+    /// the way from the light (or, without perspective, from the near plane).
     pub fn rays(&self, size: glam::UVec2) -> CameraRays {
         let world_from_view = self.view_from_world.as_dmat4().inverse();
         let camera = Camera {
@@ -60,8 +64,8 @@ impl LightSpace {
         camera.rays()
     }
 
-    /// The same space seen from elsewhere: the image moves by `texels` right and down, depth grows by `depth`.
-    /// `size` is the map's, in texels.
+    /// The same space seen from elsewhere: the image moves by `texels` right and down, depth grows
+    /// by `depth`. `size` is the map's, in texels.
     #[must_use]
     pub fn nudged(&self, texels: glam::Vec2, depth: f32, size: glam::UVec2) -> Self {
         let ndc = texels.as_dvec2() * 2.0 / size.as_dvec2();
@@ -82,7 +86,8 @@ pub const TEXTURE_FROM_CLIP: Mat4 = Mat4::from_cols_array(&[
     0.5, 0.5, 0.0, 1.0,
 ]);
 
-/// A view from `eye` along `direction` (any length). `up` may be parallel to it: then another axis takes its place.
+/// A view from `eye` along `direction` (any length). `up` may be parallel to it: then another axis
+/// takes its place.
 ///
 /// # Errors
 /// Errors if something is not finite, or `direction` is zero.
@@ -94,7 +99,8 @@ pub fn look_along(eye: Vec3, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid>
     Ok(look_to_mat4(eye.as_dvec3(), forward, stable_up(forward, up.as_dvec3())).as_mat4())
 }
 
-/// `up`, unless `forward` (unit) is within .06 degrees of it: then the world axis most across `forward`.
+/// `up`, unless `forward` (unit) is within .06 degrees of it: then the world axis most across
+/// `forward`.
 fn stable_up(forward: DVec3, up: DVec3) -> DVec3 {
     const PARALLEL: f64 = 1e-3;
     let up = up.normalize_or_zero();
@@ -111,7 +117,8 @@ fn stable_up(forward: DVec3, up: DVec3) -> DVec3 {
     }
 }
 
-/// The extents of an orthographic projection, in view-space metres; `near` and `far` are distances along the view.
+/// The extents of an orthographic projection, in view-space metres; `near` and `far` are distances
+/// along the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -169,7 +176,8 @@ pub fn orthographic(e: Extents) -> Result<Mat4, Invalid> {
 /// A perspective projection with a full vertical angle in radians; `aspect` is width over height.
 ///
 /// # Errors
-/// Errors if a number is not finite, the angle is not within 0..pi, or `0 < near < far` does not hold.
+/// Errors if a number is not finite, the angle is not within 0..pi, or `0 < near < far` does not
+/// hold.
 pub fn perspective(fov_y: f32, aspect: f32, near: f32, far: f32) -> Result<Mat4, Invalid> {
     invalid::finite("perspective", &[fov_y, aspect, near, far])?;
     invalid::positive("aspect ratio", aspect)?;

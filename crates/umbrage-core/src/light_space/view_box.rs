@@ -3,7 +3,8 @@
 use crate::geometry::aabb::Aabb;
 use glam::{DAffine3, DVec3};
 
-/// Room for rounding, as a part of the numbers that are added up: a few sums and products of `f64` round by 2^-53 each.
+/// Room for rounding, as a part of the numbers that are added up: a few sums and products of `f64`
+/// round by 2^-53 each.
 pub(crate) const ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A box in view space around a box of the world.
@@ -19,7 +20,8 @@ impl ViewBox {
     pub(crate) fn new(view_from_world: &DAffine3, b: &Aabb) -> Self {
         let center = (b.min.as_dvec3() + b.max.as_dvec3()) * 0.5;
         let half = (b.max.as_dvec3() - b.min.as_dvec3()) * 0.5;
-        // The half extents in view space: |M| h (Arvo 1990, "Transforming axis-aligned bounding boxes").
+        // The half extents in view space: |M| h (Arvo 1990, "Transforming axis-aligned bounding
+        // boxes").
         let m = view_from_world.matrix3;
         Self {
             center: view_from_world.transform_point3(center),
@@ -27,8 +29,8 @@ impl ViewBox {
         }
     }
 
-    /// Returns a box that holds whatever `f64` arithmetic makes of a point or a box within the box of the world: what the box
-    /// excludes, each of them excludes, bit for bit.
+    /// Returns a box that holds whatever `f64` arithmetic makes of a point or a box within the box
+    /// of the world: what the box excludes, each of them excludes, bit for bit.
     pub(crate) fn padded(view_from_world: &DAffine3, b: &Aabb) -> Self {
         let smallest = Self::new(view_from_world, b);
         let m = view_from_world.matrix3;

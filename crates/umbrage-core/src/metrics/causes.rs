@@ -1,7 +1,7 @@
 //! Errors by cause.
 //!
-//! Every pixel that counts gives its |mask - truth| to one cause, so that the causes' means add up to
-//! [`Errors::mean`](super::Errors::mean). The first rule that fits decides:
+//! Every pixel that counts gives its |mask - truth| to one cause, so that the causes' means add up
+//! to [`Errors::mean`](super::Errors::mean). The first rule that fits decides:
 //!
 //! | cause | the mask is | where |
 //! |---|---|---|
@@ -17,12 +17,14 @@ use crate::{
 };
 use glam::UVec2;
 
-/// A blocker touches its shadow where it lies closer to the receiver than this fraction (1/32) of the diagonal of the box
-/// around all that is seen. It tells where a gap begins, not how far it reaches: so it must only be longer than a few pixels (in
-/// a picture 480 wide, some fifteen), and much shorter than the distance between things.
+/// A blocker touches its shadow where it lies closer to the receiver than this fraction (1/32) of
+/// the diagonal of the box around all that is seen. It tells where a gap begins, not how far it
+/// reaches: so it must only be longer than a few pixels (in a picture 480 wide, some fifteen), and
+/// much shorter than the distance between things.
 pub const CONTACT: f32 = 1.0 / 32.0;
 
-/// What an error comes from. The first five are means of |mask - truth| over all counted pixels, 0..=1.
+/// What an error comes from. The first five are means of |mask - truth| over all counted pixels,
+/// 0..=1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Causes {
@@ -36,11 +38,12 @@ pub struct Causes {
     pub edge: f64,
     /// Soft edges of the wrong width or with noise.
     pub penumbra: f64,
-    /// How far from the blocker light still reaches under it, metres: of the false light ([`ERROR_THRESHOLD`]) that is a
-    /// gap, 19 of 20 pixels are closer to their blocker. None without any.
+    /// How far from the blocker light still reaches under it, metres: of the false light
+    /// ([`ERROR_THRESHOLD`]) that is a gap, 19 of 20 pixels are closer to their blocker. None
+    /// without any.
     pub gap_metres: Option<f64>,
-    /// Pixels of the mask's penumbra over those of truth's, around true penumbrae: 1 is right, 0 hard. None where truth has
-    /// no penumbra.
+    /// Pixels of the mask's penumbra over those of truth's, around true penumbrae: 1 is right, 0
+    /// hard. None where truth has no penumbra.
     pub penumbra_width: Option<f64>,
 }
 
@@ -74,9 +77,10 @@ pub struct TruthImage<'a> {
 }
 
 impl<'a> TruthImage<'a> {
-    /// All slices hold one entry a pixel. `blocker`: from the receiver to the blocker that is nearest to the light on the way
-    /// to the light's middle, metres; infinite where there is none. `contact`: blockers closer than this are in contact,
-    /// metres: [`CONTACT`] of the diagonal of the box around what is seen.
+    /// All slices hold one entry a pixel. `blocker`: from the receiver to the blocker that is
+    /// nearest to the light on the way to the light's middle, metres; infinite where there is none.
+    /// `contact`: blockers closer than this are in contact, metres: [`CONTACT`] of the diagonal of
+    /// the box around what is seen.
     ///
     /// # Errors
     /// When sizes differ or a visibility is not within 0..=1.
@@ -171,7 +175,8 @@ impl Causes {
     }
 }
 
-/// Returns the cause of each pixel's error; none where there is no error, and where pixels don't count.
+/// Returns the cause of each pixel's error; none where there is no error, and where pixels don't
+/// count.
 ///
 /// # Errors
 /// When sizes differ or a value is not within 0..=1.
@@ -183,7 +188,8 @@ pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Caus
             && mask[i] > truth.visibility[i]
             && truth.visibility[i] < PENUMBRA
     };
-    // A gap begins in contact with the blocker, and spreads as far as that light reaches, edges left out.
+    // A gap begins in contact with the blocker, and spreads as far as that light reaches, edges
+    // left out.
     let gap = flood(
         truth.size,
         |i| is_too_light(i) && truth.blocker[i] <= truth.contact,
@@ -210,8 +216,8 @@ pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Caus
     Ok(causes)
 }
 
-/// Returns the pixels for which `start` is true, and those that can be reached from them by steps to one of four neighbours along
-/// pixels for which `spread` is true.
+/// Returns the pixels for which `start` is true, and those that can be reached from them by steps
+/// to one of four neighbours along pixels for which `spread` is true.
 fn flood(size: UVec2, start: impl Fn(usize) -> bool, spread: impl Fn(usize) -> bool) -> Vec<bool> {
     let width = size.x as usize;
     let count = width * size.y as usize;
@@ -248,7 +254,8 @@ fn penumbrae(visibility: &[f32], pixels: &[Pixel]) -> Vec<bool> {
         .collect()
 }
 
-/// Returns the mask's number of penumbra pixels over that of truth, around true penumbrae; none where truth has none.
+/// Returns the mask's number of penumbra pixels over that of truth, around true penumbrae; none
+/// where truth has none.
 fn penumbra_width(mask: &[f32], truth: &TruthImage<'_>) -> Option<f64> {
     let mut in_mask = 0_usize;
     let mut in_truth = 0_usize;
@@ -268,7 +275,8 @@ mod tests {
     const SIZE: UVec2 = UVec2::new(60, 10);
     const N: usize = 600;
 
-    /// Dark left of column 20, whose blocker touches it up to column 4; lit elsewhere, but for columns 40 to 44: a penumbra.
+    /// Dark left of column 20, whose blocker touches it up to column 4; lit elsewhere, but for
+    /// columns 40 to 44: a penumbra.
     struct Truth {
         visibility: Vec<f32>,
         blocker: Vec<f32>,
@@ -343,7 +351,8 @@ mod tests {
         assert_eq!(spoilt(56, 0.0), Causes { acne: one, ..right });
     }
 
-    /// Light that comes in where the blocker touches belongs to the gap as far as it reaches, but not along the edge.
+    /// Light that comes in where the blocker touches belongs to the gap as far as it reaches, but
+    /// not along the edge.
     #[test]
     fn a_gap_spreads_from_the_contact() {
         let mut mask = truth().visibility;

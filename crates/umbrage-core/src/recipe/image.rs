@@ -9,12 +9,14 @@ pub enum Format {
     Depth32,
     /// Depth 0..=1 in steps of 1/65535.
     Depth16,
-    /// Whole numbers 0..=255, which wrap: what [`CastMode::StencilDepthFail`](crate::CastMode::StencilDepthFail) writes.
+    /// Whole numbers 0..=255, which wrap: what
+    /// [`CastMode::StencilDepthFail`](crate::CastMode::StencilDepthFail) writes.
     Stencil8,
     /// Four channels 0..=1 in steps of 1/255, without sRGB.
     Rgba8,
-    /// Two channels 0..=1 in steps of 1/65535, which share a 32-bit word on GPUs: no format of core WebGPU that is drawn into has
-    /// channels of 16 bits in whole steps. Filters write the nearest step, halves upwards, by arithmetic that is written out.
+    /// Two channels 0..=1 in steps of 1/65535, which share a 32-bit word on GPUs: no format of core
+    /// WebGPU that is drawn into has channels of 16 bits in whole steps. Filters write the nearest
+    /// step, halves upwards, by arithmetic that is written out.
     Rg16,
     /// Four of them, in two words.
     Rgba16,
@@ -36,8 +38,8 @@ impl Format {
         }
     }
 
-    /// Bytes a texel takes on a GPU. The CPU backend holds every channel as a 32-bit float that has one of the values
-    /// that the format can hold.
+    /// Bytes a texel takes on a GPU. The CPU backend holds every channel as a 32-bit float that has
+    /// one of the values that the format can hold.
     pub const fn bytes(self) -> usize {
         match self {
             Self::Stencil8 => 1,

@@ -49,7 +49,8 @@ pub struct Recipe {
     pub receive: Receive,
     /// Colours for what is seen; none when only the mask is wanted.
     pub shade: Option<Shade>,
-    /// Whether the backend is to hand the images back in [`Shadows::images`](crate::Shadows::images).
+    /// Whether the backend is to hand the images back in
+    /// [`Shadows::images`](crate::Shadows::images).
     pub keep_images: bool,
 }
 
@@ -70,8 +71,9 @@ pub enum Cull {
     Back,
 }
 
-/// Polygon offset, as Vulkan and WebGPU define it: depth grows by `constant * r + slope * m`, where m is the greater of
-/// the triangle's depth slopes in x and y (clip depth a texel) and r the spacing of floats at its greatest depth.
+/// Polygon offset, as Vulkan and WebGPU define it: depth grows by `constant * r + slope * m`, where
+/// m is the greater of the triangle's depth slopes in x and y (clip depth a texel) and r the
+/// spacing of floats at its greatest depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -79,7 +81,8 @@ pub enum Cull {
     serde(deny_unknown_fields)
 )]
 pub struct RasterBias {
-    /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two, depending on the device.
+    /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two,
+    /// depending on the device.
     #[cfg_attr(feature = "serde", serde(default))]
     pub constant: i32,
     /// In units of m.
@@ -130,8 +133,9 @@ pub enum Source {
     /// All casters.
     #[default]
     Casters,
-    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between them. The other casters
-    /// don't show in the image, so a backend that can't tell them apart may draw all.
+    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between
+    /// them. The other casters don't show in the image, so a backend that can't tell them apart may
+    /// draw all.
     SomeCasters(Arc<[Range<u32>]>),
     /// All that the camera may see: casters, receivers, and what is neither.
     Everything,
@@ -140,8 +144,8 @@ pub enum Source {
 }
 
 impl Source {
-    /// Returns the ranges of a geometry's list of triangles that are drawn, rising; none for faces that a technique made. Runs
-    /// end where the casters end.
+    /// Returns the ranges of a geometry's list of triangles that are drawn, rising; none for faces
+    /// that a technique made. Runs end where the casters end.
     pub fn runs(&self, geometry: &Geometry) -> Vec<Range<u32>> {
         let casters = geometry.casters();
         let everything = 0..geometry.triangles().len() as u32;
@@ -170,7 +174,8 @@ impl From<&CasterSet> for Source {
 /// Triangles that a technique made. Backends may recognise them by their address.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Faces {
-    /// Homogeneous world positions: (x, y, z, 1) is a point, (x, y, z, 0) the point infinitely far along a direction.
+    /// Homogeneous world positions: (x, y, z, 1) is a point, (x, y, z, 0) the point infinitely far
+    /// along a direction.
     pub vertices: Vec<Vec4>,
     /// Counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -202,12 +207,14 @@ pub enum CastMode {
     /// The least depth at each texel.
     #[default]
     Depth,
-    /// The least of those depths that are greater than what this image, of the same size and format, holds at the same
-    /// texel and layer: depth peeling (Everitt 2001, "Interactive order-independent transparency"). No bias.
+    /// The least of those depths that are greater than what this image, of the same size and
+    /// format, holds at the same texel and layer: depth peeling (Everitt 2001, "Interactive
+    /// order-independent transparency"). No bias.
     DepthPeel(ImageId),
-    /// At each texel, how many back faces minus how many front faces are not before what this [`Format::Depth32`] image of
-    /// the same size and layer holds, modulo 256: depth-fail counting (Everitt and Kilgard 2002, "Practical and robust
-    /// stenciled shadow volumes"). No bias, no culling.
+    /// At each texel, how many back faces minus how many front faces are not before what this
+    /// [`Format::Depth32`] image of the same size and layer holds, modulo 256: depth-fail counting
+    /// (Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes"). No bias, no
+    /// culling.
     StencilDepthFail {
         /// Drawn before, in the same space.
         depth: ImageId,
@@ -228,8 +235,8 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// Returns whether another filter makes the same texels of the same images and tables. Kernels are alike if they have the same
-    /// type, WGSL and uniforms.
+    /// Returns whether another filter makes the same texels of the same images and tables. Kernels
+    /// are alike if they have the same type, WGSL and uniforms.
     pub fn is_like(&self, other: &Self) -> bool {
         // By name, so that a new field can't be forgotten here.
         let Self {
@@ -324,12 +331,12 @@ impl Recipe {
         }
     }
 
-    /// Checks that a backend with these limits can run the recipe. Of tables only those that were made are checked: who reads all of
-    /// them calls [`make_tables`](Self::make_tables) before.
+    /// Checks that a backend with these limits can run the recipe. Of tables only those that were
+    /// made are checked: who reads all of them calls [`make_tables`](Self::make_tables) before.
     ///
     /// # Errors
-    /// Errors with the first fault found: sizes of zero or beyond the limits, ids that name nothing, formats that don't fit a
-    /// stage, numbers that are not finite.
+    /// Errors with the first fault found: sizes of zero or beyond the limits, ids that name
+    /// nothing, formats that don't fit a stage, numbers that are not finite.
     pub fn validate(&self, limits: &BackendLimits) -> Result<(), Invalid> {
         for image in &self.images {
             check_image(image, limits)?;
@@ -438,7 +445,8 @@ impl Recipe {
         let is_like = peeled.size == image.size
             && peeled.layers == image.layers
             && peeled.format == image.format;
-        // With a bias, a surface would lie behind its own depth of the last peel, and be peeled again and again.
+        // With a bias, a surface would lie behind its own depth of the last peel, and be peeled
+        // again and again.
         let is_biased = cast.bias != RasterBias::default();
         is_like && image.format.is_depth() && other != cast.image && !is_biased
     }
@@ -458,7 +466,8 @@ impl Recipe {
         self.images.get(id).filter(|image| layer < image.layers)
     }
 
-    /// Errors if the receive kernel compares, but reads no depth image: comparison samplers read depth alone.
+    /// Errors if the receive kernel compares, but reads no depth image: comparison samplers read
+    /// depth alone.
     fn check_compared(&self) -> Result<(), Invalid> {
         let reads_depth = self
             .receive

@@ -2,8 +2,8 @@
 
 use encase::{ShaderType, UniformBuffer, internal::WriteInto};
 
-/// A piece of WGSL with a name. Shaders are lists of modules put one after the other; a module that several kernels
-/// list is the same text, so there is nothing to keep in sync.
+/// A piece of WGSL with a name. Shaders are lists of modules put one after the other; a module that
+/// several kernels list is the same text, so there is nothing to keep in sync.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Module {
     /// For error messages; the stem of its file.
@@ -12,8 +12,8 @@ pub struct Module {
     pub text: &'static str,
 }
 
-/// Makes the [`Module`](crate::Module) of the WGSL file with this stem beside the Rust file: `module!("pcf")`; or of another file:
-/// `module!("soft_holes", "holes.wgsl")`.
+/// Makes the [`Module`](crate::Module) of the WGSL file with this stem beside the Rust file:
+/// `module!("pcf")`; or of another file: `module!("soft_holes", "holes.wgsl")`.
 #[macro_export]
 macro_rules! module {
     ($stem:literal) => {
@@ -41,7 +41,8 @@ pub fn join(modules: &[Module]) -> String {
     out
 }
 
-/// A struct that Rust fills and WGSL reads, laid out by `encase`. Declare it with [`uniforms!`](crate::uniforms).
+/// A struct that Rust fills and WGSL reads, laid out by `encase`. Declare it with
+/// [`uniforms!`](crate::uniforms).
 pub trait Uniforms: ShaderType + WriteInto {
     /// The struct's name in WGSL.
     const NAME: &'static str;
@@ -98,7 +99,8 @@ pub struct UniformLayout {
     pub size: u64,
 }
 
-/// Declares a struct that is [`Uniforms`](crate::Uniforms): field names and offsets come with it. The WGSL twin has the same name.
+/// Declares a struct that is [`Uniforms`](crate::Uniforms): field names and offsets come with it.
+/// The WGSL twin has the same name.
 #[macro_export]
 macro_rules! uniforms {
     ($(#[$meta:meta])* pub struct $name:ident { $($(#[$field_meta:meta])* pub $field:ident: $t:ty,)* }) => {

@@ -24,8 +24,9 @@ struct Later {
 }
 
 impl Later {
-    /// Rows are made without a lock: who makes them may have threads do a part of it, and a thread that waits for them may meanwhile be given work
-    /// that asks for the same rows. If several threads make them, all get those of the first.
+    /// Rows are made without a lock: who makes them may have threads do a part of it, and a thread
+    /// that waits for them may meanwhile be given work that asks for the same rows. If several
+    /// threads make them, all get those of the first.
     fn get(&self) -> &Rows {
         if let Some(rows) = self.made.get() {
             return rows;
@@ -36,8 +37,8 @@ impl Later {
 }
 
 impl TableRows {
-    /// Returns rows that `make` makes when they are first asked for: for tables that not every backend reads. Threads that ask at
-    /// once may each call it; all get the same rows.
+    /// Returns rows that `make` makes when they are first asked for: for tables that not every
+    /// backend reads. Threads that ask at once may each call it; all get the same rows.
     pub fn on_first_use(make: impl Fn() -> Arc<[[u32; 4]]> + Send + Sync + 'static) -> Self {
         Self(Content::OnFirstUse(Arc::new(Later {
             made: OnceLock::new(),

@@ -1,4 +1,5 @@
-//! Twin functions, written in Rust and in WGSL: each pair is declared once, and tests run both on the same inputs.
+//! Twin functions, written in Rust and in WGSL: each pair is declared once, and tests run both on
+//! the same inputs.
 
 use crate::recipe::shader::Module;
 use glam::{IVec2, Mat4, UVec2, Vec2, Vec3, Vec4};
@@ -75,7 +76,8 @@ impl Words for f32 {
     }
 }
 
-/// Implements [`Words`] for a type of `glam` that consists of `$count` components of type `$component`.
+/// Implements [`Words`] for a type of `glam` that consists of `$count` components of type
+/// `$component`.
 macro_rules! impl_words {
     ($t:ty, $wgsl:literal, [$component:ty; $count:literal], $from_array:expr, $to_array:expr) => {
         impl Words for $t {
@@ -115,8 +117,8 @@ fn matrix_from_columns(components: [f32; 16]) -> Mat4 {
     Mat4::from_cols_array(&components)
 }
 
-/// Declares a twin: `twin!(MODULE, name(a: Vec3, b: f32) -> f32)`, bit-equal; `twin!(.., ulps 2)` allows a difference;
-/// `twin!(.., needs [OTHER])` names modules that the WGSL half calls into.
+/// Declares a twin: `twin!(MODULE, name(a: Vec3, b: f32) -> f32)`, bit-equal; `twin!(.., ulps 2)`
+/// allows a difference; `twin!(.., needs [OTHER])` names modules that the WGSL half calls into.
 #[macro_export]
 macro_rules! twin {
     ($module:expr, $name:ident($($p:ident: $t:ty),*) -> $r:ty $(, needs [$($need:expr),*])? $(, ulps $ulps:expr)?) => {

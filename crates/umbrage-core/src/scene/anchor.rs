@@ -1,19 +1,23 @@
 //! Worlds larger than 32-bit numbers can describe: positions relative to a point near the eye.
 //!
-//! All else in the library is 32-bit. Scene files (their key `anchor`) and `LightSet::rebase_caster` are the only users of anchors: after a hop
-//! all layers are drawn again. Stable fits count their texels from the anchor, so a hop moves them by part of a texel.
+//! All else in the library is 32-bit. Scene files (their key `anchor`) and
+//! `LightSet::rebase_caster` are the only users of anchors: after a hop all layers are drawn again.
+//! Stable fits count their texels from the anchor, so a hop moves them by part of a texel.
 
 use crate::invalid::Invalid;
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 
-/// A point of the world near the eye, from which positions are counted, so that the library's 32-bit positions stay small.
+/// A point of the world near the eye, from which positions are counted, so that the library's
+/// 32-bit positions stay small.
 ///
-/// At 1e6 m from the origin 32-bit positions are 6 cm apart; within 2,048 m of an anchor they are at most .12 mm apart. A program
-/// keeps its positions in 64 bits, and hands the library what an anchor makes of them: casters, lights, the camera, and what its
-/// shaders ask for. All that the library calls world space is then relative to the anchor.
+/// At 1e6 m from the origin 32-bit positions are 6 cm apart; within 2,048 m of an anchor they are
+/// at most .12 mm apart. A program keeps its positions in 64 bits, and hands the library what an
+/// anchor makes of them: casters, lights, the camera, and what its shaders ask for. All that the
+/// library calls world space is then relative to the anchor.
 ///
-/// Anchors are whole multiples of [`Anchor::STEP`] along each axis. So a position that is a multiple of a power of two is relative to all
-/// anchors without an error, and what stands at the same place from its anchor has the same shadows everywhere, bit for bit.
+/// Anchors are whole multiples of [`Anchor::STEP`] along each axis. So a position that is a
+/// multiple of a power of two is relative to all anchors without an error, and what stands at the
+/// same place from its anchor has the same shadows everywhere, bit for bit.
 ///
 /// ```
 /// use glam::{Affine3A, DAffine3, DVec3, UVec2, Vec3};
@@ -51,10 +55,11 @@ pub struct Anchor {
 impl Anchor {
     /// Metres between neighbouring anchors along each axis.
     pub const STEP: f64 = 1024.0;
-    /// How far the eye may go from an anchor that is held, metres. More than the .87 steps within which a new one is, so that an eye that
-    /// goes to and fro keeps its anchor.
+    /// How far the eye may go from an anchor that is held, metres. More than the .87 steps within
+    /// which a new one is, so that an eye that goes to and fro keeps its anchor.
     pub const REACH: f64 = 1.5 * Self::STEP;
-    /// The greatest coordinate, metres: beyond it, not all multiples of the step are 64-bit numbers.
+    /// The greatest coordinate, metres: beyond it, not all multiples of the step are 64-bit
+    /// numbers.
     pub const MAX: f64 = Self::STEP * (1_u64 << f64::MANTISSA_DIGITS) as f64;
     /// The world's origin, for worlds that need no other.
     pub const ORIGIN: Self = Self { point: DVec3::ZERO };
@@ -71,7 +76,8 @@ impl Anchor {
         })
     }
 
-    /// Returns this anchor while the eye (world space, metres) is within [`Anchor::REACH`] of it, otherwise the one nearest to the eye.
+    /// Returns this anchor while the eye (world space, metres) is within [`Anchor::REACH`] of it,
+    /// otherwise the one nearest to the eye.
     ///
     /// # Errors
     /// Errors if [`Anchor::near`] does.
@@ -88,14 +94,16 @@ impl Anchor {
         self.point
     }
 
-    /// Returns a position (world space, metres) relative to the anchor: the difference, taken in 64 bits, rounded once to 32. It is not
-    /// finite if the position isn't or 32 bits can't hold it, which all that takes positions refuses.
+    /// Returns a position (world space, metres) relative to the anchor: the difference, taken in 64
+    /// bits, rounded once to 32. It is not finite if the position isn't or 32 bits can't hold it,
+    /// which all that takes positions refuses.
     pub fn position(self, world: DVec3) -> Vec3 {
         (world - self.point).as_vec3()
     }
 
-    /// Returns a placement (world from local, metres) relative to the anchor, of an instance, a caster, or a camera
-    /// ([`Camera::world_from_view`](crate::Camera::world_from_view)). Differences are taken in 64 bits; each number is rounded once to 32.
+    /// Returns a placement (world from local, metres) relative to the anchor, of an instance, a
+    /// caster, or a camera ([`Camera::world_from_view`](crate::Camera::world_from_view)).
+    /// Differences are taken in 64 bits; each number is rounded once to 32.
     pub fn placement(self, world_from_local: &DAffine3) -> Affine3A {
         let matrix = world_from_local.matrix3.as_mat3();
         Affine3A::from_mat3_translation(matrix, self.position(world_from_local.translation))

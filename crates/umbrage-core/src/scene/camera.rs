@@ -11,13 +11,14 @@ pub const MAX_SIDE: u32 = 16_384;
 
 /// A pinhole or orthographic camera. Row 0 is the top row; pixel centres are at .5.
 ///
-/// The constructors make cameras that look along their own -z, with depth 0 at near and 1 at far. Matrices of a renderer
-/// with reversed depth, without a far plane, or whose views are left-handed may be put in as they are: all that the library
-/// computes goes through [`Camera::standard`].
+/// The constructors make cameras that look along their own -z, with depth 0 at near and 1 at far.
+/// Matrices of a renderer with reversed depth, without a far plane, or whose views are left-handed
+/// may be put in as they are: all that the library computes goes through [`Camera::standard`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Camera {
-    /// Where it stands; it looks along its own -z, or along +z if its projection is that of a left-handed view.
+    /// Where it stands; it looks along its own -z, or along +z if its projection is that of a
+    /// left-handed view.
     pub world_from_view: Affine3A,
     /// Its projection, depth in 0..1: 0 at near, or 1 at near if it is reversed.
     pub clip_from_view: Mat4,
@@ -26,9 +27,9 @@ pub struct Camera {
 }
 
 crate::uniforms! {
-    /// The ray through the centre of pixel (x, y): from `origin + fx origin_dx + fy origin_dy` along
-    /// `dir + fx dir_dx + fy dir_dy`, with fx = x + .5 and fy = y + .5. Directions are not unit vectors. The fourth
-    /// components are unused.
+    /// The ray through the centre of pixel (x, y): from `origin + fx origin_dx + fy origin_dy`
+    /// along `dir + fx dir_dx + fy dir_dy`, with fx = x + .5 and fy = y + .5. Directions are not
+    /// unit vectors. The fourth components are unused.
     pub struct CameraRays {
         /// Start of the ray at the image's top left corner.
         pub origin: Vec4,
@@ -46,8 +47,8 @@ crate::uniforms! {
 }
 
 impl Camera {
-    /// Returns a pinhole camera; `fov_y` is the full vertical angle in radians, `near_far` the distances of the near and the far
-    /// plane in metres. `up` may be parallel to the view.
+    /// Returns a pinhole camera; `fov_y` is the full vertical angle in radians, `near_far` the
+    /// distances of the near and the far plane in metres. `up` may be parallel to the view.
     ///
     /// # Errors
     /// Errors if a number is not finite or out of range, or `eye` and `target` coincide.
@@ -101,7 +102,8 @@ impl Camera {
     /// Checks that the camera can be used.
     ///
     /// # Errors
-    /// Errors with the first fault found: a size of zero or beyond [`MAX_SIDE`], a matrix that is not finite or singular.
+    /// Errors with the first fault found: a size of zero or beyond [`MAX_SIDE`], a matrix that is
+    /// not finite or singular.
     pub fn validate(&self) -> Result<(), Invalid> {
         check_size(self.size).map_err(|e| e.within("camera"))?;
         invalid::finite("camera matrix", &self.world_from_view.to_cols_array())?;
@@ -128,11 +130,12 @@ impl Camera {
         self.world_from_view.translation.into()
     }
 
-    /// Returns a camera of the same image that looks along its own -z, with depth that grows from 0 at near; the same bits if
-    /// this one does already.
+    /// Returns a camera of the same image that looks along its own -z, with depth that grows from 0
+    /// at near; the same bits if this one does already.
     ///
-    /// The view is left-handed if clip w grows along +z. Without perspective w says nothing: then it is left-handed if depth
-    /// grows along +z and all that it shows lies there, so give left-handed views that are orthographic usual depth.
+    /// The view is left-handed if clip w grows along +z. Without perspective w says nothing: then
+    /// it is left-handed if depth grows along +z and all that it shows lies there, so give
+    /// left-handed views that are orthographic usual depth.
     #[must_use]
     pub fn standard(&self) -> Self {
         let mut out = *self;
@@ -261,12 +264,13 @@ fn looks_along_plus_z(clip_from_view: &Mat4) -> bool {
     if w.z != 0.0 {
         return w.z > 0.0;
     }
-    // Depth is depth.z z + depth.w: it is depth.w at the plane z = 0, before which (as depth grows) nothing seen lies if that
-    // is not positive.
+    // Depth is depth.z z + depth.w: it is depth.w at the plane z = 0, before which (as depth grows)
+    // nothing seen lies if that is not positive.
     depth.z > 0.0 && depth.w <= 0.0
 }
 
-/// Returns whether depth falls along -z. Depth is (a z + b) / (c z + d), whose derivative has the sign of a d - b c.
+/// Returns whether depth falls along -z. Depth is (a z + b) / (c z + d), whose derivative has the
+/// sign of a d - b c.
 fn is_reversed(clip_from_view: &Mat4) -> bool {
     let depth = clip_from_view.row(2).as_dvec4();
     let w = clip_from_view.row(3).as_dvec4();

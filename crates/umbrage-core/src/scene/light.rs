@@ -11,7 +11,8 @@ pub enum Light {
     Directional {
         /// The way light travels; any length.
         direction: Vec3,
-        /// Full angle of the light's disc in the sky, radians; 0 for an ideal light. The sun's is .0093.
+        /// Full angle of the light's disc in the sky, radians; 0 for an ideal light. The sun's is
+        /// .0093.
         angular_diameter: f32,
     },
     /// Shines within a cone.
@@ -31,8 +32,8 @@ pub enum Light {
     Point {
         /// Where it is.
         position: Vec3,
-        /// Radius of the ball that emits, metres; 0 for an ideal light. Seen from a receiver it counts as the disc
-        /// through its centre that faces the receiver.
+        /// Radius of the ball that emits, metres; 0 for an ideal light. Seen from a receiver it
+        /// counts as the disc through its centre that faces the receiver.
         radius: f32,
     },
     /// A rectangle (more exactly, a parallelogram).
@@ -78,7 +79,8 @@ impl Light {
         }
     }
 
-    /// Returns the ideal light in this one's middle: itself without an extent, or a point light in the place of an area.
+    /// Returns the ideal light in this one's middle: itself without an extent, or a point light in
+    /// the place of an area.
     #[must_use]
     pub fn without_extent(&self) -> Self {
         match *self {
@@ -121,7 +123,8 @@ impl Light {
         }
     }
 
-    /// Returns the same light with its middle elsewhere, world space; a directional light stays as it is.
+    /// Returns the same light with its middle elsewhere, world space; a directional light stays as
+    /// it is.
     #[must_use]
     pub fn moved_to(mut self, to: Vec3) -> Self {
         match &mut self {
@@ -145,8 +148,8 @@ impl Light {
     /// Checks that the light can be used.
     ///
     /// # Errors
-    /// Errors with the light's kind and the first fault found: a number that is not finite, a zero direction, a negative size, an
-    /// impossible angle.
+    /// Errors with the light's kind and the first fault found: a number that is not finite, a zero
+    /// direction, a negative size, an impossible angle.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.validate_fields()
             .map_err(|e| e.within(format!("{} light", self.kind())))

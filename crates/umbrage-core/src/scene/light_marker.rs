@@ -10,7 +10,8 @@ pub struct LightMarker {
     pub color: Vec3,
     /// The cube's side as a fraction of the image's height, where it stands.
     pub height: f32,
-    /// Where a directional light is marked, which has no place of its own: the eye of a manual fit, say. None: not at all.
+    /// Where a directional light is marked, which has no place of its own: the eye of a manual fit,
+    /// say. None: not at all.
     pub directional_at: Option<Vec3>,
 }
 
@@ -25,8 +26,9 @@ impl Default for LightMarker {
 }
 
 impl LightMarker {
-    /// Returns where the cube stands, and half its side in metres; `None` where nothing can be marked: a directional light
-    /// without a place, or a light in the plane through the camera's eye across its view.
+    /// Returns where the cube stands, and half its side in metres; `None` where nothing can be
+    /// marked: a directional light without a place, or a light in the plane through the camera's
+    /// eye across its view.
     pub fn place(&self, light: &Light, camera: &Camera) -> Option<(Vec3, f32)> {
         let at = light.position().or(self.directional_at)?;
         let camera = camera.standard();
@@ -43,10 +45,11 @@ impl LightMarker {
 }
 
 impl Scene {
-    /// Returns the same scene with a cube in the light's colour where its first light is, of the same size in the image of its
-    /// first camera wherever that light is; lights with an extent are marked at their middle. The cube neither casts nor
-    /// receives, so it changes no shadow; but it hides what is behind it, so take errors from masks of the scene without
-    /// it. The scene stays as it is if there is nothing to mark.
+    /// Returns the same scene with a cube in the light's colour where its first light is, of the
+    /// same size in the image of its first camera wherever that light is; lights with an extent are
+    /// marked at their middle. The cube neither casts nor receives, so it changes no shadow; but it
+    /// hides what is behind it, so take errors from masks of the scene without it. The scene stays
+    /// as it is if there is nothing to mark.
     #[must_use]
     pub fn with_light_marker(&self, marker: LightMarker) -> Self {
         let mut scene = self.clone();

@@ -1,11 +1,11 @@
 //! Sampling of lights: the points at which shadow rays end, for truth and for the traced technique.
 //!
-//! All of it is explicit arithmetic on `f32` and `u32` in a fixed order, without the transcendental functions of either
-//! language, so that a shading-language twin can give the same bits.
+//! All of it is explicit arithmetic on `f32` and `u32` in a fixed order, without the transcendental
+//! functions of either language, so that a shading-language twin can give the same bits.
 //!
-//! A receiver's samples are points of the unit square (a scrambled (0, 2)-sequence, so every power of two of them is
-//! stratified in all ways at once), mapped onto the light with areas (for suns: solid angles) kept. Their mean is the
-//! **unweighted fraction of the light seen**.
+//! A receiver's samples are points of the unit square (a scrambled (0, 2)-sequence, so every power
+//! of two of them is stratified in all ways at once), mapped onto the light with areas (for suns:
+//! solid angles) kept. Their mean is the **unweighted fraction of the light seen**.
 
 use crate::{math::dot3, recipe::shader::Module, scene::light::Light, uniforms};
 use glam::{DVec3, UVec4, Vec2, Vec3, Vec4};
@@ -29,24 +29,27 @@ pub mod kind {
     pub const BALL: u32 = 5;
 }
 
-/// Segments to a light end short of it by this fraction (2^-14): a lamp's own mesh, in which the light lies, must not
-/// hide it, and the rounding of a hit on it is far smaller. A real caster that close to the light is not seen.
+/// Segments to a light end short of it by this fraction (2^-14): a lamp's own mesh, in which the
+/// light lies, must not hide it, and the rounding of a hit on it is far smaller. A real caster that
+/// close to the light is not seen.
 pub const SHORT: f32 = 1.0 - 1.0 / 16_384.0;
 
-/// Ray origins are lifted off their surface by this fraction (2^-20, 8 units in the last place) of the greatest length
-/// that went into the receiver's position or that goes into the test of a neighbouring triangle: both are wrong by
-/// about one to four units in the last place of it.
+/// Ray origins are lifted off their surface by this fraction (2^-20, 8 units in the last place) of
+/// the greatest length that went into the receiver's position or that goes into the test of a
+/// neighbouring triangle: both are wrong by about one to four units in the last place of it.
 pub const LIFT: f32 = 1.0 / 1_048_576.0;
 
 uniforms! {
     /// A light, ready to be sampled.
     pub struct LightSampler {
-        /// The [`kind`]; the rest is unused. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's drivers.rs.
+        /// The [`kind`]; the rest is unused. First: see `STEADY_FIRST_WORD` in umbrage-wgpu's
+        /// drivers.rs.
         pub shape: UVec4,
-        /// World position of the light's middle; for directions the unit vector towards the light. Fourth: unused.
+        /// World position of the light's middle; for directions the unit vector towards the light.
+        /// Fourth: unused.
         pub center: Vec4,
-        /// From the middle to the rim, metres; for caps a unit vector across the axis. Fourth: for caps 1 - cos of the
-        /// half angle, for balls the radius in metres.
+        /// From the middle to the rim, metres; for caps a unit vector across the axis. Fourth: for
+        /// caps 1 - cos of the half angle, for balls the radius in metres.
         pub half_u: Vec4,
         /// The other half axis, likewise. Fourth: unused.
         pub half_v: Vec4,
@@ -99,7 +102,8 @@ impl LightSampler {
     fn directional(direction: Vec3, angular_diameter: f32) -> Self {
         let to_light = -direction.as_dvec3().normalize_or(DVec3::NEG_Y);
         let (u, v) = to_light.any_orthonormal_pair();
-        // 1 - cos(a) = 2 sin(a / 2)^2, without the cancellation; the half angle a is half the diameter.
+        // 1 - cos(a) = 2 sin(a / 2)^2, without the cancellation; the half angle a is half the
+        // diameter.
         let cap = 2.0 * (0.25 * f64::from(angular_diameter)).sin().powi(2);
         let kind = if angular_diameter > 0.0 {
             kind::CAP
@@ -124,8 +128,8 @@ impl LightSampler {
     }
 }
 
-/// Returns the vector from `p` to the light's point at `uv` of the unit square, shortened by [`SHORT`]; for directions it is
-/// `far` metres long.
+/// Returns the vector from `p` to the light's point at `uv` of the unit square, shortened by
+/// [`SHORT`]; for directions it is `far` metres long.
 #[inline(always)]
 pub fn segment(s: &LightSampler, p: Vec3, uv: Vec2, far: f32) -> Vec3 {
     let center = Vec3::new(s.center.x, s.center.y, s.center.z);
@@ -154,9 +158,10 @@ pub fn segment(s: &LightSampler, p: Vec3, uv: Vec2, far: f32) -> Vec3 {
     (to_center + tangent(n) * q.x + bitangent(n) * q.y) * SHORT
 }
 
-/// Returns the unit vector, in the cap around the unit vector `axis`, to which the point `q` of the unit disc is mapped; areas
-/// become solid angles (Archimedes' hat box: height on the sphere grows with the square of the radius). `u` and `v` are unit
-/// vectors across the axis; `cap` is 1 - cos of the cap's half angle.
+/// Returns the unit vector, in the cap around the unit vector `axis`, to which the point `q` of the
+/// unit disc is mapped; areas become solid angles (Archimedes' hat box: height on the sphere grows
+/// with the square of the radius). `u` and `v` are unit vectors across the axis; `cap` is 1 - cos
+/// of the cap's half angle.
 #[inline(always)]
 pub fn cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3 {
     let h = (q.x * q.x + q.y * q.y) * cap;
@@ -164,7 +169,8 @@ pub fn cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3 {
     axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side)
 }
 
-/// Maps the unit square to the unit disc and keeps areas: Shirley, Chiu 1997, "A Low Distortion Map Between Disk and Square".
+/// Maps the unit square to the unit disc and keeps areas: Shirley, Chiu 1997, "A Low Distortion Map
+/// Between Disk and Square".
 #[inline(always)]
 pub fn disc_point(uv: Vec2) -> Vec2 {
     const QUARTER_PI: f32 = std::f32::consts::FRAC_PI_4;
@@ -195,7 +201,8 @@ pub fn small_cos(x: f32) -> f32 {
     1.0 + q * (-0.5 + q * (4.166_666_8e-2 + q * (-1.388_888_9e-3 + q * 2.480_158_7e-5)))
 }
 
-/// Returns a unit vector across the unit vector `n`: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+/// Returns a unit vector across the unit vector `n`: Duff et al. 2017, "Building an Orthonormal
+/// Basis, Revisited".
 #[inline(always)]
 pub fn tangent(n: Vec3) -> Vec3 {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
@@ -215,15 +222,17 @@ pub fn bitangent(n: Vec3) -> Vec3 {
     Vec3::new(n.x * n.y * a, sign + n.y * n.y * a, -n.y)
 }
 
-/// Returns how far to lift a ray's origin off its surface, metres: `p` is the receiver, `reach` the greatest other length that
-/// went into it (distance to the eye, extent of the receiver's triangle).
+/// Returns how far to lift a ray's origin off its surface, metres: `p` is the receiver, `reach` the
+/// greatest other length that went into it (distance to the eye, extent of the receiver's
+/// triangle).
 #[inline(always)]
 pub fn origin_offset(p: Vec3, reach: f32) -> f32 {
     p.x.abs().max(p.y.abs()).max(p.z.abs()).max(reach) * LIFT
 }
 
-/// Returns where the rays of a receiver at `p` with the unit normal `n` start: lifted off its surface. `eye` is the camera's position,
-/// `extent` the greatest extent of a receiving triangle, metres.
+/// Returns where the rays of a receiver at `p` with the unit normal `n` start: lifted off its
+/// surface. `eye` is the camera's position, `extent` the greatest extent of a receiving triangle,
+/// metres.
 #[inline(always)]
 pub fn ray_origin(p: Vec3, n: Vec3, eye: Vec3, extent: f32) -> Vec3 {
     let to_eye = (eye - p).abs();
@@ -237,14 +246,15 @@ pub fn seed(x: u32, y: u32) -> u32 {
     hash(x.wrapping_add(hash(y.wrapping_add(0x9e37_79b9))))
 }
 
-/// Returns point `i` of the unit square's sequence with this scramble: van der Corput's sequence and Sobol's second one, each
-/// put through a nested uniform (Owen) scramble.
+/// Returns point `i` of the unit square's sequence with this scramble: van der Corput's sequence
+/// and Sobol's second one, each put through a nested uniform (Owen) scramble.
 #[inline(always)]
 pub fn unit_square(i: u32, seed: u32) -> Vec2 {
     scrambled(sobol_bits(i), seed)
 }
 
-/// Returns point `i` of the sequence before scrambling, as binary fractions with their bits reversed (lowest bit = 1/2).
+/// Returns point `i` of the sequence before scrambling, as binary fractions with their bits
+/// reversed (lowest bit = 1/2).
 #[inline(always)]
 pub fn sobol_bits(i: u32) -> [u32; 2] {
     [i, sobol_second(i).reverse_bits()]
@@ -274,8 +284,9 @@ pub fn sobol_second(i: u32) -> u32 {
     bits
 }
 
-/// Nested uniform scrambling of bit-reversed fractions, each bit by a hash of those below it: Laine, Karras 2011,
-/// "Stratified Sampling for Stochastic Transparency"; constants from Vegdahl 2021, "Owen Scrambling Hash Functions".
+/// Nested uniform scrambling of bit-reversed fractions, each bit by a hash of those below it:
+/// Laine, Karras 2011, "Stratified Sampling for Stochastic Transparency"; constants from Vegdahl
+/// 2021, "Owen Scrambling Hash Functions".
 #[inline(always)]
 pub fn owen(reversed: u32, seed: u32) -> u32 {
     let mut x = reversed;
@@ -321,7 +332,8 @@ pub const TWINS: &[crate::recipe::twin::Twin] = &[
 mod tests {
     use super::*;
 
-    /// Every elementary interval of a (0, 2)-sequence's first 2^m points holds exactly one, scrambled or not.
+    /// Every elementary interval of a (0, 2)-sequence's first 2^m points holds exactly one,
+    /// scrambled or not.
     #[test]
     fn points_are_stratified_every_way() {
         for seed in [0, 1, 0xdead_beef] {
@@ -353,7 +365,8 @@ mod tests {
         }
     }
 
-    /// A quarter of the disc's area lies within half its radius, and a half of it left of the middle.
+    /// A quarter of the disc's area lies within half its radius, and a half of it left of the
+    /// middle.
     #[test]
     fn the_disc_keeps_areas() {
         let points: Vec<Vec2> = (0..4096).map(|i| disc_point(unit_square(i, 7))).collect();

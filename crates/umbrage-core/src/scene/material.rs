@@ -1,5 +1,5 @@
-//! Materials and textures: what colour pictures and detailed surfaces need. Masks know nothing of them but displacement and
-//! alpha.
+//! Materials and textures: what colour pictures and detailed surfaces need. Masks know nothing of
+//! them but displacement and alpha.
 
 use crate::invalid::{Invalid, finite, not_negative};
 use glam::{UVec2, Vec3};
@@ -26,12 +26,13 @@ pub struct Material {
     pub diffuse_texture: Option<usize>,
     /// Colour of the highlight.
     pub specular: Vec3,
-    /// The highlight's power is 2 to this: 5 for 32. Powers of two are made by repeated squaring, the same on every
-    /// driver.
+    /// The highlight's power is 2 to this: 5 for 32. Powers of two are made by repeated squaring,
+    /// the same on every driver.
     pub shininess_log2: u32,
     /// Light of its own, which no shadow touches: lamps' markers.
     pub emissive: Vec3,
-    /// Index into the scene's textures: tangent-space normals as `(n + 1) / 2`, green up (OpenGL's convention).
+    /// Index into the scene's textures: tangent-space normals as `(n + 1) / 2`, green up (OpenGL's
+    /// convention).
     pub normal_map: Option<usize>,
     /// Relief.
     pub displacement: Option<Displacement>,
@@ -39,32 +40,37 @@ pub struct Material {
     pub alpha: Option<AlphaCutout>,
 }
 
-/// Holes in a surface, cut out by a texture: through them light falls, and the camera sees. A point is a hole if the fourth
-/// channel of the texel nearest to its uv (repeating) is less than the cut-off. A texture without such a texel cuts nothing out, and
+/// Holes in a surface, cut out by a texture: through them light falls, and the camera sees. A point
+/// is a hole if the fourth channel of the texel nearest to its uv (repeating) is less than the
+/// cut-off. A texture without such a texel cuts nothing out, and
 /// [`Geometry::bake`](crate::Geometry::bake) leaves it aside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlphaCutout {
-    /// Index into [`Scene::textures`](crate::Scene::textures); its fourth channel is alpha, 0 clear to 1 opaque.
+    /// Index into [`Scene::textures`](crate::Scene::textures); its fourth channel is alpha, 0 clear
+    /// to 1 opaque.
     pub texture: usize,
-    /// Least alpha of what is there, 0 to 1. With 0 nothing is cut out of a texture whose alpha is not negative.
+    /// Least alpha of what is there, 0 to 1. With 0 nothing is cut out of a texture whose alpha is
+    /// not negative.
     pub cutoff: f32,
     /// What images ask of the texture where their pixels are larger than its texels.
     #[cfg_attr(feature = "serde", serde(default))]
     pub filter: AlphaFilter,
 }
 
-/// What the camera's image and shadow maps ask of an alpha texture where a pixel of theirs is larger than a texel. Rays always ask for the
-/// nearest texel, and so truth does.
+/// What the camera's image and shadow maps ask of an alpha texture where a pixel of theirs is
+/// larger than a texel. Rays always ask for the nearest texel, and so truth does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AlphaFilter {
-    /// The texel at the pixel's centre, as rays do: no approximation. Far away an edge is as noisy as one ray a pixel is.
+    /// The texel at the pixel's centre, as rays do: no approximation. Far away an edge is as noisy
+    /// as one ray a pixel is.
     #[default]
     Nearest,
-    /// How much of the texture is there on the average over about a pixel, compared with a threshold that is hashed from the place on the
-    /// triangle: what is seen from far keeps its mean coverage, and doesn't flicker where the camera moves. It is an
-    /// approximation (Wyman and McGuire 2017, "Hashed Alpha Testing"; [`hashed_alpha`](crate::hashed_alpha) has the rule).
+    /// How much of the texture is there on the average over about a pixel, compared with a
+    /// threshold that is hashed from the place on the triangle: what is seen from far keeps its
+    /// mean coverage, and doesn't flicker where the camera moves. It is an approximation (Wyman and
+    /// McGuire 2017, "Hashed Alpha Testing"; [`hashed_alpha`](crate::hashed_alpha) has the rule).
     Hashed,
 }
 
@@ -88,8 +94,9 @@ impl AlphaCutout {
     }
 }
 
-/// Relief: each vertex moves along its unit normal by `lambda (2 h - 1)`, where h is the first channel of the texture at
-/// its uv, bilinear and repeating. It is baked into the geometry, so that camera and light see the same relief.
+/// Relief: each vertex moves along its unit normal by `lambda (2 h - 1)`, where h is the first
+/// channel of the texture at its uv, bilinear and repeating. It is baked into the geometry, so that
+/// camera and light see the same relief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Displacement {
@@ -125,7 +132,8 @@ impl Texture {
     /// Checks that the texture can be read.
     ///
     /// # Errors
-    /// Errors with the first fault found: a size that doesn't fit the texels, a texel that is not finite.
+    /// Errors with the first fault found: a size that doesn't fit the texels, a texel that is not
+    /// finite.
     pub fn validate(&self) -> Result<(), Invalid> {
         let what = format!("texture `{}`", self.name);
         let texels = u64::from(self.size.x) * u64::from(self.size.y);
@@ -140,7 +148,8 @@ impl Texture {
             return Err(Invalid::new(what, why, help));
         }
         for (i, texel) in self.texels.iter().enumerate() {
-            // Names are made only for what is not finite: making one for each texel would take long.
+            // Names are made only for what is not finite: making one for each texel would take
+            // long.
             if texel.iter().any(|v| !v.is_finite()) {
                 finite(&format!("texel {i}"), texel).map_err(|e| e.within(&what))?;
             }
@@ -153,8 +162,8 @@ impl Material {
     /// Checks that the material can be used in a scene with so many `textures`.
     ///
     /// # Errors
-    /// Errors with the first fault found: a texture that isn't there, a number that is negative or not finite, an absurd setting,
-    /// a cut-off outside 0 to 1.
+    /// Errors with the first fault found: a texture that isn't there, a number that is negative or
+    /// not finite, an absurd setting, a cut-off outside 0 to 1.
     pub fn validate(&self, textures: usize) -> Result<(), Invalid> {
         for (what, color) in [
             ("diffuse colour", self.diffuse),

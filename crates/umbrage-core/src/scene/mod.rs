@@ -1,4 +1,5 @@
-//! Scenes: meshes, instances of them, lights and cameras. Public fields; `validate` says what is wrong.
+//! Scenes: meshes, instances of them, lights and cameras. Public fields; `validate` says what is
+//! wrong.
 
 pub(crate) mod anchor;
 pub(crate) mod camera;
@@ -24,11 +25,13 @@ pub struct Mesh {
     pub name: String,
     /// Vertex positions, metres.
     pub positions: Vec<Vec3>,
-    /// Shading normals, one a vertex, any length; or empty, and they are averaged from the triangles.
+    /// Shading normals, one a vertex, any length; or empty, and they are averaged from the
+    /// triangles.
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one a vertex, origin top left; or empty.
     pub uvs: Vec<Vec2>,
-    /// Tangents for normal maps, one a vertex: xyz along growing u, w the handedness (bitangent = w n x t); or empty.
+    /// Tangents for normal maps, one a vertex: xyz along growing u, w the handedness (bitangent = w
+    /// n x t); or empty.
     pub tangents: Vec<Vec4>,
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
@@ -57,8 +60,8 @@ impl Mesh {
     /// Checks that the mesh can be rendered.
     ///
     /// # Errors
-    /// Errors with the first fault found: no triangle, arrays of unequal length, a number that is not finite, an index out of
-    /// range.
+    /// Errors with the first fault found: no triangle, arrays of unequal length, a number that is
+    /// not finite, an index out of range.
     pub fn validate(&self) -> Result<(), Invalid> {
         let what = format!("mesh `{}`", self.name);
         let count = self.positions.len();
@@ -145,13 +148,15 @@ impl Instance {
     }
 }
 
-/// Longest name of a scene, bytes: most file systems hold names of 255, and reports put a few letters around it.
+/// Longest name of a scene, bytes: most file systems hold names of 255, and reports put a few
+/// letters around it.
 pub const MAX_NAME_BYTES: usize = 200;
 
 /// All there is to see. The first light and the first camera are the ones compared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// A short name, at most [`MAX_NAME_BYTES`] bytes, fit for a file name once blanks are replaced.
+    /// A short name, at most [`MAX_NAME_BYTES`] bytes, fit for a file name once blanks are
+    /// replaced.
     pub name: String,
     /// Shapes.
     pub meshes: Vec<Mesh>,

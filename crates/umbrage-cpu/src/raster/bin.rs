@@ -18,7 +18,8 @@ pub(crate) struct Bins {
     touched: Vec<Touched>,
     /// Tiles in a row of the image.
     columns: usize,
-    /// Before sorting: how many records touch each tile. Then: where each tile starts in `order`, and the end.
+    /// Before sorting: how many records touch each tile. Then: where each tile starts in `order`,
+    /// and the end.
     starts: Vec<u32>,
     /// Indices into `records`.
     order: Vec<u32>,
@@ -86,7 +87,8 @@ impl Bins {
         }
         self.order.clear();
         self.order.resize(sum as usize, 0);
-        // Counts have become ends; filling from the back turns them into starts, and keeps the records' order.
+        // Counts have become ends; filling from the back turns them into starts, and keeps the
+        // records' order.
         for (i, touched) in self.touched.iter().enumerate().rev() {
             touched.for_each(self.columns, |tile| {
                 let end = &mut self.starts[tile];
@@ -106,8 +108,8 @@ impl Bins {
         &self.order[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
-    /// Copies the triangles with these (at most `FETCH`) numbers. They lie far apart, beyond the nearest caches, so
-    /// fetching some together takes little longer than fetching one.
+    /// Copies the triangles with these (at most `FETCH`) numbers. They lie far apart, beyond the
+    /// nearest caches, so fetching some together takes little longer than fetching one.
     #[inline(always)]
     pub(crate) fn fetch<'a>(
         &self,

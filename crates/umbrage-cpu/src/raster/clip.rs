@@ -1,15 +1,18 @@
-//! Clipping of triangles to the view volume (Sutherland and Hodgman 1974, "Reentrant Polygon Clipping").
+//! Clipping of triangles to the view volume (Sutherland and Hodgman 1974, "Reentrant Polygon
+//! Clipping").
 //!
-//! `umbrage-core` has a clipper, too, in 64 bits. This one must stay apart: it follows Mesa's software rasterisers in 32
-//! bits, in the order of the planes, in how a crossing is interpolated (from the end that is nearer to the plane), and in
-//! which corners it marks as new, since these are projected by another formula. So cut edges get the same bits as Mesa's, and
-//! masks on the CPU equal those of the driver.
+//! `umbrage-core` has a clipper, too, in 64 bits. This one must stay apart: it follows Mesa's
+//! software rasterisers in 32 bits, in the order of the planes, in how a crossing is interpolated
+//! (from the end that is nearer to the plane), and in which corners it marks as new, since these
+//! are projected by another formula. So cut edges get the same bits as Mesa's, and masks on the CPU
+//! equal those of the driver.
 
 use crate::raster::viewport::Viewport;
 use glam::{Vec3, Vec4};
 use umbrage_core::Cull;
 
-/// The planes x <= w, -w <= x, y <= w, -w <= y, 0 <= z, z <= w; bit `i` of an outcode stands for plane `i`.
+/// The planes x <= w, -w <= x, y <= w, -w <= y, 0 <= z, z <= w; bit `i` of an outcode stands for
+/// plane `i`.
 pub(crate) const PLANES: [[f32; 4]; 6] = [
     [-1.0, 0.0, 0.0, 1.0],
     [1.0, 0.0, 0.0, 1.0],
@@ -22,7 +25,8 @@ pub(crate) const PLANES: [[f32; 4]; 6] = [
 /// A triangle gains at most one corner a plane.
 const MAX_CORNERS: usize = 3 + PLANES.len();
 
-/// Returns the set of planes that a vertex (clip space) lies outside of, as bits in the order of [`PLANES`].
+/// Returns the set of planes that a vertex (clip space) lies outside of, as bits in the order of
+/// [`PLANES`].
 #[inline(always)]
 pub(crate) fn outcode(p: Vec4) -> u32 {
     u32::from(p.x > p.w)
@@ -107,7 +111,8 @@ impl Polygon {
         }
     }
 
-    /// Appends a corner. Rounding may make a sliver cross a plane more than twice: corners beyond `MAX_CORNERS` are left out.
+    /// Appends a corner. Rounding may make a sliver cross a plane more than twice: corners beyond
+    /// `MAX_CORNERS` are left out.
     pub(crate) fn push(&mut self, corner: Corner) {
         if let Some(slot) = self.corners.get_mut(self.len) {
             *slot = corner;
@@ -142,8 +147,9 @@ fn signed_distance(plane: &[f32; 4], p: Vec4) -> f32 {
     p.x * plane[0] + p.y * plane[1] + p.z * plane[2] + p.w * plane[3]
 }
 
-/// Returns the point at which the edge from `a` to `b` crosses a plane, interpolated from the end that is nearer to it.
-/// `distance_a` and `distance_b` are the signed distances of the ends, of different signs.
+/// Returns the point at which the edge from `a` to `b` crosses a plane, interpolated from the end
+/// that is nearer to it. `distance_a` and `distance_b` are the signed distances of the ends, of
+/// different signs.
 fn crossing(a: Vec4, distance_a: f32, b: Vec4, distance_b: f32) -> Vec4 {
     let span = distance_b - distance_a;
     let b_is_nearer = if distance_b < 0.0 {
@@ -158,8 +164,8 @@ fn crossing(a: Vec4, distance_a: f32, b: Vec4, distance_b: f32) -> Vec4 {
     }
 }
 
-/// Clips a triangle (clip space) to the planes in `mask`, the union of its corners' outcodes, and calls `emit` with the window
-/// corners of each triangle of what is left.
+/// Clips a triangle (clip space) to the planes in `mask`, the union of its corners' outcodes, and
+/// calls `emit` with the window corners of each triangle of what is left.
 pub(crate) fn clip(
     triangle: [Vec4; 3],
     mask: u32,
@@ -175,11 +181,13 @@ pub(crate) fn clip(
     polygon.for_each_triangle(|corners| emit(corners.map(|corner| project(corner, viewport))));
 }
 
-/// Returns whether culling leaves out a piece of a clipped triangle before its corners (window space) are moved to the grid.
+/// Returns whether culling leaves out a piece of a clipped triangle before its corners (window
+/// space) are moved to the grid.
 ///
-/// Mesa's software drivers ask twice which way a piece turns: as clipping leaves it, and again on the grid. Both have to be faces that
-/// are kept. The two differ for pieces thinner than a step of the grid, such as a wall's that a vertical sun sees edge-on; without
-/// an area a piece is a back face. (Measured; the first question is Mesa's `draw_pipe_cull.c`.)
+/// Mesa's software drivers ask twice which way a piece turns: as clipping leaves it, and again on
+/// the grid. Both have to be faces that are kept. The two differ for pieces thinner than a step of
+/// the grid, such as a wall's that a vertical sun sees edge-on; without an area a piece is a back
+/// face. (Measured; the first question is Mesa's `draw_pipe_cull.c`.)
 pub(crate) fn is_culled(piece: [Vec3; 3], cull: Cull) -> bool {
     let [a, b, c] = piece;
     let from_c_to_a = a - c;

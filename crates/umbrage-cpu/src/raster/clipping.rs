@@ -1,8 +1,9 @@
-//! Ways in which hardware clips triangles otherwise than at the planes of the view volume, as models to test techniques with.
+//! Ways in which hardware clips triangles otherwise than at the planes of the view volume, as
+//! models to test techniques with.
 //!
-//! Software drivers clip at all six planes. Hardware clips at the near plane first, and sideways only at a guard band far
-//! outside of the picture. Corners that the near plane makes keep the clip w that they have: 0, if both ends of their edge lie
-//! infinitely far away.
+//! Software drivers clip at all six planes. Hardware clips at the near plane first, and sideways
+//! only at a guard band far outside of the picture. Corners that the near plane makes keep the clip
+//! w that they have: 0, if both ends of their edge lie infinitely far away.
 
 use crate::raster::{
     clip::{Corner, PLANES, Polygon, project},
@@ -16,22 +17,24 @@ pub enum Clipping {
     /// At the six planes of the view volume, as Mesa's software drivers do.
     #[default]
     Exact,
-    /// At the near and the far plane, and sideways at a guard band of 8192 pixels around the picture. All ways below do the same.
+    /// At the near and the far plane, and sideways at a guard band of 8192 pixels around the
+    /// picture. All ways below do the same.
     GuardBand,
     /// Rounds half of the vertices on the far plane to beyond it.
     FarRounding,
     /// Draws no triangles that have a corner near clip w = 0 after clipping at the near plane.
     ZeroWDropped,
-    /// Takes triangles with such a corner, if rounding moved its w above 0, for farther away than all there is. An NVIDIA H200 does
-    /// so.
+    /// Takes triangles with such a corner, if rounding moved its w above 0, for farther away than
+    /// all there is. An NVIDIA H200 does so.
     ZeroWBehind,
 }
 
-/// How far the guard band reaches beyond the picture, pixels. Hardware has twice to four times as much; here window coordinates on the
-/// finest grid have to fit the rasteriser's integers.
+/// How far the guard band reaches beyond the picture, pixels. Hardware has twice to four times as
+/// much; here window coordinates on the finest grid have to fit the rasteriser's integers.
 const GUARD_BAND: f32 = 8192.0;
 
-/// A corner's clip w counts as nearly 0 below this share of its clip x or y: it lies outside of any guard band.
+/// A corner's clip w counts as nearly 0 below this share of its clip x or y: it lies outside of any
+/// guard band.
 const NEARLY_ZERO_W: f32 = 1e-5;
 
 impl Clipping {
@@ -90,10 +93,12 @@ impl Clipping {
 /// The far plane.
 const FAR: [f32; 4] = PLANES[5];
 
-/// Returns the part of a triangle (clip space) behind the near plane, a fan around the first corner that clipping made.
+/// Returns the part of a triangle (clip space) behind the near plane, a fan around the first corner
+/// that clipping made.
 ///
-/// A crossing is found from the end before the plane, so that neighbours agree, in one fused operation. These roundings take those
-/// corners of `bar-at-lamp` and `two-blockers` to clip w > 0 whose faces went wrong on an H200, and no others.
+/// A crossing is found from the end before the plane, so that neighbours agree, in one fused
+/// operation. These roundings take those corners of `bar-at-lamp` and `two-blockers` to clip w > 0
+/// whose faces went wrong on an H200, and no others.
 fn clip_at_near(triangle: [Vec4; 3]) -> Polygon {
     let mut polygon = Polygon::EMPTY;
     let mut first_new = None;

@@ -12,7 +12,8 @@ use crate::raster::{
 const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 const LANE_F: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// Triangles up to this wide and high are filled without looking for blocks that are all inside or outside.
+/// Triangles up to this wide and high are filled without looking for blocks that are all inside or
+/// outside.
 const SMALL: i32 = 16;
 
 /// Pixels that a triangle may cover in a tile, and its edge functions there.
@@ -46,7 +47,8 @@ pub(crate) fn fill<P: DepthOp, C: HoleTest>(canvas: &mut Canvas<'_>, r: &Record,
     let height = i32::from(r.max[1] - r.min[1]);
     let patch = Patch::new(r, canvas.origin);
     if width < LANES as i32 && height < TINY_ROWS {
-        // A fixed number of rows, as the processor can't guess theirs; those below the triangle are outside its edges.
+        // A fixed number of rows, as the processor can't guess theirs; those below the triangle are
+        // outside its edges.
         let right = patch.min[0] - i32::from(r.min[0]);
         let down = patch.min[1] - i32::from(r.min[1]);
         let edges = Edges::new(r.at_min, &patch, right, down);
@@ -82,7 +84,8 @@ impl Patch {
     #[inline(always)]
     fn new(r: &Record, origin: [i32; 2]) -> Self {
         let last = TILE as i32 - 1;
-        // An edge along (x, y) has the function `x down - y right`. The three edges add up to nothing, and so do the changes.
+        // An edge along (x, y) has the function `x down - y right`. The three edges add up to
+        // nothing, and so do the changes.
         let ax = -r.edge_a[1];
         let ay = r.edge_a[0];
         let bx = -r.edge_b[1];
@@ -122,8 +125,8 @@ impl Patch {
                 return None;
             }
             if value + right.min(0) + down.min(0) >= 0 {
-                // All of the patch lies inside this edge: it drops out. The others pass through the patch, so that
-                // their values there fit 32 bits.
+                // All of the patch lies inside this edge: it drops out. The others pass through the
+                // patch, so that their values there fit 32 bits.
                 self.at_min[k] = 0;
                 self.dx[k] = 0;
                 self.dy[k] = 0;
@@ -146,7 +149,8 @@ impl Patch {
         values
     }
 
-    /// How much the edge functions can at most fall and rise over a block of `LANES` by `LANES` pixels.
+    /// How much the edge functions can at most fall and rise over a block of `LANES` by `LANES`
+    /// pixels.
     #[inline(always)]
     fn reach(&self) -> ([i32; 3], [i32; 3]) {
         let last = LANES as i32 - 1;
@@ -160,7 +164,8 @@ impl Patch {
     }
 }
 
-/// Fills a patch block by block: those wholly outside an edge are left out, and those inside all need no tests.
+/// Fills a patch block by block: those wholly outside an edge are left out, and those inside all
+/// need no tests.
 #[inline(always)]
 fn fill_blocks<P: DepthOp, C: HoleTest>(
     canvas: &mut Canvas<'_>,
@@ -203,7 +208,8 @@ impl Edges {
         dy: [0; 3],
     };
 
-    /// Returns the edge functions `right` pixels right of and `down` pixels below a pixel where they are `start`.
+    /// Returns the edge functions `right` pixels right of and `down` pixels below a pixel where
+    /// they are `start`.
     #[inline(always)]
     fn new(start: [i32; 3], patch: &Patch, right: i32, down: i32) -> Self {
         let mut values = [[0; LANES]; 3];
@@ -243,7 +249,8 @@ impl Edges {
     }
 }
 
-/// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside the edges.
+/// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside
+/// the edges.
 #[inline(always)]
 fn fill_strip<P: DepthOp, C: HoleTest, const TEST: bool>(
     canvas: &mut Canvas<'_>,

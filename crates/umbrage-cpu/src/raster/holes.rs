@@ -3,7 +3,8 @@
 use crate::raster::tile::LANES;
 use umbrage_core::{CameraRays, CutOuts, Geometry};
 
-/// What tells which pixels of which triangles are holes. Triangles are those of the geometry, under its ids.
+/// What tells which pixels of which triangles are holes. Triangles are those of the geometry, under
+/// its ids.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Holes<'a> {
     /// The holes.
@@ -15,7 +16,8 @@ pub(crate) struct Holes<'a> {
 }
 
 impl Holes<'_> {
-    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, by the rule of its material.
+    /// Returns whether the ray through a pixel's centre meets a hole of a triangle's, by the rule
+    /// of its material.
     pub(crate) fn is_hole(&self, triangle: u32, x: u32, y: u32) -> bool {
         let corners = self.geometry.corners(triangle);
         self.cut_outs
@@ -23,13 +25,15 @@ impl Holes<'_> {
     }
 }
 
-/// What a fill does about holes. One type for triangles that have none, so that their loops have no trace of it.
+/// What a fill does about holes. One type for triangles that have none, so that their loops have no
+/// trace of it.
 pub(crate) trait HoleTest {
     /// Whether there may be holes.
     const HAS_HOLES: bool;
 
-    /// Takes the pixels of a row that lie in holes out of it: their depth `z` becomes 1. Pixels that are not nearer than `stored`
-    /// aren't asked, as none of the modes that know ids keeps what is farther.
+    /// Takes the pixels of a row that lie in holes out of it: their depth `z` becomes 1. Pixels
+    /// that are not nearer than `stored` aren't asked, as none of the modes that know ids keeps
+    /// what is farther.
     fn take_holes(
         &self,
         triangle: u32,
@@ -60,7 +64,8 @@ impl HoleTest for Holes<'_> {
         stored: &[f32; LANES],
     ) {
         for i in 0..LANES {
-            // Equally near triangles change ids. A depth of 1 is never kept: it is what a clear image holds.
+            // Equally near triangles change ids. A depth of 1 is never kept: it is what a clear
+            // image holds.
             let may_be_kept = z[i] <= stored[i] && z[i] < 1.0;
             if may_be_kept && self.is_hole(triangle, first[0] as u32 + i as u32, first[1] as u32) {
                 z[i] = 1.0;

@@ -106,7 +106,8 @@ pub(crate) struct Rounding {
     pub(crate) vertex_sums: VertexSums,
 }
 
-/// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next is set up.
+/// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next
+/// is set up.
 #[derive(Debug, Default)]
 pub(crate) struct Rasterizer {
     /// How it rounds.
@@ -154,8 +155,9 @@ impl Rasterizer {
         tiles.par_iter_mut().for_each(Tile::finish);
     }
 
-    /// How many triangles go into a batch: few enough to keep working memory well below the image's, and at most some
-    /// tens of thousands (more only with many threads), which fit the processor's caches.
+    /// How many triangles go into a batch: few enough to keep working memory well below the
+    /// image's, and at most some tens of thousands (more only with many threads), which fit the
+    /// processor's caches.
     fn prepare(&mut self, size: UVec2) -> usize {
         let pixels = size.x as usize * size.y as usize;
         let most = (2 * rayon::current_num_threads()).max(16);
@@ -370,8 +372,8 @@ impl Worker {
         self.bins.sort();
     }
 
-    /// Transforms the chunk's vertices: the whole range from the least index to the greatest, whose least it returns;
-    /// or, where that would be wasteful, each triangle's corners.
+    /// Transforms the chunk's vertices: the whole range from the least index to the greatest, whose
+    /// least it returns; or, where that would be wasteful, each triangle's corners.
     #[inline(always)]
     fn transform<P: Position>(
         &mut self,

@@ -1,6 +1,7 @@
 //! How a triangle's depths are merged into a row of pixels, [`LANES`] at a time.
 //!
-//! One type per mode, so that each gets its own loops. All loops are plain, so that the compiler can vectorise them.
+//! One type per mode, so that each gets its own loops. All loops are plain, so that the compiler
+//! can vectorise them.
 
 use crate::raster::tile::{LANES, TileBuffer};
 
@@ -17,7 +18,8 @@ pub(crate) enum Mode {
     DepthPeel,
     /// The same, both in steps of 1/65535.
     DepthPeel16,
-    /// Back faces minus front faces that are at or behind another image's depth, modulo 256 (depth-fail count).
+    /// Back faces minus front faces that are at or behind another image's depth, modulo 256
+    /// (depth-fail count).
     StencilDepthFail,
 }
 
@@ -44,7 +46,8 @@ impl Mode {
         )
     }
 
-    /// Whether the image holds depths in fixed point, where one unit of polygon offset is the same for all triangles.
+    /// Whether the image holds depths in fixed point, where one unit of polygon offset is the same
+    /// for all triangles.
     pub(crate) const fn is_fixed_point(self) -> bool {
         matches!(self, Self::Depth16 | Self::DepthPeel16)
     }
@@ -111,8 +114,8 @@ impl DepthOp for Depth {
 impl DepthOp for DepthWithIds {
     const MODE: Mode = Mode::DepthWithIds;
 
-    /// Of equal depths the lower id is kept, since triangles come in any order and the first one must win.
-    /// Depth 1 writes no id, since the image is cleared to it.
+    /// Of equal depths the lower id is kept, since triangles come in any order and the first one
+    /// must win. Depth 1 writes no id, since the image is cleared to it.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
@@ -166,7 +169,8 @@ impl DepthOp for DepthPeel {
 impl DepthOp for DepthPeel16 {
     const MODE: Mode = Mode::DepthPeel16;
 
-    /// The other image holds whole steps, too: a depth that was drawn there equals it after rounding, and isn't behind it.
+    /// The other image holds whole steps, too: a depth that was drawn there equals it after
+    /// rounding, and isn't behind it.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
@@ -217,7 +221,8 @@ impl DepthOp for StencilDepthFail {
 /// Keeps the lesser depth in each lane.
 ///
 /// Compares bits, whose order is that of positive floats.
-/// For a comparison of floats the compiler may emit masked stores, which are slow on many processors.
+/// For a comparison of floats the compiler may emit masked stores, which are slow on many
+/// processors.
 #[inline(always)]
 fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
     for i in 0..LANES {
@@ -241,8 +246,8 @@ fn keep_beyond(stored: &mut [f32; LANES], attachments: TileAttachments<'_>, z: &
 /// Returns what is read back from a 16-bit depth image into which `z` (0..=1) was drawn.
 #[inline(always)]
 pub(crate) fn stored16(z: f32) -> f32 {
-    // The spacing of floats from 128 to 256 is 2^-16: the sum's low bits hold z * 65535, rounded to nearest, ties to
-    // even.
+    // The spacing of floats from 128 to 256 is 2^-16: the sum's low bits hold z * 65535, rounded to
+    // nearest, ties to even.
     const MAGIC: f32 = 128.0;
     let steps = (z * (65_535.0 / 65_536.0) + MAGIC).to_bits() - MAGIC.to_bits();
     steps as f32 * (1.0 / 65_535.0)
@@ -256,7 +261,8 @@ mod tests {
     fn sixteen_bits_hold_every_step_and_both_ends() {
         assert_eq!((stored16(0.0), stored16(1.0)), (0.0, 1.0));
         for step in 0..=65_535_u32 {
-            // Twice drawn is once drawn, and the value is within half a step of f32 of the step's own.
+            // Twice drawn is once drawn, and the value is within half a step of f32 of the step's
+            // own.
             let z = (f64::from(step) / 65_535.0) as f32;
             assert!((stored16(z) - z).abs() <= f32::EPSILON * z, "{step}");
             assert_eq!(stored16(stored16(z)), stored16(z), "{step}");

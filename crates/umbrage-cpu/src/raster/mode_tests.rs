@@ -27,7 +27,8 @@ fn compare<P: Position>(draw: &Draw<'_, P>, other: &[f32], what: &str) -> Vec<f3
     texels
 }
 
-/// Depth that is drawn behind and before: some of it exactly at what the triangles give, some at either end.
+/// Depth that is drawn behind and before: some of it exactly at what the triangles give, some at
+/// either end.
 fn noise<P: Position>(draw: &Draw<'_, P>, r: &mut Random) -> Vec<f32> {
     let (least, _) = reference::draw(
         &Draw {
@@ -237,7 +238,8 @@ fn layers_peel_off_one_by_one() {
 
 #[test]
 fn counts_tell_inside_from_outside() {
-    // Seen from the front, a volume from 0.25 to 0.75; what it touches at the back is outside, at the front inside.
+    // Seen from the front, a volume from 0.25 to 0.75; what it touches at the back is outside, at
+    // the front inside.
     let (positions, triangles) = walls(&[(0.25, true), (0.75, false)]);
     let draw = Draw {
         size: SIZE,
@@ -288,7 +290,8 @@ fn counts_wrap_and_go_on_without_clearing() {
 fn a_face_and_its_reverse_cancel() {
     let mut r = Random(9);
     let (positions, triangles) = soup(0..6, 600, &mut r);
-    // Clipping cuts the two into different pieces if it takes their first corner, and planes through those round apart.
+    // Clipping cuts the two into different pieces if it takes their first corner, and planes
+    // through those round apart.
     let inside = |p: Vec3| p.truncate().abs().max_element() <= 1.0 && (0.0..=1.0).contains(&p.z);
     let whole = |t: &&[u32; 3]| t.iter().all(|&v| inside(positions[v as usize]));
     let triangles: Vec<[u32; 3]> = triangles.iter().filter(whole).copied().collect();

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-/// Moves depths of triangles by parts of what rounding may come to, to find out which answers hang on rounding. Triangles of
-/// even and of odd numbers may move apart: so surfaces that meet change places.
+/// Moves depths of triangles by parts of what rounding may come to, to find out which answers hang
+/// on rounding. Triangles of even and of odd numbers may move apart: so surfaces that meet change
+/// places.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneShift {
     /// Of triangles with even numbers: parts of the bound, -1..=1; positive is away from the light.
@@ -29,18 +30,20 @@ impl PlaneShift {
     }
 }
 
-/// Window coordinates beyond which devices can't be followed: in steps of 1/16 pixel they don't fit 32 bits.
+/// Window coordinates beyond which devices can't be followed: in steps of 1/16 pixel they don't fit
+/// 32 bits.
 const MAX_PLACE: f64 = 134_217_728.0;
 
-/// Over 100,000 random triangles, the error of a plane evaluated in 32 bits was below 4 times the sum in [`plane_error`];
-/// two devices may err in opposite directions.
+/// Over 100,000 random triangles, the error of a plane evaluated in 32 bits was below 4 times the
+/// sum in [`plane_error`]; two devices may err in opposite directions.
 const ERRORS: f64 = 2.0 * 4.0;
 
-/// Returns by how much two devices' depths of a triangle may differ within an image; at most 1, all of the range. Each
-/// evaluates the plane through the corners (window space, pixels and depth) in 32 bits, from an origin of its choice. The
-/// error grows with the plane's change up to the origin, and with its change over the triangle times the condition of the area,
-/// which is a difference of two products: slivers have almost no area. Where a corner lies so near the eye's plane that it has no
-/// place, anything may be drawn.
+/// Returns by how much two devices' depths of a triangle may differ within an image; at most 1, all
+/// of the range. Each evaluates the plane through the corners (window space, pixels and depth) in
+/// 32 bits, from an origin of its choice. The error grows with the plane's change up to the origin,
+/// and with its change over the triangle times the condition of the area, which is a difference of
+/// two products: slivers have almost no area. Where a corner lies so near the eye's plane that it
+/// has no place, anything may be drawn.
 pub(crate) fn plane_error(corners: [DVec3; 3]) -> f32 {
     let [a, b, c] = corners;
     let least = a.min(b).min(c);
@@ -67,7 +70,8 @@ pub(crate) fn plane_error(corners: [DVec3; 3]) -> f32 {
     }
 }
 
-/// Returns the sum of the magnitudes of the two products whose difference is a triangle's doubled area, found from corner `a`.
+/// Returns the sum of the magnitudes of the two products whose difference is a triangle's doubled
+/// area, found from corner `a`.
 fn products(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let d = b - a;
     let e = c - a;

@@ -1,6 +1,7 @@
 //! A triangle that is ready to be filled.
 
-/// Depth as a linear function of the pixel: `fma(dy, py, fma(dx, px, at_origin)) + offset`, clamped to 0..=1.
+/// Depth as a linear function of the pixel: `fma(dy, py, fma(dx, px, at_origin)) + offset`, clamped
+/// to 0..=1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct DepthPlane {
     /// At the centre of the image's first pixel.
@@ -15,8 +16,8 @@ pub(crate) struct DepthPlane {
 
 /// A triangle after setup, in the order of corners in which its inside has positive edge functions.
 ///
-/// An edge function changes by multiples of 256 from pixel to pixel, so all are kept divided by 256 and rounded down,
-/// which keeps their signs: a pixel is covered where none is negative.
+/// An edge function changes by multiples of 256 from pixel to pixel, so all are kept divided by 256
+/// and rounded down, which keeps their signs: a pixel is covered where none is negative.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Record {
     /// The first corner, sub-pixels; pixel centres are multiples of 256.
@@ -33,20 +34,23 @@ pub(crate) struct Record {
     pub(crate) min: [u16; 2],
     /// Greatest x and y, pixels.
     pub(crate) max: [u16; 2],
-    /// The triangle's id; for [`Mode::StencilDepthFail`](crate::raster::mode::Mode::StencilDepthFail) what a count grows by, in
-    /// two's complement: +1 for a back face, -1 for a front face.
+    /// The triangle's id; for
+    /// [`Mode::StencilDepthFail`](crate::raster::mode::Mode::StencilDepthFail) what a count grows
+    /// by, in two's complement: +1 for a back face, -1 for a front face.
     pub(crate) tag: u32,
 }
 
-/// Returns twice a triangle's area in square sub-pixels, positive for counter-clockwise on screen (window y points down).
+/// Returns twice a triangle's area in square sub-pixels, positive for counter-clockwise on screen
+/// (window y points down).
 #[inline(always)]
 pub(crate) fn doubled_area(x: [i32; 3], y: [i32; 3]) -> i64 {
     i64::from(x[0] - x[1]) * i64::from(y[2] - y[0])
         - i64::from(x[2] - x[0]) * i64::from(y[0] - y[1])
 }
 
-/// Returns the function of the edge from `start` along the vector `edge`, at the point `p`, divided by 256; all in
-/// sub-pixels. It is negative outside; points on the edge are inside if it is a top or a left edge.
+/// Returns the function of the edge from `start` along the vector `edge`, at the point `p`, divided
+/// by 256; all in sub-pixels. It is negative outside; points on the edge are inside if it is a top
+/// or a left edge.
 #[inline(always)]
 pub(crate) fn edge_function(start: [i32; 2], edge: [i32; 2], p: [i32; 2]) -> i64 {
     let right = i64::from(p[0] - start[0]);
@@ -56,7 +60,8 @@ pub(crate) fn edge_function(start: [i32; 2], edge: [i32; 2], p: [i32; 2]) -> i64
     (value - i64::from(!is_top_left(edge))) >> 8
 }
 
-/// Returns whether an edge, clockwise on screen (y points down), is a top or a left edge of its triangle.
+/// Returns whether an edge, clockwise on screen (y points down), is a top or a left edge of its
+/// triangle.
 #[inline(always)]
 fn is_top_left(edge: [i32; 2]) -> bool {
     let is_left = edge[1] < 0;
@@ -64,8 +69,8 @@ fn is_top_left(edge: [i32; 2]) -> bool {
     is_left | is_top
 }
 
-/// As [`edge_function`], for a triangle of few pixels and a point near it: all numbers fit 32 bits then. For others the
-/// result is meaningless.
+/// As [`edge_function`], for a triangle of few pixels and a point near it: all numbers fit 32 bits
+/// then. For others the result is meaningless.
 #[inline(always)]
 pub(crate) fn small_edge_function(start: [i32; 2], edge: [i32; 2], p: [i32; 2]) -> i32 {
     let right = p[0] - start[0];

@@ -1,6 +1,5 @@
-//! The rasterisation rules again, pixel by pixel and as plainly as can be: what the fast rasteriser is tested against.
-//! Clipping, and what becomes of clipped triangles, are shared
-//! with it.
+//! The rasterisation rules again, pixel by pixel and as plainly as can be: what the fast rasteriser
+//! is tested against. Clipping, and what becomes of clipped triangles, are shared with it.
 
 use crate::raster::{
     Draw, Mode, Position, Rounding,
@@ -15,8 +14,8 @@ use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Snapping};
 /// Texels and ids of an image.
 pub(crate) type Drawn = (Vec<f32>, Vec<u32>);
 
-/// What a clear image becomes when the triangles are drawn one after the other. `other` is the image that the mode
-/// reads.
+/// What a clear image becomes when the triangles are drawn one after the other. `other` is the
+/// image that the mode reads.
 pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     draw_on(Snapping::default(), draw, other)
 }
@@ -67,8 +66,8 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
     drawn
 }
 
-/// Returns the new value of a texel over which depth `z` is drawn, by the front of a triangle or its back; none if it keeps its
-/// value. `other` is the texel of the image that the mode reads.
+/// Returns the new value of a texel over which depth `z` is drawn, by the front of a triangle or
+/// its back; none if it keeps its value. `other` is the texel of the image that the mode reads.
 fn drawn_over(mode: Mode, texel: f32, other: Option<&f32>, z: f32, front: bool) -> Option<f32> {
     let other = other.copied().unwrap_or(f32::NAN);
     match mode {
@@ -101,7 +100,8 @@ fn stored_steps(texel: f32) -> i64 {
     (f64::from(texel) * 65_535.0).round() as i64
 }
 
-/// Draws a triangle, given by its window corners; or a piece of a whole one, whose plane and polygon offset it has.
+/// Draws a triangle, given by its window corners; or a piece of a whole one, whose plane and
+/// polygon offset it has.
 fn fill<P>(
     draw: &Draw<'_, P>,
     snapping: Snapping,
@@ -164,8 +164,8 @@ fn fill<P>(
     }
 }
 
-/// Returns the depth plane through window corners, counter-clockwise, with its polygon offset; or those of the whole triangle of
-/// which they are a piece.
+/// Returns the depth plane through window corners, counter-clockwise, with its polygon offset; or
+/// those of the whole triangle of which they are a piece.
 fn depth_plane<P>(
     draw: &Draw<'_, P>,
     snapping: Snapping,
@@ -202,8 +202,8 @@ fn depth_plane<P>(
     plane
 }
 
-/// Rounds a window coordinate to a grid of `steps` points a pixel, and returns it in 256ths of a pixel from the centre of
-/// the first one.
+/// Rounds a window coordinate to a grid of `steps` points a pixel, and returns it in 256ths of a
+/// pixel from the centre of the first one.
 fn in_sub_pixels(v: f32, steps: f32) -> i32 {
     let snapped = ((v - 0.5) * steps).round_ties_even() * (256.0 / steps);
     snapped.clamp(-4_194_304.0, 4_194_304.0) as i32

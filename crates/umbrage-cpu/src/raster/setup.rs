@@ -1,4 +1,5 @@
-//! Triangle setup for many triangles at once: plain loops over arrays, which the compiler turns into vector code.
+//! Triangle setup for many triangles at once: plain loops over arrays, which the compiler turns
+//! into vector code.
 
 use crate::raster::{
     Rounding,
@@ -34,8 +35,9 @@ pub(crate) struct SetupRules {
 }
 
 impl SetupRules {
-    /// Returns the polygon offset as Vulkan defines it: `m * slope + r * constant`, where m is the greater slope of a triangle
-    /// (depth a pixel) and r the spacing of the image's depths, of floats that at the triangle's greatest depth.
+    /// Returns the polygon offset as Vulkan defines it: `m * slope + r * constant`, where m is the
+    /// greater slope of a triangle (depth a pixel) and r the spacing of the image's depths, of
+    /// floats that at the triangle's greatest depth.
     #[inline(always)]
     fn offset(&self, greatest_depth: f32, slope: f32) -> f32 {
         let unit = if self.mode.is_fixed_point() {
@@ -59,7 +61,8 @@ pub(crate) struct Group {
     lanes: Lanes,
 }
 
-/// What setup finds out: the sign of the area (0: not to be drawn), snapped corners, pixel bounds and depth planes.
+/// What setup finds out: the sign of the area (0: not to be drawn), snapped corners, pixel bounds
+/// and depth planes.
 #[derive(Clone, Debug)]
 struct Lanes {
     sign: Ints,
@@ -213,8 +216,8 @@ impl Group {
         }
     }
 
-    /// A triangle covers pixels from its least coordinate, rounded up, to just below its greatest: those on the right
-    /// or bottom edge belong to its neighbour.
+    /// A triangle covers pixels from its least coordinate, rounded up, to just below its greatest:
+    /// those on the right or bottom edge belong to its neighbour.
     #[inline(always)]
     fn snap_and_bound(&mut self, size: UVec2) {
         let last_x = size.x as i32 - 1;
@@ -232,7 +235,8 @@ impl Group {
         }
     }
 
-    /// The same on another grid, whose points all lie on the finest. Later steps find the corners that planes go through.
+    /// The same on another grid, whose points all lie on the finest. Later steps find the corners
+    /// that planes go through.
     #[cold]
     fn snap_otherwise(&mut self, rules: &SetupRules) {
         let unsnapped = (self.x, self.y);
@@ -318,7 +322,8 @@ impl Group {
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let flip = l.sign[i] > 0;
-            // The corners p, q and r, clockwise: the last two change places if they come counter-clockwise.
+            // The corners p, q and r, clockwise: the last two change places if they come
+            // counter-clockwise.
             let [px, x1, x2] = [l.x[0][i], l.x[1][i], l.x[2][i]];
             let [py, y1, y2] = [l.y[0][i], l.y[1][i], l.y[2][i]];
             let (qx, rx) = if flip { (x2, x1) } else { (x1, x2) };
@@ -337,7 +342,8 @@ impl Group {
         }
     }
 
-    /// Leaves out triangles up to two pixels wide and high that cover none: many do, in fine meshes.
+    /// Leaves out triangles up to two pixels wide and high that cover none: many do, in fine
+    /// meshes.
     #[inline(always)]
     fn drop_uncovered(&mut self) {
         let l = &mut self.lanes;

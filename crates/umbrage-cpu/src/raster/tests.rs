@@ -4,7 +4,8 @@ use crate::raster::{Draw, Mode, PlaneShift, Position, Rasterizer, Rounding, Targ
 use glam::{Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Simd, Snapping};
 
-/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on every run.
+/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on
+/// every run.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -29,7 +30,8 @@ impl Random {
     }
 }
 
-/// Kinds of triangles that have broken rasterisers, in clip space with w = 1 (or less, through `perspective`).
+/// Kinds of triangles that have broken rasterisers, in clip space with w = 1 (or less, through
+/// `perspective`).
 fn triangle(kind: usize, r: &mut Random) -> [Vec3; 3] {
     let (a, size) = (r.point(1.0), UVec2::new(150, 75).as_vec2());
     let mut near = |d: f32| a + Vec3::new(r.range(-d, d), r.range(-d, d), r.range(-0.1, 0.1));
@@ -274,8 +276,8 @@ fn triangles_of_even_and_odd_numbers_are_moved_apart() {
     assert!(moved[odd] < plain[odd] && moved[odd] > plain[odd] - 1e-4);
 }
 
-/// A floor that starts behind the eye, just below it: all its corners come to lie in one row of the grid, and its part before
-/// the eye covers pixels. Devices may give these any depth, or none.
+/// A floor that starts behind the eye, just below it: all its corners come to lie in one row of the
+/// grid, and its part before the eye covers pixels. Devices may give these any depth, or none.
 #[test]
 fn triangles_without_area_on_the_grid_may_have_any_depth() {
     let positions = [
@@ -298,13 +300,15 @@ fn triangles_without_area_on_the_grid_may_have_any_depth() {
     }
 }
 
-/// The right edge of a triangle lies a little left of a column of pixel centres, and comes to lie on it, or further left, as
-/// its vertices move to the grid. The other way round for depths: only planes through vertices on the grid move.
+/// The right edge of a triangle lies a little left of a column of pixel centres, and comes to lie
+/// on it, or further left, as its vertices move to the grid. The other way round for depths: only
+/// planes through vertices on the grid move.
 #[test]
 fn coarse_grids_move_edges_and_some_planes() {
     let (size, column) = (UVec2::splat(64), 40);
     for snapping in snappings() {
-        // 0.4 steps right of the column: on it once moved, and so not in it; 0.6 steps: a whole step right.
+        // 0.4 steps right of the column: on it once moved, and so not in it; 0.6 steps: a whole
+        // step right.
         for (steps, covered) in [(0.4, false), (0.6, true)] {
             let right = column as f32 + 0.5 + steps * snapping.step();
             let corner = |x: f32, y: f32, z: f32| Vec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, z);
@@ -327,7 +331,8 @@ fn coarse_grids_move_edges_and_some_planes() {
                 DepthPlanes::Unsnapped => right - 8.5,
                 DepthPlanes::Snapped => right - 8.5 + (steps.round() - steps) * snapping.step(),
             };
-            // The plane's depth half a step of the finest grid off would be 8e-6 off; rounding is below 1e-6.
+            // The plane's depth half a step of the finest grid off would be 8e-6 off; rounding is
+            // below 1e-6.
             let expected = 0.25 + 0.5 * 30.0 / width;
             assert!(
                 (depth[32 * 64 + 38] - expected).abs() < 1e-6,
@@ -364,7 +369,8 @@ fn a_spoilt_triangle_is_noticed() {
 
 #[test]
 fn many_batches_and_shared_vertices_agree() {
-    // More triangles than a batch of a small image holds, with vertices both shared and far apart in the list.
+    // More triangles than a batch of a small image holds, with vertices both shared and far apart
+    // in the list.
     let mut r = Random(77);
     let side = 60_u32;
     let positions: Vec<Vec3> = (0..side * side)
@@ -386,7 +392,8 @@ fn many_batches_and_shared_vertices_agree() {
 
 #[test]
 fn the_top_left_rule_leaves_neither_gaps_nor_doubles() {
-    // Each pixel of a fan whose edges run through pixel centres belongs to one triangle: the sum of covers is 1.
+    // Each pixel of a fan whose edges run through pixel centres belongs to one triangle: the sum of
+    // covers is 1.
     let corner = |x: f32, y: f32| Vec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, 0.5);
     let middle = corner(32.5, 32.5);
     let rim = [
@@ -440,8 +447,9 @@ fn faces_are_culled_by_their_turn_on_screen() {
     assert!(drawn(front, Cull::Back) && !drawn(back, Cull::Back));
 }
 
-/// A wall that a vertical sun sees edge-on, reaching beyond the far plane and the image: clipping rounds a piece of it to a front
-/// face, the grid to a back face. Mesa's drivers draw it only where nothing is culled. (A random scene found it.)
+/// A wall that a vertical sun sees edge-on, reaching beyond the far plane and the image: clipping
+/// rounds a piece of it to a front face, the grid to a back face. Mesa's drivers draw it only where
+/// nothing is culled. (A random scene found it.)
 #[test]
 fn pieces_are_culled_as_clipped_and_as_moved_to_the_grid() {
     let positions = [
@@ -463,7 +471,8 @@ fn pieces_are_culled_as_clipped_and_as_moved_to_the_grid() {
 
 #[test]
 fn slope_bias_moves_a_slanted_plane_by_its_slope() {
-    // z grows by 1/64 a pixel to the right over 32 pixels: slope 2 adds 2/64 everywhere, and the clamp cuts it off.
+    // z grows by 1/64 a pixel to the right over 32 pixels: slope 2 adds 2/64 everywhere, and the
+    // clamp cuts it off.
     let positions = [
         Vec3::new(-1.0, -3.0, 0.25),
         Vec3::new(-1.0, 3.0, 0.25),

@@ -1,5 +1,5 @@
-//! Tiles: the part of the image that one thread fills at a time, copied to a small buffer that stays in the nearest
-//! cache.
+//! Tiles: the part of the image that one thread fills at a time, copied to a small buffer that
+//! stays in the nearest cache.
 
 use crate::raster::{bin::TILE, mode::Mode};
 use umbrage_core::NO_TRIANGLE;
@@ -8,14 +8,15 @@ use umbrage_core::NO_TRIANGLE;
 pub(crate) const LANES: usize = 8;
 /// Rows of the smallest triangles.
 pub(crate) const TINY_ROWS: i32 = 4;
-/// Floats between rows of a tile's buffer: lanes may run over a row's right end, into what is never copied out.
+/// Floats between rows of a tile's buffer: lanes may run over a row's right end, into what is never
+/// copied out.
 pub(crate) const STRIDE: usize = TILE + LANES;
 
 /// A tile that is being filled.
 #[derive(Debug)]
 pub(crate) struct TileBuffer {
-    /// Depths or counts; spare rows at the end take what is drawn below the tile, and let every row be followed by a
-    /// whole stride.
+    /// Depths or counts; spare rows at the end take what is drawn below the tile, and let every row
+    /// be followed by a whole stride.
     pub(crate) texels: Vec<f32>,
     /// Triangle ids, if asked for.
     pub(crate) ids: Vec<u32>,

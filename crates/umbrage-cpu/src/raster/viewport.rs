@@ -1,4 +1,5 @@
-//! From clip space to the window, and from there to the grid of 1/256 pixels on which coverage is decided.
+//! From clip space to the window, and from there to the grid of 1/256 pixels on which coverage is
+//! decided.
 
 use glam::{UVec2, Vec3, Vec4};
 use umbrage_core::Snapping;
@@ -6,7 +7,8 @@ use umbrage_core::Snapping;
 /// Sub-pixel steps a pixel.
 pub(crate) const SUBPIXELS: i32 = 256;
 
-/// Maps clip x and y to window x and y: pixels from the top left corner, centres at .5. Depth is left alone.
+/// Maps clip x and y to window x and y: pixels from the top left corner, centres at .5. Depth is
+/// left alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Viewport {
     scale_x: f32,
@@ -27,7 +29,8 @@ impl Viewport {
         }
     }
 
-    /// Window position of a vertex, with the fused multiplication that drivers compile their vertex stage to.
+    /// Window position of a vertex, with the fused multiplication that drivers compile their vertex
+    /// stage to.
     #[inline(always)]
     pub(crate) fn project(&self, clip: Vec4) -> Vec3 {
         let r = 1.0 / clip.w;
@@ -47,14 +50,17 @@ impl Viewport {
     }
 }
 
-/// Largest snapped coordinate: the right edge of the widest image. Beyond it lie only faulty vertices that clipping
-/// made from nearly equal numbers; holding them here keeps later integers within 32 bits.
+/// Largest snapped coordinate: the right edge of the widest image. Beyond it lie only faulty
+/// vertices that clipping made from nearly equal numbers; holding them here keeps later integers
+/// within 32 bits.
 const SNAP_LIMIT: f32 = (umbrage_core::MAX_SIDE as i32 * SUBPIXELS) as f32;
 
-/// Snaps a window coordinate to the sub-pixel grid, ties to even; pixel centres become multiples of 256.
+/// Snaps a window coordinate to the sub-pixel grid, ties to even; pixel centres become multiples of
+/// 256.
 #[inline(always)]
 pub(crate) fn snap(v: f32) -> i32 {
-    // Adding 1.5 * 2^23 leaves an integer in the low bits, rounded as the processor rounds: to nearest, ties to even.
+    // Adding 1.5 * 2^23 leaves an integer in the low bits, rounded as the processor rounds: to
+    // nearest, ties to even.
     const MAGIC: f32 = 12_582_912.0;
     let v = (v - 0.5) * SUBPIXELS as f32;
     let v = if v < SNAP_LIMIT { v } else { SNAP_LIMIT };
@@ -62,8 +68,9 @@ pub(crate) fn snap(v: f32) -> i32 {
     (v + MAGIC).to_bits().wrapping_sub(MAGIC.to_bits()) as i32
 }
 
-/// Moves a window coordinate to a grid, ties to even; pixel centres are points of all grids. For all coordinates within an
-/// image the result is exact: it takes 15 bits before the point and 8 after it.
+/// Moves a window coordinate to a grid, ties to even; pixel centres are points of all grids. For
+/// all coordinates within an image the result is exact: it takes 15 bits before the point and 8
+/// after it.
 pub(crate) fn on_grid(v: f32, snapping: Snapping) -> f32 {
     let steps = (1_u32 << snapping.sub_pixel_bits) as f32;
     ((v - 0.5) * steps).round_ties_even() / steps + 0.5

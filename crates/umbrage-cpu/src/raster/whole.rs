@@ -1,8 +1,9 @@
 //! Triangles that get clipped, on devices whose depth planes go through snapped vertices.
 //!
-//! There the plane goes through the triangle's own vertices, wherever on the window's plane they lie, not through those that
-//! clipping made (measured on SwiftShader; hardware with a guard band makes none at the window's edges). They also tell which
-//! way the triangle turns: pieces that turn the other way once they are on the grid aren't drawn.
+//! There the plane goes through the triangle's own vertices, wherever on the window's plane they
+//! lie, not through those that clipping made (measured on SwiftShader; hardware with a guard band
+//! makes none at the window's edges). They also tell which way the triangle turns: pieces that turn
+//! the other way once they are on the grid aren't drawn.
 
 use crate::raster::{
     Rounding,
@@ -23,8 +24,9 @@ pub(crate) struct Whole {
     dy: f64,
     /// Its sign tells how pieces turn on the window; 0: the triangle has no area on the grid.
     turn: f64,
-    /// Whether pieces of a triangle without area on the grid are drawn. They may cover pixels all the same, where the triangle
-    /// reaches behind the eye, and what depth they get is left to devices: SwiftShader divides by zero, others may draw nothing.
+    /// Whether pieces of a triangle without area on the grid are drawn. They may cover pixels all
+    /// the same, where the triangle reaches behind the eye, and what depth they get is left to
+    /// devices: SwiftShader divides by zero, others may draw nothing.
     draws_without_area: bool,
     /// The greatest magnitude of the vertices' depths, which may be far beyond 1.
     greatest_depth: f64,
@@ -33,7 +35,8 @@ pub(crate) struct Whole {
 }
 
 impl Whole {
-    /// None where planes go through vertices as they are, whole or clipped, and where a vertex has no place in the window.
+    /// None where planes go through vertices as they are, whole or clipped, and where a vertex has
+    /// no place in the window.
     #[cold]
     pub(crate) fn new(
         triangle: [Vec4; 3],
@@ -54,7 +57,8 @@ impl Whole {
         Some(whole)
     }
 
-    /// Returns a triangle in front of the eye, given by its corners (window space). `None` if one of them isn't finite.
+    /// Returns a triangle in front of the eye, given by its corners (window space). `None` if one
+    /// of them isn't finite.
     pub(crate) fn through(corners: [Vec3; 3], rounding: Rounding) -> Option<Self> {
         let snapping = rounding.snapping;
         let on_grid = corners.map(|corner| snapped(corner, snapping).as_dvec3());
@@ -97,7 +101,8 @@ impl Whole {
         (turns_alike || may_be_drawn).then_some(placed)
     }
 
-    /// Whether the triangle has an area on the grid. If not, devices may take it for either face (SwiftShader draws it whatever is culled).
+    /// Whether the triangle has an area on the grid. If not, devices may take it for either face
+    /// (SwiftShader draws it whatever is culled).
     pub(crate) fn has_area(&self) -> bool {
         self.turn != 0.0
     }
@@ -112,8 +117,9 @@ impl Whole {
         }
     }
 
-    /// The greatest magnitude of the depths of the triangle's own vertices: the spacing of floats there is the unit of polygon
-    /// offset on such devices (measured on SwiftShader; Vulkan doesn't say whether the primitive is meant clipped or whole).
+    /// The greatest magnitude of the depths of the triangle's own vertices: the spacing of floats
+    /// there is the unit of polygon offset on such devices (measured on SwiftShader; Vulkan doesn't
+    /// say whether the primitive is meant clipped or whole).
     pub(crate) fn greatest_depth(&self) -> f32 {
         self.greatest_depth as f32
     }
@@ -164,7 +170,8 @@ mod tests {
 
     #[test]
     fn corners_come_to_lie_on_the_plane_of_the_whole() {
-        // On the grid, depth grows from 0 by 1/96 a pixel; the right corner comes from 0.4 steps further right.
+        // On the grid, depth grows from 0 by 1/96 a pixel; the right corner comes from 0.4 steps
+        // further right.
         let right = 64.0 + 32.0 + 0.4 / 16.0;
         let triangle = [
             clip(0.0, 0.0, 0.0),

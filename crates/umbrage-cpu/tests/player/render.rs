@@ -129,7 +129,8 @@ fn receivers_lie_on_what_their_rays_meet() {
         let pixel = (ndc.truncate() * UVec2::new(1, 1).as_vec2() * 0.5) * SIZE.as_vec2();
         let x = pixel.x + 0.5 * SIZE.x as f32;
         let y = 0.5 * SIZE.y as f32 - pixel.y;
-        // A hundredth of a pixel, and a thousandth of the depth range: far above rounding, far below any mistake.
+        // A hundredth of a pixel, and a thousandth of the depth range: far above rounding, far
+        // below any mistake.
         assert!(
             (x - (i as u32 % SIZE.x) as f32 - 0.5).abs() < 0.01
                 && (y - (i as u32 / SIZE.x) as f32 - 0.5).abs() < 0.01

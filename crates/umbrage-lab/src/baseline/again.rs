@@ -10,8 +10,8 @@ use crate::{
 };
 use std::collections::BTreeMap;
 
-/// How often all that looks slower is timed again. Between two timings of a row all others are timed, so that noise that lasts
-/// for seconds meets other rows.
+/// How often all that looks slower is timed again. Between two timings of a row all others are
+/// timed, so that noise that lasts for seconds meets other rows.
 pub const ROUNDS: usize = 3;
 
 /// How often rows are timed again at most, until they have enough runs that nothing held up.
@@ -28,8 +28,8 @@ const RUNS: Runs = Runs {
 /// What timing again found, by the scene's place and the row's stem.
 type Fresh = BTreeMap<(usize, String), Again>;
 
-/// Times again what looks slower, and moves what still does to [`Changes::worse`]. `inputs` are the scenes of the new
-/// results, in their order.
+/// Times again what looks slower, and moves what still does to [`Changes::worse`]. `inputs` are the
+/// scenes of the new results, in their order.
 ///
 /// # Errors
 /// Errors if a scene can't be played again.

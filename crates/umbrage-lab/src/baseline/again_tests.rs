@@ -130,8 +130,8 @@ impl Stage {
         .expect("valid")
     }
 
-    /// What the guard says of a run in which the row takes `first` times as long as in the baseline, and `later` times when
-    /// it is timed again.
+    /// What the guard says of a run in which the row takes `first` times as long as in the
+    /// baseline, and `later` times when it is timed again.
     fn guard(&mut self, first: f64, later: f64) -> crate::baseline::changes::Changes {
         lock(&self.clock).set(1.0);
         let old = self.compare();

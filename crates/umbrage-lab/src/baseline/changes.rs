@@ -8,7 +8,8 @@ pub const ROUNDING: f64 = 1e-9;
 /// The changes since the baseline, one line each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
-    /// The number of rows that both have and that could be compared. A check that compared nothing has checked nothing.
+    /// The number of rows that both have and that could be compared. A check that compared nothing
+    /// has checked nothing.
     pub compared: usize,
     /// The number of these whose times could be compared.
     pub timed: usize,

@@ -5,8 +5,8 @@ use crate::compare::{CompareRow, Comparison};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_core::Invalid;
 
-/// Names of what may be missing, or changed so that it can't be compared: scenes, techniques, backends, or single settings
-/// as reports spell them (`pcf (3x3, 1024, bias: none)`).
+/// Names of what may be missing, or changed so that it can't be compared: scenes, techniques,
+/// backends, or single settings as reports spell them (`pcf (3x3, 1024, bias: none)`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Except(BTreeSet<String>);
 
@@ -16,10 +16,12 @@ impl Except {
         Self(names.into_iter().collect())
     }
 
-    /// Checks that all names are those of something in a baseline: a misspelt one would else go unnoticed.
+    /// Checks that all names are those of something in a baseline: a misspelt one would else go
+    /// unnoticed.
     ///
     /// # Errors
-    /// Errors on the first name that is neither a scene, a technique, a backend nor a setting of the comparison.
+    /// Errors on the first name that is neither a scene, a technique, a backend nor a setting of
+    /// the comparison.
     pub fn check(&self, baseline: &Comparison) -> Result<(), Invalid> {
         for name in &self.0 {
             if !has_name(baseline, name) {
@@ -46,7 +48,8 @@ fn has_name(comparison: &Comparison, name: &String) -> bool {
         .any(|scene| scene.name == *name || scene.rows.iter().any(|row| names(row).contains(name)))
 }
 
-/// Returns the names by which a row may be excepted, the widest first: its backend, its technique, its setting.
+/// Returns the names by which a row may be excepted, the widest first: its backend, its technique,
+/// its setting.
 fn names(row: &CompareRow) -> [String; 3] {
     [
         row.backend.clone(),

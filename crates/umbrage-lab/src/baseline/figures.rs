@@ -40,8 +40,9 @@ pub(super) enum Change {
     Shrank(String),
 }
 
-/// Returns the figures of a row, then and now. `exact`: whether rounding is the same as then. Where no pixel counts there are no
-/// errors, neither then nor now: else other pixels would count, and the scene would not be compared.
+/// Returns the figures of a row, then and now. `exact`: whether rounding is the same as then. Where
+/// no pixel counts there are no errors, neither then nor now: else other pixels would count, and
+/// the scene would not be compared.
 pub(super) fn of(
     backend: &str,
     then: &Measured,
@@ -53,8 +54,8 @@ pub(super) fn of(
     let cost_now = prices.milliseconds(&now.work);
     let mut out = Vec::new();
     if let (Some(a), Some(b)) = (&then.errors, &now.errors) {
-        // Undecided pixels may all flip. That changes a percentage of the image by at most their percentage, and a mean square
-        // by at most their share.
+        // Undecided pixels may all flip. That changes a percentage of the image by at most their
+        // percentage, and a mean square by at most their share.
         let mut percent_noise = 0.0;
         let mut rmse_noise = 0.0;
         if !exact {

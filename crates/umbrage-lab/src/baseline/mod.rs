@@ -1,21 +1,25 @@
-//! Compares a comparison with an earlier one, the baseline: what got slower, dearer, larger or less accurate. A check for a
-//! renderer's continuous integration.
+//! Compares a comparison with an earlier one, the baseline: what got slower, dearer, larger or less
+//! accurate. A check for a renderer's continuous integration.
 //!
-//! Rows of the same scene, technique, settings and backend are compared, if the scene itself, its image and its truth are
-//! the same:
+//! Rows of the same scene, technique, settings and backend are compared, if the scene itself, its
+//! image and its truth are the same:
 //!
-//! * **Errors** (RMSE, false shadow, false light, acne) are deterministic: any growth beyond [`ROUNDING`] counts. Between
-//!   different graphics adapters, whose rounding differs, as much as the [undecided pixels
-//!   allowed](umbrage_core::metrics::MAX_UNDECIDED_SHARE) can make counts as noise.
-//! * **Cost** (counted work, at today's prices) and **bytes** are deterministic, too: any growth beyond rounding counts.
-//! * **Time** counts only on the same processor, threads, system and adapter. Rows are compared as multiples of the
-//!   yardstick that was timed in turn with them; [`mod@times`] says when one is slower, and how seldom that is said in
-//!   vain. What looks slower is [timed again](time_again) before it counts. Times of results before
-//!   schema 7 are not compared: their yardsticks had other lengths, or they had none.
+//! * **Errors** (RMSE, false shadow, false light, acne) are deterministic: any growth beyond
+//!   [`ROUNDING`] counts. Between different graphics adapters, whose rounding differs, as much as
+//!   the [undecided pixels allowed](umbrage_core::metrics::MAX_UNDECIDED_SHARE) can make counts as
+//!   noise.
+//! * **Cost** (counted work, at today's prices) and **bytes** are deterministic, too: any growth
+//!   beyond rounding counts.
+//! * **Time** counts only on the same processor, threads, system and adapter. Rows are compared as
+//!   multiples of the yardstick that was timed in turn with them; [`mod@times`] says when one is
+//!   slower, and how seldom that is said in vain. What looks slower is [timed again](time_again)
+//!   before it counts. Times of results before schema 7 are not compared: their yardsticks had
+//!   other lengths, or they had none.
 //!
-//! A row that was measured and is now refused counts as less accurate. What the baseline has and the new results lack, and
-//! scenes that can't be compared since they changed, count as faults, too, unless they are [excepted](Except) by name: a
-//! guard that compares less than it did guards less. New rows are told, no more.
+//! A row that was measured and is now refused counts as less accurate. What the baseline has and
+//! the new results lack, and scenes that can't be compared since they changed, count as faults,
+//! too, unless they are [excepted](Except) by name: a guard that compares less than it did guards
+//! less. New rows are told, no more.
 
 mod again;
 mod changes;
@@ -98,8 +102,8 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     out
 }
 
-/// Returns the scene of `others` that has the name of the scene at `place`. Where several share a name, the first belongs to the
-/// first, the second to the second, and so on.
+/// Returns the scene of `others` that has the name of the scene at `place`. Where several share a
+/// name, the first belongs to the first, the second to the second, and so on.
 fn counterpart<'a>(
     scenes: &[SceneResult],
     place: usize,
@@ -188,7 +192,8 @@ fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<&'static str> {
     }
 }
 
-/// Whether the light or the camera moved: the RMSE of no shadows at all depends on truth alone, not on techniques.
+/// Whether the light or the camera moved: the RMSE of no shadows at all depends on truth alone, not
+/// on techniques.
 fn moved(old: [f64; 2], new: [f64; 2]) -> bool {
     old.iter()
         .zip(new)

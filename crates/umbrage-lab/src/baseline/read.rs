@@ -20,7 +20,8 @@ struct Version {
 /// Reads a `results.json`.
 ///
 /// # Errors
-/// Errors if it can't be read, is no such file, or has a schema that is too old or newer than this program.
+/// Errors if it can't be read, is no such file, or has a schema that is too old or newer than this
+/// program.
 pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     let what = format!("baseline `{}`", path.display());
     let help = "give the results.json that `cargo xtask compare` wrote";
@@ -39,13 +40,15 @@ pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     serde_json::from_slice(&text).map_err(|e| refuse(format!("is damaged: {e}")))
 }
 
-/// Checks that a baseline is not the `results.json` of the report to be made: it would be overwritten, and figures that are
-/// taken up from that folder would be compared with themselves. Other files there stay as they are.
+/// Checks that a baseline is not the `results.json` of the report to be made: it would be
+/// overwritten, and figures that are taken up from that folder would be compared with themselves.
+/// Other files there stay as they are.
 ///
 /// # Errors
 /// Errors if it is that file.
 pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
-    // Canonical paths, so that links count as what they lead to. A file that doesn't exist has none and can't be overwritten.
+    // Canonical paths, so that links count as what they lead to. A file that doesn't exist has none
+    // and can't be overwritten.
     let results = report.join(RESULTS);
     let (Ok(baseline_file), Ok(results_file)) = (baseline.canonicalize(), results.canonicalize())
     else {

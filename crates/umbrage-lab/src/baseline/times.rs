@@ -1,61 +1,68 @@
 //! Decides when a row counts as slower, and how rare false alarms are.
 //!
-//! A row's time is compared as a multiple of the [yardstick](umbrage_yardstick::Yardstick) that was played before and after
-//! each of its runs. What is left is noise of single runs: on a shared machine with 2 cores and 8 to 18 busy programs, a
-//! row's median of 5 to 9 such ratios is off by a factor of 2 in one row of twenty. A comparison has thousands of rows, so
-//! single medians prove nothing. Two tests take their place:
+//! A row's time is compared as a multiple of the [yardstick](umbrage_yardstick::Yardstick) that was
+//! played before and after each of its runs. What is left is noise of single runs: on a shared
+//! machine with 2 cores and 8 to 18 busy programs, a row's median of 5 to 9 such ratios is off by a
+//! factor of 2 in one row of twenty. A comparison has thousands of rows, so single medians prove
+//! nothing. Two tests take their place:
 //!
-//! * **A row** is suspected if its ratios' upper quartile lies beyond its bound: [`APART`] times the baseline's upper
-//!   quartile (its greatest, of fewer than [`MANY`] runs). It is then timed again, in [`ROUNDS`](super::ROUNDS) rounds
-//!   between which all other suspects are. It is slower if nine in ten of these fresh ratios lie beyond the bound, and if
-//!   the quickest of these runs took [`APART`] times as many milliseconds as the baseline's quickest, too. If nothing has
-//!   changed, a run of the baseline lies below the fresh tenth with a chance of 1/10, whatever the noise's distribution;
-//!   the quartile of 9 lies there if at least 7 of them do (36 / 10^7 at most), the greatest of 5 if all do (1 / 10^5).
-//!   Besides, a factor of [`APART`] must lie between: where noise is narrower than that, no chance is left at all.
+//! * **A row** is suspected if its ratios' upper quartile lies beyond its bound: [`APART`] times
+//!   the baseline's upper quartile (its greatest, of fewer than [`MANY`] runs). It is then timed
+//!   again, in [`ROUNDS`](super::ROUNDS) rounds between which all other suspects are. It is slower
+//!   if nine in ten of these fresh ratios lie beyond the bound, and if the quickest of these runs
+//!   took [`APART`] times as many milliseconds as the baseline's quickest, too. If nothing has
+//!   changed, a run of the baseline lies below the fresh tenth with a chance of 1/10, whatever the
+//!   noise's distribution; the quartile of 9 lies there if at least 7 of them do (36 / 10^7 at
+//!   most), the greatest of 5 if all do (1 / 10^5). Besides, a factor of [`APART`] must lie
+//!   between: where noise is narrower than that, no chance is left at all.
 //!
-//!   These chances take for granted that runs are independent. They are not while others hold one of two cores: then a
-//!   yardstick may be slow next to all of a row's runs, while the row fits between two turns of the
-//!   scheduler. So only runs count next to which no yardstick took more than [`CALM`] times the
-//!   quickest of that row, and rows
-//!   of which even that one took more than [`CALM`] times what it can are not judged, as are those of
-//!   fewer than [`MIN_RUNS`] such runs. Under the load above, of all rows the bound lay below what the
-//!   row takes in 3 %; of those whose yardstick's median was calm, in 1 of 2,393.
+//!   These chances take for granted that runs are independent. They are not while others hold one
+//!   of two cores: then a yardstick may be slow next to all of a row's runs, while the row fits
+//!   between two turns of the scheduler. So only runs count next to which no yardstick took more
+//!   than [`CALM`] times the quickest of that row, and rows of which even that one took more than
+//!   [`CALM`] times what it can are not judged, as are those of fewer than [`MIN_RUNS`] such runs.
+//!   Under the load above, of all rows the bound lay below what the row takes in 3 %; of those
+//!   whose yardstick's median was calm, in 1 of 2,393.
 //!
-//!   On devices the clock changes, too, and ratios are the same at each clock. So there a run counts if
-//!   neither yardstick next to it took more than [`CALM`] times the other, and ratios alone decide.
-//! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than
-//!   [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median (1.253 sigma / sqrt n, sigma from the median
-//!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that
-//!   has a chance of 3 / 10^5: with 26 techniques on backends, one comparison in 1,000. It is slower if the same is found
-//!   when rows of it are timed again. Fewer than [`MIN_ROWS`] rows are judged one by one alone.
+//!   On devices the clock changes, too, and ratios are the same at each clock. So there a run
+//!   counts if neither yardstick next to it took more than [`CALM`] times the other, and ratios
+//!   alone decide.
+//! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median
+//!   is slower by more than [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median
+//!   (1.253 sigma / sqrt n, sigma from the median absolute deviation: Rousseeuw and Croux 1993,
+//!   "Alternatives to the median absolute deviation"). For normal noise that has a chance of 3 /
+//!   10^5: with 26 techniques on backends, one comparison in 1,000. It is slower if the same is
+//!   found when rows of it are timed again. Fewer than [`MIN_ROWS`] rows are judged one by one
+//!   alone.
 //!
-//! What this can't see: a single row that got slower by less than [`APART`] (more where the baseline itself is noisy, or
-//! where the machine got faster meanwhile), and a technique that did by less than [`TECHNIQUE`]. Counted cost sees every
-//! operation more, however small.
+//! What this can't see: a single row that got slower by less than [`APART`] (more where the
+//! baseline itself is noisy, or where the machine got faster meanwhile), and a technique that did
+//! by less than [`TECHNIQUE`]. Counted cost sees every operation more, however small.
 
 use crate::compare::{CALM, CompareRow, Ranks};
 use std::collections::BTreeMap;
 
-/// The least factor between the slower of the usual runs then and the quicker of the usual runs now. Smaller changes may come
-/// from another placement of code and data in memory.
+/// The least factor between the slower of the usual runs then and the quicker of the usual runs
+/// now. Smaller changes may come from another placement of code and data in memory.
 pub const APART: f64 = 1.4;
 
-/// From this many runs on, the upper quartile bounds the baseline's noise; with fewer runs, the greatest does.
+/// From this many runs on, the upper quartile bounds the baseline's noise; with fewer runs, the
+/// greatest does.
 pub const MANY: u32 = 9;
 
 /// Rows with fewer runs are not judged.
 pub const MIN_RUNS: u32 = crate::compare::MIN_JUDGED_RUNS;
 
-/// The least factor by which a technique's median over its rows must change, beyond its error. Rows of one technique wait for the same part of the
-/// machine, and a yardstick that waits for another does not cancel all of that: medians of unchanged code moved by up to
-/// 1.2.
+/// The least factor by which a technique's median over its rows must change, beyond its error. Rows
+/// of one technique wait for the same part of the machine, and a yardstick that waits for another
+/// does not cancel all of that: medians of unchanged code moved by up to 1.2.
 pub const TECHNIQUE: f64 = 1.3;
 
 /// How many standard errors of a technique's median its change must be.
 pub const SIGMAS: f64 = 4.0;
 
-/// Rows of a technique whose quickest run takes less than this times what the baseline's quickest run took count as
-/// unchanged, whatever their yardsticks say.
+/// Rows of a technique whose quickest run takes less than this times what the baseline's quickest
+/// run took count as unchanged, whatever their yardsticks say.
 pub const AS_QUICK: f64 = 1.1;
 
 /// Techniques with fewer rows are not judged as a whole.
@@ -208,29 +215,30 @@ fn is_calm(then: &RatioSample, now: &RatioSample) -> bool {
     then.device_units.is_some() || then.yardstick <= CALM * now.yardstick
 }
 
-/// Returns by how much a row changed: the logarithm of its medians' ratio; none if that is not finite.
+/// Returns by how much a row changed: the logarithm of its medians' ratio; none if that is not
+/// finite.
 fn change(then: &Ranks, now: &Ranks) -> Option<f64> {
     Some((now.median / then.median).ln()).filter(|change| change.is_finite())
 }
 
-/// Returns the factor by which rows as a whole got slower (above 1) or quicker (below 1), from the logarithms of their changes;
-/// none if they didn't, or there are too few.
+/// Returns the factor by which rows as a whole got slower (above 1) or quicker (below 1), from the
+/// logarithms of their changes; none if they didn't, or there are too few.
 fn median_factor(changes: &[f64]) -> Option<f64> {
     if changes.len() < MIN_ROWS {
         return None;
     }
     let median = Ranks::of(changes.to_vec())?.median;
     let deviation = Ranks::of(changes.iter().map(|c| (c - median).abs()).collect())?.median;
-    // Of normal noise the standard deviation is 1.4826 median absolute deviations, and a median's standard error is
-    // sqrt(pi / 2) = 1.253 times the mean's.
+    // Of normal noise the standard deviation is 1.4826 median absolute deviations, and a median's
+    // standard error is sqrt(pi / 2) = 1.253 times the mean's.
     let error = 1.253 * 1.4826 * deviation / (changes.len() as f64).sqrt();
     let counts = median.abs() > TECHNIQUE.ln() && median.abs() > SIGMAS * error;
     counts.then_some(median.exp())
 }
 
 impl Suspect {
-    /// Returns a line about it now that its rows were timed again; none if it is no slower. `fresh` is what was found of each of
-    /// its rows.
+    /// Returns a line about it now that its rows were timed again; none if it is no slower. `fresh`
+    /// is what was found of each of its rows.
     pub(super) fn verdict(&self, fresh: &[Option<RatioSample>]) -> Option<String> {
         if self.whole {
             let changes = self.changes(fresh);
@@ -270,9 +278,9 @@ impl Suspect {
         }
     }
 
-    /// Whether fresh runs clear it already, so that it need not be timed once more: half of the ratios lie within the bound
-    /// (nine in ten may not yet, of few runs), one run is nearly as quick as ever, or the yardstick can be quicker than it
-    /// was beside the baseline.
+    /// Whether fresh runs clear it already, so that it need not be timed once more: half of the
+    /// ratios lie within the bound (nine in ten may not yet, of few runs), one run is nearly as
+    /// quick as ever, or the yardstick can be quicker than it was beside the baseline.
     pub(super) fn is_cleared(&self, fresh: &[Option<RatioSample>]) -> bool {
         if self.whole {
             return Ranks::of(self.changes(fresh))

@@ -24,9 +24,10 @@ impl Noise {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 
-    /// Ratios of a row that takes `factor` yardsticks, on 2 cores that are shared with others. Measured there, in 30 rows
-    /// of 60 runs: most of the time they scatter by a fourteenth, one in 25 by more; in one row of four by a third, while
-    /// now and then a run or its yardstick is held up for several times its length.
+    /// Ratios of a row that takes `factor` yardsticks, on 2 cores that are shared with others.
+    /// Measured there, in 30 rows of 60 runs: most of the time they scatter by a fourteenth, one in
+    /// 25 by more; in one row of four by a third, while now and then a run or its yardstick is held
+    /// up for several times its length.
     fn ratios(&mut self, factor: f64, runs: usize) -> Vec<f64> {
         let rough = self.chance(0.25);
         let (scatter, held_up) = if rough { (0.3, 0.15) } else { (0.07, 0.04) };
@@ -74,7 +75,8 @@ fn row(technique: &str, slug: usize) -> CompareRow {
     }
 }
 
-/// How many of `rows` rows and of their techniques count as slower when row `i` takes `now(i)` times as long as before.
+/// How many of `rows` rows and of their techniques count as slower when row `i` takes `now(i)`
+/// times as long as before.
 fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f64) -> [usize; 2] {
     let all: Vec<CompareRow> = (0..rows)
         .map(|i| row(["pcf", "hard", "pcss", "volumes"][i % 4], i))
@@ -169,7 +171,8 @@ fn a_row_that_takes_twice_as_long_is_caught() {
         None,
         "not played any more"
     );
-    // A yardstick that was held up beside all of the baseline's runs: as this run's or later ones tell.
+    // A yardstick that was held up beside all of the baseline's runs: as this run's or later ones
+    // tell.
     let quicker = RatioSample {
         yardstick: 0.7,
         ..slower

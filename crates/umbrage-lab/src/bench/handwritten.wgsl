@@ -1,4 +1,5 @@
-// What a programmer would write for one technique: a depth pass and 3x3 percentage-closer filtering with a slope bias.
+// What a programmer would write for one technique: a depth pass and 3x3 percentage-closer filtering
+// with a slope bias.
 
 struct Uniforms {
     clip_from_world: mat4x4f,

@@ -1,5 +1,5 @@
-//! Times `exact` against what it is to replace, a hard map of 2048 texels and single rays: with lists that are kept, and as it answers where all is
-//! new.
+//! Times `exact` against what it is to replace, a hard map of 2048 texels and single rays: with
+//! lists that are kept, and as it answers where all is new.
 
 use super::paired::{Pair, Paired, Repetitions, paired};
 use crate::error::LabError;
@@ -24,7 +24,8 @@ const MAP: u32 = 2048;
 const RAYS_BAR: f64 = 6.0;
 /// The same on a graphics adapter.
 const GPU_RAYS_BAR: f64 = 8.0;
-/// How often a lookup must fit into a map's on a graphics adapter, in scenes of up to [`SMALL`] triangles.
+/// How often a lookup must fit into a map's on a graphics adapter, in scenes of up to [`SMALL`]
+/// triangles.
 const GPU_MAP_BAR: f64 = 1.0 / 1.5;
 /// A light whose lists are made beforehand, so that what is made once a scene is not timed.
 const OTHER_LIGHT: Light = Light::Point {
@@ -34,8 +35,9 @@ const OTHER_LIGHT: Light = Light::Point {
 /// Casters of a scene that counts as small.
 const SMALL: usize = 300_000;
 
-/// Times lists in the speed and content scenes with these names (in all of them if there is none), for each ideal light, and passes
-/// each result to `tell` as it comes. Without a graphics adapter only the CPU is timed.
+/// Times lists in the speed and content scenes with these names (in all of them if there is none),
+/// for each ideal light, and passes each result to `tell` as it comes. Without a graphics adapter
+/// only the CPU is timed.
 ///
 /// # Errors
 /// Errors if a scene can't be used or a backend fails.
@@ -169,7 +171,8 @@ impl Stage<'_> {
         Ok(out)
     }
 
-    /// Plans and answers for every receiver as if for the first time: the CPU makes no lists for that.
+    /// Plans and answers for every receiver as if for the first time: the CPU makes no lists for
+    /// that.
     fn exact_anew(&self, cpu: &mut Cpu) -> Result<Duration, LabError> {
         let fresh = self.geometry.without_hierarchies();
         // What is made once a scene: its boxes, and the extent of receivers.

@@ -1,7 +1,7 @@
 //! Speed as ratios of two things that do the same work, run in turn on the same machine.
 //!
-//! Machines are noisy and drift; a ratio of neighbours in time holds all the same. Benchmark harnesses time one thing
-//! after the other has finished, so the turns are taken here.
+//! Machines are noisy and drift; a ratio of neighbours in time holds all the same. Benchmark
+//! harnesses time one thing after the other has finished, so the turns are taken here.
 
 mod handwritten;
 mod lists;

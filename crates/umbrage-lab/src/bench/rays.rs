@@ -1,5 +1,5 @@
-//! Times any-hit rays: umbrage's traversal with the crack-free triangle test and the skipped triangle against obvhs's own
-//! traversal with its own triangles, over the same rays.
+//! Times any-hit rays: umbrage's traversal with the crack-free triangle test and the skipped
+//! triangle against obvhs's own traversal with its own triangles, over the same rays.
 
 use super::paired::{Pair, Repetitions, paired};
 use std::convert::Infallible;

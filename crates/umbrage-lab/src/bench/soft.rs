@@ -18,7 +18,8 @@ use umbrage_wgpu::Gpu;
 
 /// Image size, pixels.
 const SCREEN: UVec2 = UVec2::new(1280, 720);
-/// The errors that are asked for; on a graphics adapter only the first, since rays take minutes there.
+/// The errors that are asked for; on a graphics adapter only the first, since rays take minutes
+/// there.
 const ERRORS: [f32; 3] = [0.04, 0.015, 0.006];
 /// Rays of the truth at each pixel that is looked at: they err by a fifth of the least error above.
 const TRUTH_RAYS: u32 = 2048;
@@ -28,12 +29,14 @@ const PIXEL_STEP: usize = 11;
 const RAYS: [u32; 22] = [
     1, 2, 3, 4, 6, 8, 11, 14, 18, 23, 29, 36, 45, 56, 70, 88, 110, 140, 180, 240, 320, 480,
 ];
-/// How often a lookup must fit into that of rays with the same error, on the CPU and on a graphics adapter.
+/// How often a lookup must fit into that of rays with the same error, on the CPU and on a graphics
+/// adapter.
 const CPU_BAR: f64 = 5.0;
 const GPU_BAR: f64 = 3.0;
 
-/// Times `soft` in the content scenes with these names (in all of them if there is none), for each light with an extent, and passes each
-/// result to `tell` as it comes. Without a graphics adapter only the CPU is timed.
+/// Times `soft` in the content scenes with these names (in all of them if there is none), for each
+/// light with an extent, and passes each result to `tell` as it comes. Without a graphics adapter
+/// only the CPU is timed.
 ///
 /// # Errors
 /// Errors if a scene can't be used or a backend fails.
@@ -54,7 +57,8 @@ pub fn soft(
             continue;
         }
         let geometry = Geometry::bake(&scene)?;
-        // Holes are asked point by point, which is no price of shafts: only who names such a scene gets a row of it.
+        // Holes are asked point by point, which is no price of shafts: only who names such a scene
+        // gets a row of it.
         if scenes.is_empty() && geometry.has_cut_out_casters() {
             continue;
         }
@@ -145,7 +149,8 @@ impl Stage<'_> {
         Ok(answers)
     }
 
-    /// Returns the least number of rays whose error is at most this; none if the most that are tried err more.
+    /// Returns the least number of rays whose error is at most this; none if the most that are
+    /// tried err more.
     fn rays_with(&mut self, error: f64, truth: &[f32]) -> Result<Option<u32>, LabError> {
         for samples in RAYS {
             let traced = plan(&self.view, &Traced { samples })?;

@@ -1,4 +1,5 @@
-//! The benchmarks: the CPU backend against wgpu, rays against obvhs, and wgpu against a program written by hand.
+//! The benchmarks: the CPU backend against wgpu, rays against obvhs, and wgpu against a program
+//! written by hand.
 
 use super::{
     handwritten::{FrameSettings, HandWritten},
@@ -73,7 +74,8 @@ impl SpeedScene {
         })
     }
 
-    /// Returns the same scene under a light with an extent: the sun's angular diameter, or a radius of a tenth of a metre.
+    /// Returns the same scene under a light with an extent: the sun's angular diameter, or a radius
+    /// of a tenth of a metre.
     fn with_extent(&self) -> Self {
         let mut light = self.light;
         match &mut light {
@@ -99,7 +101,8 @@ impl SpeedScene {
     }
 }
 
-/// Runs all benchmarks and passes each result to `tell` as it comes. Without a graphics adapter only rays are compared.
+/// Runs all benchmarks and passes each result to `tell` as it comes. Without a graphics adapter
+/// only rays are compared.
 ///
 /// # Errors
 /// Errors if a backend fails.
@@ -171,7 +174,8 @@ type FrameTime = fn(super::handwritten::FrameTimes) -> Duration;
 /// Picks one of a rendering's times; none where it wasn't timed.
 type StageTime = fn(&umbrage_core::Timings) -> Option<Duration>;
 
-/// Returns the bar of the CPU backend against a graphics adapter. `None` if that is hardware: bars compare like with like.
+/// Returns the bar of the CPU backend against a graphics adapter. `None` if that is hardware: bars
+/// compare like with like.
 fn bar_against(gpu: &Gpu, bar: f64) -> Option<f64> {
     let is_software = gpu.adapter_info().device_type == DeviceType::Cpu;
     is_software.then_some(bar)

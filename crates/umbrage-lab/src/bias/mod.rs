@@ -1,8 +1,10 @@
-//! Compares the default bias with all others: how far it is from the best that tuning by hand would have found.
+//! Compares the default bias with all others: how far it is from the best that tuning by hand would
+//! have found.
 //!
-//! On each scene, light, kernel and map size every other bias ([`rivals`]) is played on the CPU, and the one with the least error
-//! counts as tuned by hand; [`Bias::ADAPTIVE`], the default, is played on every backend. The best of some thirty biases profits
-//! from chance: each moves every shadow's edge a little, and some edges thereby fall nearer to the true ones. So a bias that is
+//! On each scene, light, kernel and map size every other bias ([`rivals`]) is played on the CPU,
+//! and the one with the least error counts as tuned by hand; [`Bias::ADAPTIVE`], the default, is
+//! played on every backend. The best of some thirty biases profits from chance: each moves every
+//! shadow's edge a little, and some edges thereby fall nearer to the true ones. So a bias that is
 //! better by no more than [`FEW`] wrong pixels counts as equal.
 
 mod rivals;
@@ -26,7 +28,8 @@ use umbrage_techniques::{
     Bias, Hard, MapFilter as _, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
 };
 
-/// The number of wrong pixels that count as chance. (Every bias moves a shadow's edge, which is some hundred pixels long.)
+/// The number of wrong pixels that count as chance. (Every bias moves a shadow's edge, which is
+/// some hundred pixels long.)
 pub const FEW: f64 = 16.0;
 
 /// Options of a comparison of biases.
@@ -92,8 +95,8 @@ impl BiasRow {
             .fold(0.0, f64::max)
     }
 
-    /// Returns an error over the best rival's. To both mean squares [`FEW`] wrong pixels are added, so that differences by chance
-    /// count little.
+    /// Returns an error over the best rival's. To both mean squares [`FEW`] wrong pixels are added,
+    /// so that differences by chance count little.
     pub fn ratio_of(&self, rmse: f64) -> f64 {
         let chance = FEW / self.counted.max(1) as f64;
         let square = rmse * rmse + chance;
@@ -125,10 +128,12 @@ pub const KERNELS: [NamedKernel; 6] = [
     }),
 ];
 
-/// Plays the default and all rivals under every light of a staged scene. Rows in order of light, kernel and side.
+/// Plays the default and all rivals under every light of a staged scene. Rows in order of light,
+/// kernel and side.
 ///
 /// # Errors
-/// Errors if the scene is not valid or a backend fails. Kernels and maps that can't serve a light are left out.
+/// Errors if the scene is not valid or a backend fails. Kernels and maps that can't serve a light
+/// are left out.
 pub fn measure(
     staged: &Staged,
     options: &BiasOptions,
@@ -183,7 +188,8 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    /// Returns the figures of one kernel and map size, without the names; none where the light is not served.
+    /// Returns the figures of one kernel and map size, without the names; none where the light is
+    /// not served.
     fn play(
         &self,
         kernel: NamedKernel,

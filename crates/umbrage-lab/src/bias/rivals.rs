@@ -15,8 +15,8 @@ const POLYGON_OFFSETS: [f32; 5] = [0.25, 0.5, 1.0, 1.5, 2.0];
 /// Texels of normal offset beside the receiver's plane.
 const BESIDE_THE_PLANE: [f32; 4] = [0.0, 0.25, 0.5, 1.0];
 
-/// Returns every kind of bias but [`Bias::ADAPTIVE`] in many amounts, for a kernel that reaches `reach` texels beyond the receiver's
-/// own.
+/// Returns every kind of bias but [`Bias::ADAPTIVE`] in many amounts, for a kernel that reaches
+/// `reach` texels beyond the receiver's own.
 pub fn rivals(reach: f32) -> Vec<Bias> {
     let constants = CONSTANTS.map(|constant| Bias {
         constant,

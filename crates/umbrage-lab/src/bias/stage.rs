@@ -1,4 +1,5 @@
-//! Scenes under ideal lights: with their own where they have some, models without any on a floor under four.
+//! Scenes under ideal lights: with their own where they have some, models without any on a floor
+//! under four.
 
 use crate::error::LabError;
 use glam::{Affine3A, UVec2, Vec3};
@@ -18,8 +19,9 @@ const SIZE: UVec2 = UVec2::new(480, 270);
 /// Vertical field of view of models' cameras, radians.
 const FOV_Y: f32 = 0.7;
 
-/// Stages a scene under its own lights as if they were ideal, seen by its first camera; a model without lights of its own is put on a
-/// floor, seen from three quarters, under a high sun, a low sun, a spot and a bulb.
+/// Stages a scene under its own lights as if they were ideal, seen by its first camera; a model
+/// without lights of its own is put on a floor, seen from three quarters, under a high sun, a low
+/// sun, a spot and a bulb.
 ///
 /// # Errors
 /// Errors if the scene is not valid.

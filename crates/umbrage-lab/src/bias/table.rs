@@ -104,7 +104,8 @@ pub fn markdown(rows: &[BiasRow]) -> String {
     out
 }
 
-/// Writes `bias.csv` and `bias.md` into a folder, which is made if need be. Returns the page's path.
+/// Writes `bias.csv` and `bias.md` into a folder, which is made if need be. Returns the page's
+/// path.
 ///
 /// # Errors
 /// Errors if they cannot be written.

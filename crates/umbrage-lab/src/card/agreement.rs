@@ -14,7 +14,8 @@ use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
 use umbrage_techniques::{Exact, Soft, Traced, Unshadowed};
 
-/// Built-in scenes of every kind of light: ideal, wide, far from the origin, along surfaces, with casters that have holes.
+/// Built-in scenes of every kind of light: ideal, wide, far from the origin, along surfaces, with
+/// casters that have holes.
 pub const BIT_SCENES: [&str; 15] = [
     "cubes",
     "stairs",
@@ -36,8 +37,8 @@ pub const BIT_SCENES: [&str; 15] = [
 /// Width of the images whose bits are compared, pixels.
 const WIDTH: u32 = 240;
 
-/// Returns the techniques without a rasteriser in their answer: functions of the receivers alone, with the same bits on every device that
-/// rounds sums and products to nearest.
+/// Returns the techniques without a rasteriser in their answer: functions of the receivers alone,
+/// with the same bits on every device that rounds sums and products to nearest.
 pub fn exact_techniques() -> [Box<dyn ShadowTechnique>; 4] {
     [
         Box::new(Unshadowed::default()),
@@ -94,7 +95,8 @@ pub struct BitPair<'a> {
     pub of_device: Shadows,
 }
 
-/// Renders [`BIT_SCENES`] by [`exact_techniques`] on the CPU and on a backend, and passes each pair to `on_pair`.
+/// Renders [`BIT_SCENES`] by [`exact_techniques`] on the CPU and on a backend, and passes each pair
+/// to `on_pair`.
 ///
 /// # Errors
 /// Errors if a backend or a technique fails.
@@ -136,7 +138,8 @@ fn small_scene(name: &str) -> Result<Scene, Invalid> {
     Ok(scene)
 }
 
-/// Compares an adapter's masks with the CPU's: bits of exact techniques, and decided pixels of all. `backends` are the CPU and the adapter.
+/// Compares an adapter's masks with the CPU's: bits of exact techniques, and decided pixels of all.
+/// `backends` are the CPU and the adapter.
 ///
 /// # Errors
 /// Errors if a backend fails, or if there is no adapter among them.

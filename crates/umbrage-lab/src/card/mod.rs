@@ -1,6 +1,7 @@
 //! What a graphics card does: how it rounds, whether it agrees with the CPU, and how long it takes.
 //!
-//! `cargo xtask card` writes a [`Card`] as JSON. Those that are committed in `docs/cards` make up `docs/cards.md`.
+//! `cargo xtask card` writes a [`Card`] as JSON. Those that are committed in `docs/cards` make up
+//! `docs/cards.md`.
 
 mod agreement;
 mod data;

@@ -20,9 +20,11 @@ use umbrage_core::{Scene, glam::UVec2};
   cargo xtask bias bunny.obj --backend cpu        a model on a floor, under two suns, a spot and a bulb
   cargo xtask bias room.glb#night                 a model under its own lights, where it has some")]
 pub(crate) struct BiasArguments {
-    /// Built-in scenes by name, scene files (.toml) or models (.obj, .glb, .gltf); none: all built-in scenes
+    /// Built-in scenes by name, scene files (.toml) or models (.obj, .glb, .gltf); none: all
+    /// built-in scenes
     ///
-    /// All under their own lights as if they had no size; a model that brings none stands on a floor under four.
+    /// All under their own lights as if they had no size; a model that brings none stands on a
+    /// floor under four.
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Which backends execute the default bias; its rivals run on the CPU

@@ -41,17 +41,20 @@ use umbrage_techniques::SOFT_ERRORS;
   cargo xtask compare --stability target/stability           and what each setting fails there
   cargo xtask compare --baseline old/results.json            fail if anything got slower or less accurate")]
 pub(crate) struct CompareArguments {
-    /// Built-in scenes by name, scene files (.toml) or models (.obj, .glb, .gltf); none: the built-in suite
+    /// Built-in scenes by name, scene files (.toml) or models (.obj, .glb, .gltf); none: the
+    /// built-in suite
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Only these techniques; may be repeated, or separated by commas
     #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
     pub(crate) techniques: Vec<String>,
-    /// A technique with settings of your own, as `plan` writes it (.preset.toml), played beside the others under its file's name; may be
-    /// repeated. `--technique none,hard` leaves these beside it
+    /// A technique with settings of your own, as `plan` writes it (.preset.toml), played beside the
+    /// others under its file's name; may be repeated. `--technique none,hard` leaves these beside
+    /// it
     #[arg(long = "preset", value_name = "FILE")]
     pub(crate) presets: Vec<PathBuf>,
-    /// `soft` with this root mean square error at straight edges, 0.002 to 0.2, played beside the others as `soft-E`
+    /// `soft` with this root mean square error at straight edges, 0.002 to 0.2, played beside the
+    /// others as `soft-E`
     #[arg(long, value_name = "E", value_parser = parse_soft_error)]
     pub(crate) max_error: Option<f32>,
     /// Which backends play
@@ -63,11 +66,13 @@ pub(crate) struct CompareArguments {
     /// Image size in pixels; else each scene's own (1280x720 for frames of real size)
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Sides of the shadow maps, texels, in any order; every setting is compared at the middle one, each technique's first at
-    /// all; else 512, 1024 and 2048 (1024 and 2048, with --full 4096, too, for frames of real size), or one with --quick
+    /// Sides of the shadow maps, texels, in any order; every setting is compared at the middle one,
+    /// each technique's first at all; else 512, 1024 and 2048 (1024 and 2048, with --full 4096,
+    /// too, for frames of real size), or one with --quick
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
-    /// Prices of work, as `bench --costs --write` or `card` (.json) measures them; else the built-in ones
+    /// Prices of work, as `bench --costs --write` or `card` (.json) measures them; else the
+    /// built-in ones
     #[arg(long, value_name = "FILE")]
     pub(crate) prices: Option<PathBuf>,
     /// Truth's rays a pixel for lights with an extent
@@ -79,7 +84,8 @@ pub(crate) struct CompareArguments {
     /// Folder for the report; else target/compare in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
-    /// Small images, few samples, few runs, without techniques that take long: a look rather than a measurement
+    /// Small images, few samples, few runs, without techniques that take long: a look rather than a
+    /// measurement
     #[arg(long)]
     pub(crate) quick: bool,
     /// Every setting of every technique, and truth at every pixel, on frames of real size, too
@@ -88,10 +94,12 @@ pub(crate) struct CompareArguments {
     /// Frames in which nothing moves: charts and tables count the lookup alone
     #[arg(long, conflicts_with_all = ["camera_moves", "all_moves"])]
     pub(crate) still: bool,
-    /// Frames in which the camera moves: charts and tables count what is made anew for it (the default)
+    /// Frames in which the camera moves: charts and tables count what is made anew for it (the
+    /// default)
     #[arg(long, conflicts_with = "all_moves")]
     pub(crate) camera_moves: bool,
-    /// Frames in which casters, lights and camera move: charts and tables count all, hierarchies over the triangles included
+    /// Frames in which casters, lights and camera move: charts and tables count all, hierarchies
+    /// over the triangles included
     #[arg(long)]
     pub(crate) all_moves: bool,
     /// Write NumPy arrays of truth, distance and every mask, too
@@ -100,19 +108,22 @@ pub(crate) struct CompareArguments {
     /// Shade every row in colour, too, and compare the colours between backends
     #[arg(long)]
     pub(crate) color: bool,
-    /// No wall-clock times and no date, so that the report is the same, byte for byte, whenever it is made
+    /// No wall-clock times and no date, so that the report is the same, byte for byte, whenever it
+    /// is made
     #[arg(long, conflicts_with = "runs")]
     pub(crate) deterministic: bool,
-    /// Compare with the results.json of an earlier run, kept in another folder than this report's, and fail if anything got
-    /// slower or less accurate beyond the noise, is missing or can't be compared any more
+    /// Compare with the results.json of an earlier run, kept in another folder than this report's,
+    /// and fail if anything got slower or less accurate beyond the noise, is missing or can't be
+    /// compared any more
     #[arg(long, value_name = "RESULTS.JSON")]
     pub(crate) baseline: Option<PathBuf>,
-    /// What may be missing or changed since the baseline: a scene, technique, backend or `technique (settings)`; may be
-    /// repeated
+    /// What may be missing or changed since the baseline: a scene, technique, backend or
+    /// `technique (settings)`; may be repeated
     #[arg(long, value_name = "NAME", requires = "baseline")]
     pub(crate) baseline_except: Vec<String>,
-    /// Folder of a `stability` run, or its results.json: the report says beside each setting which rows it fails; else
-    /// target/stability in the repository, if it is there (but not with --deterministic)
+    /// Folder of a `stability` run, or its results.json: the report says beside each setting which
+    /// rows it fails; else target/stability in the repository, if it is there (but not with
+    /// --deterministic)
     #[arg(long, value_name = "FOLDER")]
     pub(crate) stability: Option<PathBuf>,
     /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards
@@ -134,7 +145,8 @@ fn parse_soft_error(text: &str) -> Result<f32, String> {
         .ok_or_else(|| format!("use {least} to {greatest}"))
 }
 
-/// Compares, prints and reports; errors if backends disagree, a control has no effect, or something got worse.
+/// Compares, prints and reports; errors if backends disagree, a control has no effect, or something
+/// got worse.
 pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result<()> {
     let out = program.folder(arguments.out.as_deref(), "compare");
     // Before anything is measured: errors must not come after minutes of measuring.
@@ -202,7 +214,8 @@ pub(crate) fn conclude(comparison: &Comparison, stability: Option<&StabilitySour
     println!("report: {}", page.display());
 }
 
-/// Reads a baseline, and checks that the report doesn't overwrite it and that it has all that is excepted.
+/// Reads a baseline, and checks that the report doesn't overwrite it and that it has all that is
+/// excepted.
 fn read_baseline(path: &Path, out: &Path, except: &Except) -> Result<Comparison, Invalid> {
     apart(path, out)?;
     let baseline = read(path)?;
@@ -234,7 +247,8 @@ fn on(backend: &dyn Backend) -> String {
     }
 }
 
-/// Returns the baseline without the scenes that only other shards measure, as this one can't have them.
+/// Returns the baseline without the scenes that only other shards measure, as this one can't have
+/// them.
 fn of_shard(mut old: Comparison, inputs: &[SceneInput], places: &[usize]) -> Comparison {
     let mut own: Vec<&str> = Vec::new();
     let mut others: Vec<&str> = Vec::new();
@@ -455,7 +469,8 @@ fn scene(
     })
 }
 
-/// Returns the techniques that quick looks at the suite and its checks leave out; none if they are named, or nothing is left out.
+/// Returns the techniques that quick looks at the suite and its checks leave out; none if they are
+/// named, or nothing is left out.
 fn left_out(program: &Program, arguments: &CompareArguments) -> Option<String> {
     if arguments.full || !arguments.techniques.is_empty() {
         return None;
@@ -468,7 +483,8 @@ fn left_out(program: &Program, arguments: &CompareArguments) -> Option<String> {
     (!names.is_empty()).then(|| names.join(", "))
 }
 
-/// Returns a built-in scene with what its entry says of it. Frames of real size have options of their own.
+/// Returns a built-in scene with what its entry says of it. Frames of real size have options of
+/// their own.
 fn of_entry(scene: Scene, entry: &SceneEntry, content: &CompareOptions) -> SceneInput {
     let check = SceneInput {
         fit: entry.fit,
@@ -527,7 +543,8 @@ fn options_of(program: &Program, arguments: &CompareArguments) -> Result<Compare
         CompareOptions::default()
     };
     if is_suite && arguments.full {
-        // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the time.
+        // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the
+        // time.
         out.truth.samples = 256;
     }
     set_common(&mut out, program, arguments)?;

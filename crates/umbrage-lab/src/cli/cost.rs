@@ -5,7 +5,8 @@ use crate::compare::{Backends, CompareOptions, Expected, SceneInput, pilot};
 use anyhow::Result;
 use std::time::Duration;
 
-/// Comparisons of more pixels than this are tried at a small size first, so that nobody waits in vain for one that takes days.
+/// Comparisons of more pixels than this are tried at a small size first, so that nobody waits in
+/// vain for one that takes days.
 const MANY_PIXELS: u64 = 1 << 24;
 
 /// Prints how much there is to do and, if it is much, about how long that takes.

@@ -18,8 +18,9 @@ struct Stage {
     maps: [u32; 2],
 }
 
-/// Scenes of 100 to 40,000 triangles with maps that are used well and badly, and with a cube of maps; then frames of
-/// 170,000 to 1.7 million triangles, since a triangle of a large mesh costs less than one of a small one.
+/// Scenes of 100 to 40,000 triangles with maps that are used well and badly, and with a cube of
+/// maps; then frames of 170,000 to 1.7 million triangles, since a triangle of a large mesh costs
+/// less than one of a small one.
 const STAGES: [Stage; 2] = [
     Stage {
         scenes: &[

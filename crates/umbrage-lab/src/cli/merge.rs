@@ -19,7 +19,8 @@ pub(crate) struct MergeArguments {
     /// Folder for the whole report
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: PathBuf,
-    /// Folder of a `stability` run, or its results.json: the report says beside each setting which rows it fails
+    /// Folder of a `stability` run, or its results.json: the report says beside each setting which
+    /// rows it fails
     #[arg(long, value_name = "FOLDER")]
     pub(crate) stability: Option<PathBuf>,
 }

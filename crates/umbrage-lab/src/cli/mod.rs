@@ -1,5 +1,5 @@
-//! The commands that measure shadow techniques: a program of yours becomes `compare`, `stability`, `plan`,
-//! `which`, `bias`, `bench`, `card`, `wgsl` and `merge` by one call.
+//! The commands that measure shadow techniques: a program of yours becomes `compare`, `stability`,
+//! `plan`, `which`, `bias`, `bench`, `card`, `wgsl` and `merge` by one call.
 //!
 //! ```no_run
 //! use umbrage_lab::cli::Program;
@@ -9,7 +9,8 @@
 //! }
 //! ```
 //!
-//! Techniques of your own come in by [`Program::with`]; `examples/measure.rs` in the repository does that.
+//! Techniques of your own come in by [`Program::with`]; `examples/measure.rs` in the repository
+//! does that.
 
 mod args;
 mod bench;

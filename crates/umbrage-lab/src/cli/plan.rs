@@ -1,4 +1,5 @@
-//! `plan`: plans the technique for a scene within bounds, prints the reasons, and writes the preset.
+//! `plan`: plans the technique for a scene within bounds, prints the reasons, and writes the
+//! preset.
 
 use crate::{
     cli::{
@@ -40,7 +41,8 @@ use umbrage_plan::{
   cargo xtask plan --regret                           are plans right? against sweeps of the suite
   cargo xtask plan --regret cubes --errors 0.05,0.1   the same: one scene, two bounds")]
 pub(crate) struct PlanArguments {
-    /// Built-in scene by name, scene file (.toml) or model (.obj, .glb, .gltf); with --regret any number, none: the suite
+    /// Built-in scene by name, scene file (.toml) or model (.obj, .glb, .gltf); with --regret any
+    /// number, none: the suite
     #[arg(value_name = "SCENE", required_unless_present = "regret")]
     pub(crate) scenes: Vec<String>,
     /// Greatest error: root mean square of visibility less truth, 0 to 1
@@ -58,13 +60,16 @@ pub(crate) struct PlanArguments {
     /// Greatest noise in penumbrae, as a standard deviation, 0 to 1; 1 allows any
     #[arg(long, value_name = "SHARE", default_value_t = MAX_GRAIN, value_parser = parse_share)]
     pub(crate) max_grain: f64,
-    /// Greatest mean change of visibility from frame to frame of a pan, 0 to 1; maps with a stable fit are tried, too
+    /// Greatest mean change of visibility from frame to frame of a pan, 0 to 1; maps with a stable
+    /// fit are tried, too
     #[arg(long, value_name = "SHARE", value_parser = parse_share)]
     pub(crate) max_shimmer: Option<f64>,
-    /// All lights of the scene, their times together at most so many milliseconds, with the least error
+    /// All lights of the scene, their times together at most so many milliseconds, with the least
+    /// error
     #[arg(long, value_name = "MS", value_parser = parse_ms, conflicts_with_all = ["max_error", "max_relative_error", "max_ms", "max_bytes", "light", "budget_error", "regret"])]
     pub(crate) budget_ms: Option<f64>,
-    /// All lights of the scene, their errors together (root mean square over the lights) at most this, for the least time
+    /// All lights of the scene, their errors together (root mean square over the lights) at most
+    /// this, for the least time
     #[arg(long, value_name = "E", value_parser = parse_share, conflicts_with_all = ["max_error", "max_relative_error", "max_ms", "max_bytes", "light", "regret"])]
     pub(crate) budget_error: Option<f64>,
     /// Frames in which nothing moves: the lookup alone counts
@@ -76,8 +81,8 @@ pub(crate) struct PlanArguments {
     /// Frames in which casters, lights and camera move: all counts
     #[arg(long)]
     pub(crate) all_moves: bool,
-    /// File of cameras (TOML): poses as [[camera]] tables with eye and target, `between = N` for a path through them; else
-    /// the scene's camera
+    /// File of cameras (TOML): poses as [[camera]] tables with eye and target, `between = N` for a
+    /// path through them; else the scene's camera
     #[arg(long, value_name = "FILE", conflicts_with = "regret")]
     pub(crate) cameras: Option<PathBuf>,
     /// For how many of the cameras the bounds hold: `worst` (for all), or a share such as 95%
@@ -103,20 +108,22 @@ pub(crate) struct PlanArguments {
     /// Only techniques that fail no row of the stability matrix
     #[arg(long, requires = "stability", conflicts_with = "must_pass")]
     pub(crate) no_failing_rows: bool,
-    /// Counted and priced costs alone: the same plan on every run. Else what these can't tell apart is played and timed, unless
-    /// --prices says what another machine takes
+    /// Counted and priced costs alone: the same plan on every run. Else what these can't tell apart
+    /// is played and timed, unless --prices says what another machine takes
     #[arg(long)]
     pub(crate) counted: bool,
     /// Whose prices count, and what plays what is timed
     #[arg(long, value_name = "NAME", default_value = "cpu")]
     pub(crate) backend: PlanBackend,
-    /// Prices of work, as `bench --costs --write` or `card` (.json) measures them; else the built-in ones
+    /// Prices of work, as `bench --costs --write` or `card` (.json) measures them; else the
+    /// built-in ones
     #[arg(long, value_name = "FILE")]
     pub(crate) prices: Option<PathBuf>,
     /// Which of the scene's lights, from 1; with --regret all of them
     #[arg(long, value_name = "NUMBER", default_value_t = 1, conflicts_with = "regret", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) light: u16,
-    /// Image size in pixels, of the screen that the shadows are for; else 1280x720 (with --regret the scenes' own)
+    /// Image size in pixels, of the screen that the shadows are for; else 1280x720 (with --regret
+    /// the scenes' own)
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
     /// Receivers sampled under lights with an extent; four times as many under others
@@ -128,7 +135,8 @@ pub(crate) struct PlanArguments {
     /// Folder for the presets, pictures and figures; else target/plan in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
-    /// Compare plans with sweeps of all candidates: bounds kept, and cost over the least, by count and by the clock
+    /// Compare plans with sweeps of all candidates: bounds kept, and cost over the least, by count
+    /// and by the clock
     #[arg(long, conflicts_with_all = ["max_error", "max_relative_error", "max_ms", "max_bytes"])]
     pub(crate) regret: bool,
     /// Error bounds to test with --regret
@@ -189,8 +197,8 @@ fn parse_ms(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The image size that plans are made for if nobody says otherwise, pixels: no smaller than what people play at, since the size decides
-/// which technique is the least.
+/// The image size that plans are made for if nobody says otherwise, pixels: no smaller than what
+/// people play at, since the size decides which technique is the least.
 const SIZE: UVec2 = UVec2::new(1280, 720);
 
 /// Plans, prints and writes; errors if nothing is within the bounds.

@@ -5,8 +5,8 @@ use indicatif::ProgressBar;
 use std::time::Duration;
 use umbrage_plan::Step;
 
-/// The progress of a plan; lines without a terminal. How many candidates it tries is not known beforehand, so only tracing truth moves
-/// the bar.
+/// The progress of a plan; lines without a terminal. How many candidates it tries is not known
+/// beforehand, so only tracing truth moves the bar.
 pub(crate) struct PlanProgress(LoggedBar);
 
 impl PlanProgress {

@@ -6,8 +6,8 @@ use anyhow::Result;
 use std::path::{Path, PathBuf};
 use umbrage_techniques::{Soft, TechniquePreset};
 
-/// Reads the presets in some files; each is called as its file without `.preset.toml` or `.toml`, or by the whole file name if a
-/// technique has that name.
+/// Reads the presets in some files; each is called as its file without `.preset.toml` or `.toml`,
+/// or by the whole file name if a technique has that name.
 pub(crate) fn read(program: &Program, files: &[PathBuf]) -> Result<Vec<NamedPreset>> {
     let mut out: Vec<NamedPreset> = Vec::new();
     for file in files {

@@ -92,7 +92,8 @@ impl Progress {
 
     /// Shows an event; may be called from any thread.
     pub(crate) fn note(&self, event: CompareEvent<'_>) {
-        // After a panic elsewhere the lock is poisoned; a second panic here would hide the first one's message.
+        // After a panic elsewhere the lock is poisoned; a second panic here would hide the first
+        // one's message.
         let mut at = self
             .at
             .lock()

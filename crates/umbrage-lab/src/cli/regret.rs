@@ -16,13 +16,15 @@ use umbrage_plan::{
     truth::TruthOptions,
 };
 
-/// Images of more pixels than this are judged at one pixel of each block under lights with an extent, and candidates are swept with
-/// their best bias alone: a sweep of everything would take hours.
+/// Images of more pixels than this are judged at one pixel of each block under lights with an
+/// extent, and candidates are swept with their best bias alone: a sweep of everything would take
+/// hours.
 const MAX_THOROUGH: u32 = 320 * 240;
 /// The side of those blocks, pixels.
 const BLOCK_SIDE: u32 = 4;
 
-/// Prints a row for each scene, light and bound; errors if too many bounds are broken, or a choice costs too much.
+/// Prints a row for each scene, light and bound; errors if too many bounds are broken, or a choice
+/// costs too much.
 pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let scenes = scenes(program, &arguments.scenes)?;
     let mut clock = clock_of(arguments)?;

@@ -10,11 +10,11 @@ use anyhow::Result;
 use std::process::ExitCode;
 
 impl Program {
-    /// Runs the command that the command line asks for. Returns the exit code: 0 (done), 2 (what was asked for can't be: a name, a file or
-    /// a number is wrong) or 1 (failed otherwise).
+    /// Runs the command that the command line asks for. Returns the exit code: 0 (done), 2 (what
+    /// was asked for can't be: a name, a file or a number is wrong) or 1 (failed otherwise).
     ///
-    /// Prints errors to standard error. Ends the process with 0 after `--help`, with 2 after wrong usage, and with 141
-    /// when nobody reads what it prints.
+    /// Prints errors to standard error. Ends the process with 0 after `--help`, with 2 after wrong
+    /// usage, and with 141 when nobody reads what it prints.
     pub fn run(&self) -> ExitCode {
         let command = args::parse(self.invocation);
         let Err(error) = self.dispatch(&command) else {

@@ -28,14 +28,16 @@ use std::{path::PathBuf, time::Instant};
   cargo xtask stability thin-plate --backend cpu     one case, on the CPU alone
   cargo xtask stability --quick --out look           small images and maps, in a folder of your own")]
 pub(crate) struct StabilityArguments {
-    /// Rows by number, or cases by name; none: all rows, and each technique's window of bias; without --technique all sweeps, too
+    /// Rows by number, or cases by name; none: all rows, and each technique's window of bias;
+    /// without --technique all sweeps, too
     #[arg(value_name = "ROW")]
     pub(crate) rows: Vec<String>,
     /// Only these techniques; may be repeated, or separated by commas
     #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
     pub(crate) techniques: Vec<String>,
-    /// Which backends play: figures are the first's, the others must agree; of moving rows they play the first and the last
-    /// frame, of sweeps the ends and the middle. Else those available, with --quick the CPU
+    /// Which backends play: figures are the first's, the others must agree; of moving rows they
+    /// play the first and the last frame, of sweeps the ends and the middle. Else those available,
+    /// with --quick the CPU
     #[arg(long, value_name = "NAME")]
     pub(crate) backend: Option<BackendName>,
     /// Graphics adapter by part of its name, such as llvmpipe
@@ -213,7 +215,8 @@ fn verdict(stability: &Stability) -> Result<()> {
     )
 }
 
-/// Returns the backends to play on. A quick run plays on the CPU alone unless others are named, as software drivers are slow.
+/// Returns the backends to play on. A quick run plays on the CPU alone unless others are named, as
+/// software drivers are slow.
 fn backend(arguments: &StabilityArguments) -> BackendName {
     let otherwise = if arguments.quick {
         BackendName::Cpu

@@ -7,8 +7,9 @@ const TECHNIQUES: usize = 5;
 /// Titles of failed rows that a line names.
 const TITLES: usize = 5;
 
-/// Returns a heading, a line for each of the techniques that fail the least share of their rows, a line about the others, the windows of bias and
-/// the sanity rows: nine lines at most, and the report's place is the tenth.
+/// Returns a heading, a line for each of the techniques that fail the least share of their rows, a
+/// line about the others, the windows of bias and the sanity rows: nine lines at most, and the
+/// report's place is the tenth.
 pub(crate) fn lines(stability: &Stability) -> Vec<String> {
     let count = |verdict| stability.count(verdict);
     let cells = format!(
@@ -45,9 +46,9 @@ pub(crate) fn lines(stability: &Stability) -> Vec<String> {
     out
 }
 
-/// Returns each technique's setting that fails the least share of its rows (of equal ones, with the fewest degraded), the techniques
-/// likewise.
-/// `none` is left out: it has no shadow to be wrong. So is what no row measures.
+/// Returns each technique's setting that fails the least share of its rows (of equal ones, with the
+/// fewest degraded), the techniques likewise. `none` is left out: it has no shadow to be wrong. So
+/// is what no row measures.
 fn best_settings(all: &[SettingVerdicts]) -> Vec<&SettingVerdicts> {
     let mut sorted: Vec<&SettingVerdicts> = all
         .iter()

@@ -1,4 +1,5 @@
-//! The tables that `stability` prints: the matrix of single rows, the windows of bias, and the list of rows.
+//! The tables that `stability` prints: the matrix of single rows, the windows of bias, and the list
+//! of rows.
 
 use crate::stability::{
     Base, BiasWindow, CaseResult, Cell, CriterionResult, Stability, Verdict, rows,
@@ -85,8 +86,8 @@ fn with_unit(criterion: &CriterionResult) -> String {
     }
 }
 
-/// Returns the matrix: a line for each case that tells techniques apart, a column for each technique, in each cell a sign and
-/// the figure that decides for each of its settings.
+/// Returns the matrix: a line for each case that tells techniques apart, a column for each
+/// technique, in each cell a sign and the figure that decides for each of its settings.
 pub(crate) fn matrix(stability: &Stability) -> Table {
     let techniques = stability.techniques();
     let mut table = Table::new();

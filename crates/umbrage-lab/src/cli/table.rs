@@ -57,8 +57,8 @@ fn maps(rows: &[CompareRow]) -> Option<String> {
     Some(format!("maps: {}", footprint::words(&used)?))
 }
 
-/// Returns a line about the pixels that were left out of the errors as the backend sees other triangles there than truth; none if
-/// there are no such pixels.
+/// Returns a line about the pixels that were left out of the errors as the backend sees other
+/// triangles there than truth; none if there are no such pixels.
 fn left_out(rows: &[CompareRow]) -> Option<String> {
     for row in rows {
         let errors = row.measured().and_then(|measured| measured.errors);

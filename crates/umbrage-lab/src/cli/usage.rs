@@ -17,8 +17,9 @@ impl std::fmt::Display for Usage {
 
 impl std::error::Error for Usage {}
 
-/// Returns the exit code after an error: 2 if what the user gave can't be used (names, numbers, and what is in files), 1 for all else:
-/// results that must not be, bounds that nothing keeps, a device or a disk that fails.
+/// Returns the exit code after an error: 2 if what the user gave can't be used (names, numbers, and
+/// what is in files), 1 for all else: results that must not be, bounds that nothing keeps, a device
+/// or a disk that fails.
 pub(crate) fn exit_code(error: &anyhow::Error) -> u8 {
     let is_input = error.is::<Usage>()
         || error.is::<SceneError>()

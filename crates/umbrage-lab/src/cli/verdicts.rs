@@ -11,8 +11,8 @@ pub(crate) fn read(path: &Path) -> Result<StabilitySource> {
     Ok(source)
 }
 
-/// Returns the results that the command line names, or those of the last run in the standard folder; says which. None without any:
-/// the report then says how to get them.
+/// Returns the results that the command line names, or those of the last run in the standard
+/// folder; says which. None without any: the report then says how to get them.
 pub(crate) fn of_run(
     program: &Program,
     stability: Option<&Path>,

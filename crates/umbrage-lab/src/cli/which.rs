@@ -14,7 +14,8 @@ use std::path::PathBuf;
   cargo xtask which                                              from the last `compare` and `stability`
   cargo xtask which target/compare target/stability --out docs   docs/which.md, docs/which.html, pictures in docs/which")]
 pub(crate) struct WhichArguments {
-    /// Folder that `cargo xtask compare` wrote, with frames of real size; else target/compare in the repository
+    /// Folder that `cargo xtask compare` wrote, with frames of real size; else target/compare in
+    /// the repository
     #[arg(value_name = "COMPARED")]
     pub(crate) compared: Option<PathBuf>,
     /// Folder that `cargo xtask stability` wrote; else target/stability in the repository

@@ -1,8 +1,9 @@
 //! How well another backend agrees with the CPU.
 //!
-//! Devices move vertices to grids of 1/16 to 1/256 pixels, and some lay depth planes through the moved ones. That alone moves
-//! edges, of shadows and of what is seen. So the CPU executes the recipe once more, rounding vertices as the other backend's device
-//! does ([`Snapping`]), and that is what the other backend must agree with: on other grids the same answers are decided, no
+//! Devices move vertices to grids of 1/16 to 1/256 pixels, and some lay depth planes through the
+//! moved ones. That alone moves edges, of shadows and of what is seen. So the CPU executes the
+//! recipe once more, rounding vertices as the other backend's device does ([`Snapping`]), and that
+//! is what the other backend must agree with: on other grids the same answers are decided, no
 //! fewer.
 
 use crate::{compare::nudges::nudges, error::LabError};
@@ -13,8 +14,8 @@ use umbrage_core::{
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_techniques::sampler_tolerance;
 
-/// A device may differ by so many times what the CPU's answer changes by: it rounds all at once, and
-/// several taps of a filter may change together.
+/// A device may differ by so many times what the CPU's answer changes by: it rounds all at once,
+/// and several taps of a filter may change together.
 const MOST_CHANGES: f32 = 4.0;
 
 /// Returns the same for a recipe. There is no bound for images that filters made: `msm` of 16 bits
@@ -27,17 +28,18 @@ fn most_changes(recipe: &Recipe) -> f32 {
     }
 }
 
-/// Compares a backend's mask with the one that the CPU makes when it rounds vertices so, too. `of_cpu` is what it makes of
-/// the same recipe by its own rule; [`Agreement::differing`] and [`Agreement::largest`] tell the difference from that.
+/// Compares a backend's mask with the one that the CPU makes when it rounds vertices so, too.
+/// `of_cpu` is what it makes of the same recipe by its own rule; [`Agreement::differing`] and
+/// [`Agreement::largest`] tell the difference from that.
 ///
 /// Pixels where the two see different triangles are set apart. Others that differ by more than is
 /// allowed are *undecided* if the CPU's answer changes by a quarter as much or more as something
-/// moves by what rounding may come to (`nudges.rs`); where images are filtered, if it changes at all.
-/// Else they are violations. Equal masks need no nudges, so none are rendered for
-/// them.
+/// moves by what rounding may come to (`nudges.rs`); where images are filtered, if it changes at
+/// all. Else they are violations. Equal masks need no nudges, so none are rendered for them.
 ///
 /// # Errors
-/// Errors if the CPU can't execute the recipe, or masks differ in size or hold anything outside 0..=1.
+/// Errors if the CPU can't execute the recipe, or masks differ in size or hold anything outside
+/// 0..=1.
 pub fn agree(
     view: &View<'_>,
     recipe: &Recipe,

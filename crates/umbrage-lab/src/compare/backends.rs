@@ -60,7 +60,8 @@ impl Backends {
         Ok(out)
     }
 
-    /// The CPU, and wgpu if there is an adapter that can play; else a notice says why not, and what to do.
+    /// The CPU, and wgpu if there is an adapter that can play; else a notice says why not, and what
+    /// to do.
     ///
     /// # Errors
     /// Errors if an adapter was asked for by name and does not fit.
@@ -88,8 +89,9 @@ impl Backends {
                 ));
                 self.playing.push(Box::new(gpu));
             }
-            // An adapter asked for by name must be there. One that was merely found may be of no use: its driver may be too
-            // old, or the graphics API that the environment names may lack what is needed.
+            // An adapter asked for by name must be there. One that was merely found may be of no
+            // use: its driver may be too old, or the graphics API that the environment names may
+            // lack what is needed.
             Err(e) if may_be_missing => {
                 self.notices.push(format!(
                     "Compared on the CPU alone, as wgpu could not be opened: {e}."
@@ -100,7 +102,8 @@ impl Backends {
         Ok(())
     }
 
-    /// Returns the caller's own backends. Agreement is measured against the first if its kind is `cpu`.
+    /// Returns the caller's own backends. Agreement is measured against the first if its kind is
+    /// `cpu`.
     pub fn of(playing: Vec<Box<dyn Backend + Send>>) -> Self {
         Self {
             playing,
@@ -134,8 +137,8 @@ mod tests {
     use super::*;
     use umbrage_core::Invalid;
 
-    /// An adapter that can't play is as good as none, whatever it can't do: asked for, it is an error; else the CPU goes on
-    /// and says why.
+    /// An adapter that can't play is as good as none, whatever it can't do: asked for, it is an
+    /// error; else the CPU goes on and says why.
     #[test]
     fn an_adapter_that_cannot_play_leaves_the_cpu() {
         let errors: [fn() -> BackendError; 3] = [

@@ -1,12 +1,14 @@
-//! What to use under one kind of light on one backend: the Pareto front of its settings, and a choice among them.
+//! What to use under one kind of light on one backend: the Pareto front of its settings, and a
+//! choice among them.
 //!
-//! * **The least product** of error and time: up to there, each doubling of the time more than halves the error. Exact settings
-//!   are left out, as any time times 0 is 0.
+//! * **The least product** of error and time: up to there, each doubling of the time more than
+//!   halves the error. Exact settings are left out, as any time times 0 is 0.
 //! * **The least error**: the cheapest exact setting where there is one.
-//! * **The cheapest** with at most half of the error of no shadow, if it takes at most eight tenths of the first one's time.
+//! * **The cheapest** with at most half of the error of no shadow, if it takes at most eight tenths
+//!   of the first one's time.
 //!
-//! `none` is left out of all of them: it takes no time. Where all of them trace rays, which not every renderer can, the least product
-//! without rays is named, too.
+//! `none` is left out of all of them: it takes no time. Where all of them trace rays, which not
+//! every renderer can, the least product without rays is named, too.
 
 use super::{
     options::Section,
@@ -17,7 +19,8 @@ use umbrage_plan::{motion::FrameMotion, pareto};
 
 /// The greatest relative error of a cheap setting that is worth naming.
 const MAX_CHEAP_ERROR: f64 = 0.5;
-/// The greatest share of the knee's time that a cheap setting takes: less of a difference is mostly noise.
+/// The greatest share of the knee's time that a cheap setting takes: less of a difference is mostly
+/// noise.
 const MAX_CHEAP_TIME: f64 = 0.8;
 
 /// The settings of one backend over the scenes of one kind of light.
@@ -40,7 +43,8 @@ pub struct SettingGroup {
 /// The settings worth naming, as places among those of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// The cheapest with at most half of the error of no shadow; the same as [`Self::knee`] where none is clearly cheaper.
+    /// The cheapest with at most half of the error of no shadow; the same as [`Self::knee`] where
+    /// none is clearly cheaper.
     pub cheapest: usize,
     /// The least product of error and time.
     pub knee: usize,
@@ -64,7 +68,8 @@ impl Choice {
     }
 }
 
-/// Returns the groups of a comparison, hard shadows first; none where nothing can be told of a kind of light.
+/// Returns the groups of a comparison, hard shadows first; none where nothing can be told of a kind
+/// of light.
 pub fn setting_groups(comparison: &Comparison) -> Vec<SettingGroup> {
     let mut out = Vec::new();
     for group in scene_groups(comparison) {
@@ -106,7 +111,8 @@ impl Relative {
 }
 
 impl SettingGroup {
-    /// Returns the clock by which settings are chosen: measured times, or counted costs where nothing was timed.
+    /// Returns the clock by which settings are chosen: measured times, or counted costs where
+    /// nothing was timed.
     pub fn clock(&self) -> CostBasis {
         if self.settings.iter().any(|s| s.time.is_some()) {
             CostBasis::Wall
@@ -127,8 +133,8 @@ impl SettingGroup {
         pareto::front(&points)
     }
 
-    /// Returns the product of a setting's error and time; infinite without a time, for `none`, for exact settings, and for those that
-    /// are no better than no shadow.
+    /// Returns the product of a setting's error and time; infinite without a time, for `none`, for
+    /// exact settings, and for those that are no better than no shadow.
     fn product(&self, setting: usize) -> f64 {
         let r = &self.settings[setting];
         match r.take(self.clock()) {
@@ -137,7 +143,8 @@ impl SettingGroup {
         }
     }
 
-    /// Returns the settings that are better than no shadow and not exact, by rising product of error and time.
+    /// Returns the settings that are better than no shadow and not exact, by rising product of
+    /// error and time.
     fn by_product(&self) -> Vec<usize> {
         let mut out: Vec<usize> = (0..self.settings.len()).collect();
         out.retain(|&i| self.product(i).is_finite());
@@ -173,8 +180,9 @@ impl SettingGroup {
         })
     }
 
-    /// Returns at most `count` settings that matter most, by rising time: those of [`Self::choice`], those of other techniques with
-    /// the least product of error and time, and those of the front with the least error.
+    /// Returns at most `count` settings that matter most, by rising time: those of
+    /// [`Self::choice`], those of other techniques with the least product of error and time, and
+    /// those of the front with the least error.
     pub fn shortlist(&self, count: usize) -> Vec<usize> {
         let Some(choice) = self.choice() else {
             return Vec::new();
@@ -248,7 +256,8 @@ impl SettingGroup {
 }
 
 impl Relative {
-    /// Whether it traces rays, as a technique or as a preset, whose settings begin with the technique's name.
+    /// Whether it traces rays, as a technique or as a preset, whose settings begin with the
+    /// technique's name.
     fn traces_rays(&self) -> bool {
         self.technique == "traced" || self.settings.starts_with("traced, ")
     }

@@ -1,18 +1,21 @@
-//! The negative control: plays each technique without casters, to check that the comparison notices their absence.
+//! The negative control: plays each technique without casters, to check that the comparison notices
+//! their absence.
 //!
-//! Each technique is played on the same triangles, none of which casts. What its mask then owes is known, pixel by pixel:
+//! Each technique is played on the same triangles, none of which casts. What its mask then owes is
+//! known, pixel by pixel:
 //!
-//! * Rays ask the light's points one by one, and see those above the receiver's tangent plane. Truth takes the same points
-//!   of the same sequence ([`light_sample`]), so the share that is right is counted, not estimated: there is no noise in
-//!   it.
+//! * Rays ask the light's points one by one, and see those above the receiver's tangent plane.
+//!   Truth takes the same points of the same sequence ([`light_sample`]), so the share that is
+//!   right is counted, not estimated: there is no noise in it.
 //! * Kernels that know the receiver's horizon
 //!   ([`CataloguedKernel::horizon_error`]) owe the share of the light above it, for
 //!   which there are formulas ([`horizon`](super::horizon)).
-//! * All others take the light for its middle. Where that is above the tangent plane they owe 1. Where it isn't, both 0
-//!   (those that look which way a surface faces) and 1 (maps, which don't) are right.
+//! * All others take the light for its middle. Where that is above the tangent plane they owe 1.
+//!   Where it isn't, both 0 (those that look which way a surface faces) and 1 (maps, which don't)
+//!   are right.
 //!
-//! Whether a point that lies within rounding of the tangent plane is above it hangs on how far a ray's origin is lifted and
-//! on the order of additions: there either answer is right.
+//! Whether a point that lies within rounding of the tangent plane is above it hangs on how far a
+//! ray's origin is lifted and on the order of additions: there either answer is right.
 
 use super::{horizon, result::Control, seen::SceneView};
 use crate::error::LabError;
@@ -30,8 +33,9 @@ use umbrage_plan::{
 };
 use umbrage_techniques::{TechniquePreset, sampler_tolerance};
 
-/// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its mask. `recipe` and
-/// `with_casters` are what it planned and showed with them. None where it can't be planned without casters.
+/// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its
+/// mask. `recipe` and `with_casters` are what it planned and showed with them. None where it can't
+/// be planned without casters.
 pub(super) fn run(
     backend: &mut dyn Backend,
     technique: &TechniquePreset,
@@ -46,7 +50,8 @@ pub(super) fn run(
         geometry: &bare,
         ..*view
     };
-    // Truth's receivers, so that a backend that sees a neighbouring triangle somewhere isn't judged by another's plane.
+    // Truth's receivers, so that a backend that sees a neighbouring triangle somewhere isn't judged
+    // by another's plane.
     let seen = bare_view.core().with_receivers(&truth.receivers);
     let bare_recipe = match technique.recipe(&seen) {
         Ok(recipe) => recipe,
@@ -72,7 +77,8 @@ pub(super) fn run(
         .count() as u64;
     // A recipe that draws no casters and has no tables of them shows no shadow, and need not.
     let knows_casters = !recipe.casts.is_empty() || !recipe.tables.is_empty();
-    // Where the whole light is hidden by casters, its center and every sample of it are hidden, too.
+    // Where the whole light is hidden by casters, its center and every sample of it are hidden,
+    // too.
     let shadow: Vec<bool> = (0..expected.len())
         .map(|i| {
             let is_lit_without = expected[i].min > ERROR_THRESHOLD;
@@ -240,9 +246,9 @@ impl LightOverHorizon {
         }
     }
 
-    /// Whether a point of the light is surely, and whether it may be, above the tangent plane: seen from the surface itself
-    /// and from as far above it as rays may start. (A ball's disc turns with the receiver, and its axes jump where they
-    /// change their sign: so both ends are asked.)
+    /// Whether a point of the light is surely, and whether it may be, above the tangent plane: seen
+    /// from the surface itself and from as far above it as rays may start. (A ball's disc turns
+    /// with the receiver, and its axes jump where they change their sign: so both ends are asked.)
     fn sees(&self, position: Vec3, normal: Vec3, uv: Vec2) -> Above {
         let on_surface = segment(&self.light, position + normal * 0.0, uv, 1.0);
         let lifted = segment(&self.light, position + normal * self.lift, uv, 1.0);
@@ -264,8 +270,9 @@ impl LightOverHorizon {
         }
     }
 
-    /// Returns by how much the height of a point of the light over the surface may be wrong, metres: by a lift, which the
-    /// positions' rounding is a part of, and by the rounding of a sum of three products, 2^-22 of the vector's length.
+    /// Returns by how much the height of a point of the light over the surface may be wrong,
+    /// metres: by a lift, which the positions' rounding is a part of, and by the rounding of a sum
+    /// of three products, 2^-22 of the vector's length.
     fn margin(&self, to_light: Vec3) -> f64 {
         let lift = if self.center.is_some() {
             f64::from(self.lift)
@@ -289,9 +296,9 @@ fn extent(light: &Light) -> f32 {
 
 /// Whether a technique may rightly show nothing of a shadow: what it looks up need not hold it.
 ///
-/// Far sides of casters, which [`Cull::Front`] and peeling keep, are missing where casters are open. And a map's texels may
-/// be wider than all of the shadow: one that is darker than its surroundings must cover a texel and all that the kernel
-/// averages with it.
+/// Far sides of casters, which [`Cull::Front`] and peeling keep, are missing where casters are
+/// open. And a map's texels may be wider than all of the shadow: one that is darker than its
+/// surroundings must cover a texel and all that the kernel averages with it.
 fn may_miss(
     technique: &TechniquePreset,
     view: &View<'_>,
@@ -315,7 +322,8 @@ fn may_miss(
     let Some(texels_per_pixel) = used.texels else {
         return true;
     };
-    // Half a texel to the middle of the one looked up, half a texel more to what covers that middle.
+    // Half a texel to the middle of the one looked up, half a texel more to what covers that
+    // middle.
     let texels = reach + 1.0;
     let radius = (texels / texels_per_pixel.max(f32::MIN_POSITIVE)).ceil();
     if radius >= truth.size.max_element() as f32 {

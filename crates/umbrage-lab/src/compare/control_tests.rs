@@ -56,7 +56,8 @@ fn compared(scene: Scene, options: &CompareOptions, player: Box<dyn Backend + Se
     .expect("valid")
 }
 
-/// Lights that surfaces see in part over their own horizon, of every kind that has an extent, and ideal ones.
+/// Lights that surfaces see in part over their own horizon, of every kind that has an extent, and
+/// ideal ones.
 fn lights() -> Vec<Scene> {
     let position = Vec3::new(1.5, 1.1, 1.0);
     let spot = |radius| Light::Spot {
@@ -170,7 +171,8 @@ fn casters_that_leave_no_trace_are_noticed_in_every_technique() {
 
 #[test]
 fn casters_that_stay_are_noticed_in_every_technique() {
-    // A floor under a sun from above owes light everywhere: one pixel that stays dark is one too many.
+    // A floor under a sun from above owes light everywhere: one pixel that stays dark is one too
+    // many.
     let darken_one = |shadows: &mut Shadows, view: &View<'_>| {
         let receivers = view.receivers.expect("given");
         let pixel = (0..receivers.len())
@@ -216,8 +218,8 @@ fn control<T: ListedTechnique>(scene: &Scene, technique: T, player: &mut dyn Bac
     .expect("planned")
 }
 
-/// Rays are counted, not estimated: a single one that is missing, or one too many, is noticed, where the light is seen
-/// whole and where the horizon cuts it.
+/// Rays are counted, not estimated: a single one that is missing, or one too many, is noticed,
+/// where the light is seen whole and where the horizon cuts it.
 #[test]
 fn a_single_ray_is_noticed() {
     let samples = 4;
@@ -255,7 +257,8 @@ fn a_single_ray_is_noticed() {
     }
 }
 
-/// Of a kernel that knows the horizon, a part of the light too many or too few is noticed, where the horizon cuts the lamp.
+/// Of a kernel that knows the horizon, a part of the light too many or too few is noticed, where
+/// the horizon cuts the lamp.
 #[test]
 fn a_share_that_is_wrong_is_noticed() {
     let lamp = scene("teapot-lamp");
@@ -304,7 +307,8 @@ fn leaf(half: f32) -> Scene {
     scene
 }
 
-/// A map with texels wider than all of the shadow, and one of far sides under a leaf, which has none, rightly show nothing.
+/// A map with texels wider than all of the shadow, and one of far sides under a leaf, which has
+/// none, rightly show nothing.
 #[test]
 fn maps_may_miss_what_they_cannot_hold() {
     let map = |size| ShadowMap {

@@ -8,7 +8,8 @@ use std::{
 };
 
 impl Environment {
-    /// Returns this machine and, if `dated`, this moment. Backends and adapter are left for the caller to fill in.
+    /// Returns this machine and, if `dated`, this moment. Backends and adapter are left for the
+    /// caller to fill in.
     pub fn here(dated: bool) -> Self {
         let date = if dated {
             let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH);
@@ -54,9 +55,10 @@ fn linux_processor() -> Option<String> {
     Some(name.trim().to_owned())
 }
 
-/// Returns date and time of day from seconds since 1970, as `2026-11-21 03:25`. The algorithm is `civil_from_days` of Hinnant
-/// 2013, "chrono-Compatible Low-Level Date Algorithms", and so are its numbers: an era is 400 years, which have 146,097 days;
-/// years begin in March, so that a leap day is a year's last.
+/// Returns date and time of day from seconds since 1970, as `2026-11-21 03:25`. The algorithm is
+/// `civil_from_days` of Hinnant 2013, "chrono-Compatible Low-Level Date Algorithms", and so are its
+/// numbers: an era is 400 years, which have 146,097 days; years begin in March, so that a leap day
+/// is a year's last.
 fn format_date(seconds: u64) -> String {
     let second_of_day = seconds % 86_400;
     // Days from 0000-03-01 to 1970-01-01.

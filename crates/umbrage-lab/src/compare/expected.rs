@@ -15,16 +15,17 @@ use std::{
 };
 use umbrage_plan::truth::{PREVIEW_SAMPLES, PROBES};
 
-/// Bytes that are held for each pixel while rows are played, masks apart: receivers (eight floats, an id, a flag) of truth
-/// and of the backend, truth's results, and the camera-sized images of techniques and adapters.
+/// Bytes that are held for each pixel while rows are played, masks apart: receivers (eight floats,
+/// an id, a flag) of truth and of the backend, truth's results, and the camera-sized images of
+/// techniques and adapters.
 const BYTES_A_PIXEL: u64 = 37 + 37 + 14 + 112;
 /// Bytes for each pixel of a mask; one mask is kept for each row.
 const BYTES_A_MASK: u64 = 4;
 
 /// The most pixels of the pilot's smaller image.
 const SMALL_PILOT: u64 = 64 * 48;
-/// The most pixels of the pilot's larger image. The difference of the two images' times is that of their pixels, without the
-/// time that is the same at any size.
+/// The most pixels of the pilot's larger image. The difference of the two images' times is that of
+/// their pixels, without the time that is the same at any size.
 const LARGE_PILOT: u64 = 128 * 96;
 
 /// What a comparison takes, counted.
@@ -100,8 +101,8 @@ fn pixels(size: UVec2) -> u64 {
     u64::from(size.x) * u64::from(size.y)
 }
 
-/// Estimates how long comparing these scenes takes, by comparing the largest of them at two small sizes: the time that a pixel
-/// adds is the same at any size.
+/// Estimates how long comparing these scenes takes, by comparing the largest of them at two small
+/// sizes: the time that a pixel adds is the same at any size.
 ///
 /// # Errors
 /// Errors if the scene can't be compared.
@@ -165,8 +166,8 @@ struct PilotTime {
     seconds: f64,
 }
 
-/// Returns the seconds that images of these numbers of pixels take together, from those of two sizes: linear in the pixels,
-/// and never falling.
+/// Returns the seconds that images of these numbers of pixels take together, from those of two
+/// sizes: linear in the pixels, and never falling.
 fn extrapolated(small: PilotTime, large: PilotTime, wanted: &[u64]) -> f64 {
     let more_pixels = large.pixels.max(small.pixels + 1) - small.pixels;
     let a_pixel = ((large.seconds - small.seconds) / more_pixels as f64).max(0.0);
@@ -183,8 +184,9 @@ fn reduced(size: UVec2, most: u64) -> UVec2 {
     (size.as_dvec2() * by).floor().as_uvec2().max(UVec2::ONE)
 }
 
-/// Returns the seconds that a comparison at this image size takes, with the least number of timed runs of each row. It is played
-/// without timed runs, and the part after the first row begins is multiplied.
+/// Returns the seconds that a comparison at this image size takes, with the least number of timed
+/// runs of each row. It is played without timed runs, and the part after the first row begins is
+/// multiplied.
 fn once(
     input: &SceneInput,
     options: &CompareOptions,

@@ -1,7 +1,8 @@
 //! Truth that is kept between runs: tracing it takes longer than playing a scene's rows.
 //!
-//! A file is found by a hash of all that truth depends on: triangles, camera, light, options, and the program that traces. It
-//! begins with a checksum of the rest, so that a file that was cut off or changed is traced anew.
+//! A file is found by a hash of all that truth depends on: triangles, camera, light, options, and
+//! the program that traces. It begins with a checksum of the rest, so that a file that was cut off
+//! or changed is traced anew.
 
 use super::seen::SceneView;
 use crate::{
@@ -45,7 +46,8 @@ impl KeptTruth {
         format!("{}.truth", checksum(text.as_bytes()))
     }
 
-    /// Returns what is kept; none if nothing is, or it is not whole. `receivers` are what the camera sees.
+    /// Returns what is kept; none if nothing is, or it is not whole. `receivers` are what the
+    /// camera sees.
     pub(super) fn read(
         &self,
         view: &SceneView<'_>,
@@ -59,7 +61,8 @@ impl KeptTruth {
         let path = self.folder.join(self.name(view, options));
         let bytes = fs::read(&path).ok()?;
         let truth = decoded(&bytes, receivers, view.geometry.fingerprint())?;
-        // So that what is used is not what is removed first. Where that is refused it is removed earlier, which costs time alone.
+        // So that what is used is not what is removed first. Where that is refused it is removed
+        // earlier, which costs time alone.
         if let Ok(file) = fs::File::options().append(true).open(&path) {
             let _ = file.set_modified(SystemTime::now());
         }
@@ -123,8 +126,9 @@ const CLASSES: [Pixel; 6] = [
     Pixel::Unsampled,
 ];
 
-/// Returns a file's bytes: the checksum of the rest, the seconds that tracing took, the contact distance, and then for each pixel
-/// its visibility, error, distance to the blocker, class, and whether it is ambiguous; all numbers lowest byte first.
+/// Returns a file's bytes: the checksum of the rest, the seconds that tracing took, the contact
+/// distance, and then for each pixel its visibility, error, distance to the blocker, class, and
+/// whether it is ambiguous; all numbers lowest byte first.
 fn encoded(truth: &Truth) -> Vec<u8> {
     let mut rest = Vec::new();
     rest.extend(truth.elapsed.as_secs_f64().to_le_bytes());

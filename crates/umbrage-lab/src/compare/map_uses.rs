@@ -10,7 +10,8 @@ use umbrage_plan::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// Side of the pictures of where maps are looked up, pixels: enough detail, in files that are small beside the masks'.
+/// Side of the pictures of where maps are looked up, pixels: enough detail, in files that are small
+/// beside the masks'.
 const HEAT_SIDE: u32 = 256;
 
 /// The uses of maps measured so far on a scene.
@@ -20,8 +21,8 @@ pub(super) struct MapUses {
     known: Vec<KnownUse>,
 }
 
-/// A footprint that has been measured. Most settings differ only in their bias: their maps are used alike, so that one
-/// measurement serves all.
+/// A footprint that has been measured. Most settings differ only in their bias: their maps are used
+/// alike, so that one measurement serves all.
 struct KnownUse {
     maps: Vec<CastMap>,
     /// How far the kernel reaches, texels.
@@ -47,7 +48,8 @@ impl MapUses {
         }
     }
 
-    /// Returns the use of a recipe's maps and, with `heat`, where they are looked up; none without maps.
+    /// Returns the use of a recipe's maps and, with `heat`, where they are looked up; none without
+    /// maps.
     pub(super) fn measure(
         &mut self,
         view: &SceneView<'_>,
@@ -64,7 +66,8 @@ impl MapUses {
             .filter(|cast| cast.mode == CastMode::Depth)
             .map(|cast| cast_map(cast, recipe))
             .collect();
-        // Where the kernel's reach differs from receiver to receiver, `reach` does not distinguish kernels.
+        // Where the kernel's reach differs from receiver to receiver, `reach` does not distinguish
+        // kernels.
         let varies = reach_varies(kernel, receivers);
         if !varies {
             let known = self

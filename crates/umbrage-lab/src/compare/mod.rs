@@ -61,17 +61,19 @@ use crate::error::LabError;
 use settings::settings_of;
 use umbrage_core::Fit;
 
-/// In comparisons of at most this many scenes every row gets its pictures: whoever names a scene wants to see it.
+/// In comparisons of at most this many scenes every row gets its pictures: whoever names a scene
+/// wants to see it.
 pub(crate) const FEW_SCENES: usize = 3;
 
 /// Receives a scene's figures and images as soon as they are there.
 pub type Sink<'a> = dyn FnMut(&SceneResult, &SceneImages) -> Result<(), LabError> + 'a;
 
-/// Compares the options' techniques on the scenes. Scenes are handed to `sink` one by one, since all their images together
-/// may not fit into memory.
+/// Compares the options' techniques on the scenes. Scenes are handed to `sink` one by one, since
+/// all their images together may not fit into memory.
 ///
 /// # Errors
-/// Errors if input is not valid, a backend fails, or truth and a technique did not see the same triangles.
+/// Errors if input is not valid, a backend fails, or truth and a technique did not see the same
+/// triangles.
 pub fn compare(
     inputs: &[SceneInput],
     options: &CompareOptions,
@@ -95,7 +97,8 @@ pub fn compare(
         work: parts.iter().map(Expected::work).sum(),
     });
     let mut scenes = Vec::new();
-    // The report may have more scenes than this run (from other shards), but never fewer: then it doesn't use them.
+    // The report may have more scenes than this run (from other shards), but never fewer: then it
+    // doesn't use them.
     let heat = inputs.len() <= FEW_SCENES;
     for (index, input) in inputs.iter().enumerate() {
         on_event(CompareEvent::Scene {

@@ -1,9 +1,11 @@
 //! What rounding may come to: a recipe as the CPU renders it after something moved by so much.
 //!
-//! A pixel is *decided* if the CPU's answer changes by less than a quarter of the difference (not at all, where images are filtered) under each
-//! move, and under some together: maps by half a step of the grid sideways, vertices by other orders of their sums, each triangle's depth by
-//! the bound of its plane's error, units of polygon offset halved or doubled, receivers by 2^-21 of their coordinates, normals and what filters
-//! make by some units in the last place. Where masks agree nothing is moved.
+//! A pixel is *decided* if the CPU's answer changes by less than a quarter of the difference (not
+//! at all, where images are filtered) under each move, and under some together: maps by half a step
+//! of the grid sideways, vertices by other orders of their sums, each triangle's depth by the bound
+//! of its plane's error, units of polygon offset halved or doubled, receivers by 2^-21 of their
+//! coordinates, normals and what filters make by some units in the last place. Where masks agree
+//! nothing is moved.
 
 use crate::error::LabError;
 use glam::{Vec2, Vec3, Vec4};
@@ -15,8 +17,8 @@ use umbrage_cpu::{Cpu, CpuOptions, PlaneShift, VertexSums};
 /// How far casts are moved in depth: 2^-20, 16 units in the last place of depths in 0.5..1.
 const NUDGE_DEPTH: f32 = 1.0 / 1_048_576.0;
 
-/// Distance of two surfaces that may change places: 2^-16. Where they meet at an outline they are seen
-/// edge-on, so that rounding is many times that of other depths.
+/// Distance of two surfaces that may change places: 2^-16. Where they meet at an outline they are
+/// seen edge-on, so that rounding is many times that of other depths.
 const NUDGE_SECOND: f32 = 1.0 / 65_536.0;
 
 /// Moves that change the last bits of planes, as parts of [`NUDGE_DEPTH`]: they decide which of two
@@ -26,9 +28,9 @@ const LAST_BITS: [f32; 8] = [0.125, -0.125, 0.25, -0.25, 0.375, -0.375, 0.5, -0.
 /// How triangles with even and with odd numbers are moved, as parts of what rounding may come to.
 const PLANES: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)];
 
-/// Units of polygon offset on devices, as parts of the CPU's. For floats a unit is the spacing at the
-/// primitive's greatest depth. SwiftShader takes the greatest difference from one corner's, which may
-/// be half as much, and 1.01 steps for images of 16 bits.
+/// Units of polygon offset on devices, as parts of the CPU's. For floats a unit is the spacing at
+/// the primitive's greatest depth. SwiftShader takes the greatest difference from one corner's,
+/// which may be half as much, and 1.01 steps for images of 16 bits.
 const UNITS: [f32; 2] = [0.5, 2.0];
 
 /// How far receivers are moved: a fraction of the greatest coordinate of any, 2^-21.
@@ -37,12 +39,12 @@ const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 /// How far receivers' normals are turned: 2^-22, 4 units in the last place of components in 0.5..1.
 const NUDGE_NORMAL: f32 = 1.0 / 4_194_304.0;
 
-/// How much filters' results change: 2^-21. A mean of seven texels is rounded seven times, by half a
-/// unit in the last place each: 3.5 * 2^-23.
+/// How much filters' results change: 2^-21. A mean of seven texels is rounded seven times, by half
+/// a unit in the last place each: 3.5 * 2^-23.
 const NUDGE_FILTERED: f32 = 1.0 / 2_097_152.0;
 
-/// Signs of the changes of the channels. Moments are subtracted from each other: where almost all is at
-/// one depth, their last bits decide the difference.
+/// Signs of the changes of the channels. Moments are subtracted from each other: where almost all
+/// is at one depth, their last bits decide the difference.
 const CHANNELS: [[f32; 4]; 4] = [
     [1.0, -1.0, 1.0, -1.0],
     [-1.0, 1.0, -1.0, 1.0],
@@ -53,8 +55,8 @@ const CHANNELS: [[f32; 4]; 4] = [
 /// Movements too small to see, all at once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nudge {
-    /// How transforms of vertices are summed. Far from the origin their products cancel out, so that
-    /// rounding moves vertices by more than a step of the grid.
+    /// How transforms of vertices are summed. Far from the origin their products cancel out, so
+    /// that rounding moves vertices by more than a step of the grid.
     sums: VertexSums,
     /// Of triangles in depth, by parts of what rounding may come to for each.
     planes: PlaneShift,
@@ -62,8 +64,9 @@ pub(super) struct Nudge {
     texels: Vec2,
     /// Of every cast in depth, away from the light.
     depth: f32,
-    /// Of casts without perspective: parts, -1..=1, of what rounding may come to in the transform of
-    /// a receiver ([`lookup_rounding`]). Far from the origin that is more than half a step of the grid.
+    /// Of casts without perspective: parts, -1..=1, of what rounding may come to in the transform
+    /// of a receiver ([`lookup_rounding`]). Far from the origin that is more than half a step of
+    /// the grid.
     lookup: Vec3,
     /// Of those casts in depth that keep what is behind another image. Two surfaces that meet are
     /// as far apart as they are rounded, and the second of them may count or not.
@@ -74,8 +77,8 @@ pub(super) struct Nudge {
     receivers: Option<Direction>,
     /// Of what filters make: the fraction by which each channel changes.
     filtered: Vec4,
-    /// Of receivers' normals. In a plane that the light grazes, what is computed from them are small
-    /// differences of products.
+    /// Of receivers' normals. In a plane that the light grazes, what is computed from them are
+    /// small differences of products.
     normals: Vec3,
 }
 
@@ -219,8 +222,8 @@ fn along_directions(part: f32, sums: VertexSums) -> impl Iterator<Item = Nudge> 
     })
 }
 
-/// Returns half a step of the device's grid to all sides, texels: as far as rounding moves a vertex. A
-/// device that rounds another way (down, say) moves it as much further.
+/// Returns half a step of the device's grid to all sides, texels: as far as rounding moves a
+/// vertex. A device that rounds another way (down, say) moves it as much further.
 fn corners(snapping: Snapping) -> [Vec2; 4] {
     let t = 0.5 * snapping.step();
     [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Vec2::new(x, y))
@@ -295,9 +298,9 @@ fn is_behind(cast: &Cast) -> bool {
     matches!(cast.mode, CastMode::DepthPeel(_))
 }
 
-/// Returns what rounding may come to in a receiver's clip x, y and z; 0 with perspective. Three sums
-/// are each rounded by half a unit in the last place of the greatest sum, on each of two devices; half
-/// a unit more is for the product that some of them fuse.
+/// Returns what rounding may come to in a receiver's clip x, y and z; 0 with perspective. Three
+/// sums are each rounded by half a unit in the last place of the greatest sum, on each of two
+/// devices; half a unit more is for the product that some of them fuse.
 fn lookup_rounding(space: &LightSpace, greatest: f32) -> Vec3 {
     let m = space.clip_from_world();
     if m.row(3) != Vec4::W {
@@ -313,8 +316,9 @@ fn greatest_coordinate(receivers: &Receivers) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// Returns receivers moved by what `by` makes of their normals, times the greatest coordinate of any of them: the matrix that takes a receiver
-/// near the origin to the light's space has a term of that size, too, and rounds as much.
+/// Returns receivers moved by what `by` makes of their normals, times the greatest coordinate of
+/// any of them: the matrix that takes a receiver near the origin to the light's space has a term of
+/// that size, too, and rounds as much.
 fn moved(receivers: &Receivers, by: impl Fn(Vec3) -> Vec3) -> Receivers {
     let mut out = receivers.clone();
     let greatest = greatest_coordinate(receivers);

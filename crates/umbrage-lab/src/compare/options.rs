@@ -16,7 +16,8 @@ use umbrage_techniques::TechniquePreset;
 pub enum Section {
     /// A frame as programs have them: the charts over all scenes are about these.
     Content,
-    /// A small scene in which something can go wrong. It is in charts over all scenes only where there is no content.
+    /// A small scene in which something can go wrong. It is in charts over all scenes only where
+    /// there is no content.
     #[default]
     Check,
 }
@@ -37,7 +38,8 @@ pub struct SceneInput {
 }
 
 impl SceneInput {
-    /// Returns a scene that is a [check](Section::Check), compared by the comparison's options and without a fit set by hand.
+    /// Returns a scene that is a [check](Section::Check), compared by the comparison's options and
+    /// without a fit set by hand.
     pub fn new(scene: Scene, summary: impl Into<String>) -> Self {
         Self {
             scene,
@@ -91,8 +93,8 @@ pub struct CompareOptions {
     /// Whether techniques that are not named are left out if they take too long for a preview: see
     /// [`CataloguedTechnique::IS_PREVIEWED`](umbrage_plan::catalogue::CataloguedTechnique::IS_PREVIEWED).
     pub is_preview: bool,
-    /// Settings of the user's, played before the others; they are neither cut by [`max_settings`](Self::max_settings) nor put on other
-    /// maps.
+    /// Settings of the user's, played before the others; they are neither cut by
+    /// [`max_settings`](Self::max_settings) nor put on other maps.
     pub presets: Vec<NamedPreset>,
     /// Sides of the shadow maps, texels.
     pub map_sizes: Vec<u32>,
@@ -101,8 +103,8 @@ pub struct CompareOptions {
     /// Whether only the few settings are compared that stand for each technique: see
     /// [`CataloguedTechnique::headline`](umbrage_plan::catalogue::CataloguedTechnique::headline).
     pub headline: bool,
-    /// Whether recipes are made with the receivers that are seen, so that maps lie tightly around them. Programs rarely have them: a
-    /// renderer on the GPU would have to read them back.
+    /// Whether recipes are made with the receivers that are seen, so that maps lie tightly around
+    /// them. Programs rarely have them: a renderer on the GPU would have to read them back.
     pub knows_receivers: bool,
     /// What moves from frame to frame: which times make up a row's sum.
     pub motion: FrameMotion,
@@ -112,14 +114,15 @@ pub struct CompareOptions {
     pub size: Option<UVec2>,
     /// How truth is traced.
     pub truth: TruthOptions,
-    /// Timed runs of each row, after one that compiles and uploads; their median counts. None: no times and no date, so that the
-    /// results are the same whenever they are made.
+    /// Timed runs of each row, after one that compiles and uploads; their median counts. None: no
+    /// times and no date, so that the results are the same whenever they are made.
     pub runs: Option<Runs>,
     /// Whether every row is rendered in color, too.
     pub color: bool,
 }
 
-/// How often a row is played to be timed: slow rows seldom, quick rows often, since their noise is greater.
+/// How often a row is played to be timed: slow rows seldom, quick rows often, since their noise is
+/// greater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Runs {
     /// At least this often, 1 or more.
@@ -128,8 +131,8 @@ pub struct Runs {
     /// Never more often.
     #[serde(rename = "most")]
     pub max: u32,
-    /// In between, until this much time has been spent on the row, milliseconds; a quarter more goes into its yardstick, if the least
-    /// number of runs is as many as baselines need.
+    /// In between, until this much time has been spent on the row, milliseconds; a quarter more
+    /// goes into its yardstick, if the least number of runs is as many as baselines need.
     pub budget_ms: u32,
     /// A row whose first play took this long, milliseconds, is timed once, without a yardstick.
     #[serde(default = "never")]
@@ -177,7 +180,8 @@ impl Runs {
         done >= min && is_spent
     }
 
-    /// Whether a row that other programs held up may be played again in the hope of calmer runs: for up to twice as long.
+    /// Whether a row that other programs held up may be played again in the hope of calmer runs:
+    /// for up to twice as long.
     pub(super) fn hopes(&self, done: usize, spent: Duration) -> bool {
         done < self.max as usize && spent < 2 * self.budget()
     }
@@ -221,8 +225,8 @@ impl Default for CompareOptions {
 }
 
 impl CompareOptions {
-    /// Returns options for a quick preview: small images, one map size, few settings, few samples, few runs, and only techniques that don't
-    /// take long.
+    /// Returns options for a quick preview: small images, one map size, few settings, few samples,
+    /// few runs, and only techniques that don't take long.
     pub fn quick() -> Self {
         Self {
             is_preview: true,
@@ -243,8 +247,8 @@ impl CompareOptions {
         }
     }
 
-    /// Returns options for frames of real size: the scene's own image size, the few settings that stand for each technique on
-    /// larger maps, and truth at one of each 5 x 5 pixels.
+    /// Returns options for frames of real size: the scene's own image size, the few settings that
+    /// stand for each technique on larger maps, and truth at one of each 5 x 5 pixels.
     pub fn content() -> Self {
         Self {
             map_sizes: vec![1024, 2048],

@@ -1,13 +1,15 @@
-//! Many scenes in one chart: each setting's error and time, relative to what is known of each scene.
+//! Many scenes in one chart: each setting's error and time, relative to what is known of each
+//! scene.
 //!
-//! * **Relative error**: a mask's RMSE over that of no shadow at all (a mask that is lit everywhere); where nothing is in
-//!   shadow, over that of a mask that is dark everywhere. 1: as wrong as not drawing shadows.
-//! * **Relative time**: over that of `hard`, the first of its settings with the middle map size, on the same scene and
-//!   backend. The relative cost is the same of counted work.
+//! * **Relative error**: a mask's RMSE over that of no shadow at all (a mask that is lit
+//!   everywhere); where nothing is in shadow, over that of a mask that is dark everywhere. 1: as
+//!   wrong as not drawing shadows.
+//! * **Relative time**: over that of `hard`, the first of its settings with the middle map size, on
+//!   the same scene and backend. The relative cost is the same of counted work.
 //!
-//! Errors are averaged over the scenes as they are, so that exactness (0) counts and so does failure; times are ratios, so
-//! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
-//! mean over the others.
+//! Errors are averaged over the scenes as they are, so that exactness (0) counts and so does
+//! failure; times are ratios, so their mean is geometric. Where a technique cannot serve a scene it
+//! draws no shadow: relative error 1, and the time is the mean over the others.
 
 use super::{
     options::Section,
@@ -17,7 +19,8 @@ use serde::Serialize;
 use std::collections::HashMap;
 use umbrage_plan::motion::FrameMotion;
 
-/// Relative errors below this are drawn here: a thousandth of the error of no shadow cannot be seen, and 0 has no logarithm.
+/// Relative errors below this are drawn here: a thousandth of the error of no shadow cannot be
+/// seen, and 0 has no logarithm.
 pub const MIN_ERROR: f64 = 1e-3;
 
 /// One setting on one backend over all scenes.
@@ -31,7 +34,8 @@ pub struct Relative {
     pub backend: String,
     /// Mean of the relative errors.
     pub error: f64,
-    /// Geometric means of the relative times: medians, quickest and slowest runs; none without times.
+    /// Geometric means of the relative times: medians, quickest and slowest runs; none without
+    /// times.
     pub time: Option<TimingStats>,
     /// Geometric mean of the relative costs.
     pub cost: f64,
@@ -87,8 +91,8 @@ impl SceneGroup<'_> {
     }
 }
 
-/// Returns the scenes of content under lights without extent, and those under wide lights; of all scenes, if there is no content.
-/// Groups without scenes are left out.
+/// Returns the scenes of content under lights without extent, and those under wide lights; of all
+/// scenes, if there is no content. Groups without scenes are left out.
 pub fn scene_groups(comparison: &Comparison) -> Vec<SceneGroup<'_>> {
     let has_content = comparison
         .scenes
@@ -117,9 +121,9 @@ pub fn scene_groups(comparison: &Comparison) -> Vec<SceneGroup<'_>> {
     out
 }
 
-/// Returns every setting that was compared on every scene, in the first scene's order. Scenes without a receiver that counts, and
-/// those on which `hard` was not measured, are left out. Settings that play the same as another one on all scenes are left out,
-/// too.
+/// Returns every setting that was compared on every scene, in the first scene's order. Scenes
+/// without a receiver that counts, and those on which `hard` was not measured, are left out.
+/// Settings that play the same as another one on all scenes are left out, too.
 pub fn relative(all: &[&SceneResult]) -> Vec<Relative> {
     let mut sums: HashMap<[&str; 3], Sums> = HashMap::new();
     let mut order: Vec<[&str; 3]> = Vec::new();
@@ -174,7 +178,8 @@ fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
     out
 }
 
-/// Returns the first measurement with the median of the map sizes, which are told by the texels that are cleared.
+/// Returns the first measurement with the median of the map sizes, which are told by the texels
+/// that are cleared.
 fn first_with_middle_map<'a>(settings: &[&'a Measured]) -> Option<&'a Measured> {
     let mut sizes: Vec<u64> = settings.iter().map(|m| m.work.cleared).collect();
     sizes.sort_unstable();
@@ -243,8 +248,8 @@ fn log_ratio(time: f64, unit: f64) -> f64 {
 }
 
 impl SceneResult {
-    /// Returns the RMSE of a mask without shadows, all lit; where nothing is in shadow, that of a mask that is all dark. 0 if no
-    /// pixel counts.
+    /// Returns the RMSE of a mask without shadows, all lit; where nothing is in shadow, that of a
+    /// mask that is all dark. 0 if no pixel counts.
     pub fn error_of_none(&self) -> f64 {
         let [lit, dark] = self.rmse_of_none;
         if lit > 0.0 { lit } else { dark }

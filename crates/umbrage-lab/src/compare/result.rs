@@ -475,8 +475,8 @@ pub enum CostBasis {
 /// The times of what comes before a backend plays, for one setting on one scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Preparation {
-    /// Once a scene: hierarchies over its triangles, welded edges and the like, milliseconds. It is the time by which the first
-    /// recipe of fresh triangles takes longer than later ones.
+    /// Once a scene: hierarchies over its triangles, welded edges and the like, milliseconds. It is
+    /// the time by which the first recipe of fresh triangles takes longer than later ones.
     pub scene_ms: f64,
     /// Making the recipe: once a change of what it depends on.
     pub recipe: TimingStats,

@@ -51,7 +51,8 @@ pub(super) struct SceneRun<'a> {
     pub(super) rows: Vec<(CompareRow, RowImages)>,
     pub(super) controls: Vec<Control>,
     pub(super) map_uses: MapUses,
-    /// Settings executed so far. Empty unless only the settings that stand for each technique are compared.
+    /// Settings executed so far. Empty unless only the settings that stand for each technique are
+    /// compared.
     pub(super) executed: Vec<ExecutedSetting>,
     /// How long techniques take once for the scene, by name, milliseconds.
     pub(super) scene_times: Vec<(&'static str, f64)>,
@@ -176,7 +177,8 @@ impl SceneRun<'_> {
         })
     }
 
-    /// Returns why a technique is left out where the few settings of all scenes are compared; `None` if it isn't.
+    /// Returns why a technique is left out where the few settings of all scenes are compared;
+    /// `None` if it isn't.
     fn too_slow(&self, technique: &dyn ShadowTechnique) -> Option<String> {
         let entry = self.options.catalogue.find(technique.name())?;
         let most = entry.max_compared_triangles?;
@@ -219,7 +221,8 @@ impl SceneRun<'_> {
         let (mut shadows, times) =
             match measure(backend, &seeing, recipe, runs, played_cost_ms, clock) {
                 Ok(measured) => measured,
-                // The report says what is too large for a backend; other backends may still execute it.
+                // The report says what is too large for a backend; other backends may still execute
+                // it.
                 Err(BackendError::Invalid(e)) => return Ok(unsupported(&e.to_string())),
                 Err(e) => return Err(e.into()),
             };
@@ -281,7 +284,8 @@ impl SceneRun<'_> {
         Ok(())
     }
 
-    /// Runs the negative control of a technique on a backend with the first of its settings that is measured there.
+    /// Runs the negative control of a technique on a backend with the first of its settings that is
+    /// measured there.
     fn add_control(
         &mut self,
         backend: &mut dyn Backend,
@@ -309,7 +313,8 @@ impl SceneRun<'_> {
         Ok(())
     }
 
-    /// Compares a mask with truth. One that equals the CPU's has its errors, if the same pixels count.
+    /// Compares a mask with truth. One that equals the CPU's has its errors, if the same pixels
+    /// count.
     fn accuracy(
         &self,
         of_cpu: Option<&OfCpu>,
@@ -366,7 +371,8 @@ impl SceneRun<'_> {
         }
     }
 
-    /// Renders color pictures of the measured rows from `first_row` on, and compares them with the first backend's.
+    /// Renders color pictures of the measured rows from `first_row` on, and compares them with the
+    /// first backend's.
     fn shade(
         &mut self,
         technique: &TechniquePreset,
@@ -379,7 +385,8 @@ impl SceneRun<'_> {
         let truth = self.judge.truth;
         let recipe = match stage.recipe(technique, &truth.receivers) {
             Ok(recipe) => recipe,
-            // The light's marker may be what the technique can't serve; the mask was made without it.
+            // The light's marker may be what the technique can't serve; the mask was made without
+            // it.
             Err(RecipeError::Unsupported(_)) => return Ok(()),
             Err(e) => return Err(e.into()),
         };
@@ -445,7 +452,8 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Compares a mask with truth over the pixels that count: by `pixels`, or by truth without them.
+    /// Compares a mask with truth over the pixels that count: by `pixels`, or by truth without
+    /// them.
     fn accuracy(&self, mask: &[f32], pixels: Option<&[Pixel]>) -> Result<Accuracy, Invalid> {
         let errors = self.errors(mask, pixels)?;
         let causes = match pixels {

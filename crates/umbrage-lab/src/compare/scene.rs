@@ -24,7 +24,8 @@ pub struct SceneImages {
     pub rows: Vec<RowImages>,
 }
 
-/// Traces truth about a scene and executes all settings on all backends. With `heat`, keeps where each row's maps are looked up.
+/// Traces truth about a scene and executes all settings on all backends. With `heat`, keeps where
+/// each row's maps are looked up.
 pub(super) fn run(
     input: &SceneInput,
     settings: &[NamedSetting],

@@ -27,22 +27,26 @@ impl<'a> SceneView<'a> {
 pub(super) struct SeenByBackend {
     /// What it saw.
     pub(super) receivers: Receivers,
-    /// Which pixels count: truth's classes, except at pixels where the backend sees another triangle or which its grid of
-    /// sub-pixels makes ambiguous; none if there are no such pixels, and truth's classes hold.
+    /// Which pixels count: truth's classes, except at pixels where the backend sees another
+    /// triangle or which its grid of sub-pixels makes ambiguous; none if there are no such pixels,
+    /// and truth's classes hold.
     pub(super) pixels: Option<Vec<Pixel>>,
 }
 
-/// The share of the pixels that may show another triangle than expected. Devices that don't round vertices to nearest move
-/// edges by half a step more: where triangles are as small as pixels, many pixels show a neighbor.
+/// The share of the pixels that may show another triangle than expected. Devices that don't round
+/// vertices to nearest move edges by half a step more: where triangles are as small as pixels, many
+/// pixels show a neighbor.
 const MAX_OTHER_IDS: f64 = 0.05;
-/// The share of the pixels that may show another surface, at another distance: only pixels on outlines do.
+/// The share of the pixels that may show another surface, at another distance: only pixels on
+/// outlines do.
 const MAX_OTHER_SURFACES: f64 = 0.001;
 /// Surfaces are the same if their distances from the eye differ by less than this share.
 const MAX_DISTANCE_DIFFERENCE: f32 = 0.01;
 
 impl SeenByBackend {
-    /// Checks what a backend saw. It may have seen other triangles than truth, but only where the rounding of its device's
-    /// vertices explains them: the CPU must see them, too, when it rounds the same way.
+    /// Checks what a backend saw. It may have seen other triangles than truth, but only where the
+    /// rounding of its device's vertices explains them: the CPU must see them, too, when it rounds
+    /// the same way.
     pub(super) fn new(
         scene: &str,
         view: &SceneView<'_>,
@@ -111,8 +115,8 @@ fn not_comparable(scene: &str, what: impl Into<String>) -> LabError {
     }
 }
 
-/// Returns truth's classes of pixels, changed where other triangles are seen and where `ambiguous` says so. None if both are
-/// missing.
+/// Returns truth's classes of pixels, changed where other triangles are seen and where `ambiguous`
+/// says so. None if both are missing.
 fn classes(truth: &Truth, seen: &Receivers, ambiguous: Option<&[bool]>) -> Option<Vec<Pixel>> {
     let expected = &truth.receivers;
     if ambiguous.is_none() && expected.triangle == seen.triangle {

@@ -27,7 +27,8 @@ pub(super) fn settings_of(
     Ok(with_slugs(&options.presets, &all))
 }
 
-/// Returns the settings, then those under the scene's own fit. Settings without a map are the same under both and stay single.
+/// Returns the settings, then those under the scene's own fit. Settings without a map are the same
+/// under both and stay single.
 pub(super) fn with_fit(
     tight: &[TechniquePreset],
     fit: Option<Fit>,
@@ -78,8 +79,9 @@ impl CompareOptions {
     }
 }
 
-/// Gives every setting a stem: the technique's name, with the settings where the technique has several; presets, which come first,
-/// their own names. Where two stems are the same, later ones get a number.
+/// Gives every setting a stem: the technique's name, with the settings where the technique has
+/// several; presets, which come first, their own names. Where two stems are the same, later ones
+/// get a number.
 fn with_slugs(presets: &[NamedPreset], settings: &[TechniquePreset]) -> Vec<NamedSetting> {
     let mut out: Vec<NamedSetting> = Vec::new();
     for preset in presets {
@@ -108,7 +110,8 @@ fn with_slugs(presets: &[NamedPreset], settings: &[TechniquePreset]) -> Vec<Name
     out
 }
 
-/// Returns the stem, with the first number from 2 on that makes it different from all others if it isn't.
+/// Returns the stem, with the first number from 2 on that makes it different from all others if it
+/// isn't.
 fn unused(stem: &str, others: &[NamedSetting]) -> String {
     let mut out = stem.to_owned();
     let mut number = 2;

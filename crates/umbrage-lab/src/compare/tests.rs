@@ -102,11 +102,13 @@ fn rows_tell_errors_times_and_agreement() {
     assert!(comparison.faults().is_empty());
 }
 
-/// The figures of rows are those of the measure asked by hand, on every backend; where nothing is looked up, there are none.
+/// The figures of rows are those of the measure asked by hand, on every backend; where nothing is
+/// looked up, there are none.
 #[test]
 fn rows_tell_how_maps_are_used() {
-    /// Technique, what its settings begin with, and how many texels its lookups go beyond the point; none without a map. A
-    /// kernel that is as wide as its penumbra has the least here, and says each receiver's itself.
+    /// Technique, what its settings begin with, and how many texels its lookups go beyond the
+    /// point; none without a map. A kernel that is as wide as its penumbra has the least here, and
+    /// says each receiver's itself.
     const REACHES: [(&str, &str, Option<f32>); 7] = [
         ("hard", "", Some(0.0)),
         ("pcf", "3x3", Some(1.0)),
@@ -252,7 +254,8 @@ fn rounding(does: Snapping, says: Snapping, spoil: fn(&mut Shadows)) -> Backends
     ])
 }
 
-/// On a coarse grid other pixels are dark, and other triangles are seen, than on the CPU's own: all of that is right, and told.
+/// On a coarse grid other pixels are dark, and other triangles are seen, than on the CPU's own: all
+/// of that is right, and told.
 #[test]
 fn a_backend_is_compared_by_its_own_rounding() {
     let options = quick(&["volumes", "traced", "planar"]);
@@ -338,7 +341,8 @@ fn only_maps_without_bias_may_be_sensitive_to_rounding() {
     assert_eq!(comparison.faults().len(), comparison.scenes[0].rows.len());
 }
 
-/// A backend may agree with the CPU on its own grid and still be wrong: a bias too small for it makes surfaces dark.
+/// A backend may agree with the CPU on its own grid and still be wrong: a bias too small for it
+/// makes surfaces dark.
 #[test]
 fn masks_much_farther_from_truth_than_the_cpu_s_are_faults() {
     let measured = |excess: f64| {
@@ -452,9 +456,10 @@ fn what_is_not_supported_is_told_with_its_reason() {
             "{scene}"
         );
         for (technique, measured) in rows {
-            // An empty map holds the far plane's moments alone, and the bias mixes in 3e-6 of a distribution of which 13/16 are nearer.
-            // The least shadow is no more than what that distribution has, which the bleeding reduction stretches by 1 / (1 - 0.1): 2.7e-6. The
-            // rest is for rounding, by up to 6e-8 a sum of numbers near 1.
+            // An empty map holds the far plane's moments alone, and the bias mixes in 3e-6 of a
+            // distribution of which 13/16 are nearer. The least shadow is no more than what that
+            // distribution has, which the bleeding reduction stretches by 1 / (1 - 0.1): 2.7e-6.
+            // The rest is for rounding, by up to 6e-8 a sum of numbers near 1.
             let allowed = if technique == "msm" { 4e-6 } else { 0.0 };
             match measured.rmse() {
                 // All that is compared is right.

@@ -84,8 +84,8 @@ pub(super) fn time_recipe(
     Ok((recipe, TimingStats::of(times).unwrap_or_default()))
 }
 
-/// Returns by how many milliseconds a first recipe for the triangles of a scene takes longer than `later_ms`; 0 if the technique
-/// doesn't serve it.
+/// Returns by how many milliseconds a first recipe for the triangles of a scene takes longer than
+/// `later_ms`; 0 if the technique doesn't serve it.
 pub(super) fn time_of_scene(
     technique: &dyn ShadowTechnique,
     view: &View<'_>,

@@ -1,12 +1,13 @@
-//! Checksums of what is written, so that what was changed or cut off since is noticed, and of what writes it.
+//! Checksums of what is written, so that what was changed or cut off since is noticed, and of what
+//! writes it.
 
 use std::{
     fs,
     hash::{DefaultHasher, Hash, Hasher},
 };
 
-/// Returns the 64-bit FNV-1a hash (Fowler, Noll and Vo) as sixteen hexadecimal digits: the same for every version of the
-/// compiler, and different for any two texts that differ in one character.
+/// Returns the 64-bit FNV-1a hash (Fowler, Noll and Vo) as sixteen hexadecimal digits: the same for
+/// every version of the compiler, and different for any two texts that differ in one character.
 pub(crate) fn checksum(bytes: &[u8]) -> String {
     const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
     const PRIME: u64 = 0x0100_0000_01b3;

@@ -3,7 +3,8 @@
 use crate::error::LabError;
 use serde::Serialize;
 
-/// Returns a table of records: a header of the field names, then one line a record. `file` names it in errors.
+/// Returns a table of records: a header of the field names, then one line a record. `file` names it
+/// in errors.
 ///
 /// # Errors
 /// Errors if a record isn't flat.

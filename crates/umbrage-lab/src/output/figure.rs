@@ -1,4 +1,5 @@
-//! Charts as self-contained SVG and as PNG, with linear or logarithmic axes, error bars, labels and a legend.
+//! Charts as self-contained SVG and as PNG, with linear or logarithmic axes, error bars, labels and
+//! a legend.
 //!
 //! ```
 //! use umbrage_lab::output::figure::{Figure, Marker, Point, Series};
@@ -30,7 +31,8 @@ pub struct Figure {
     pub size: [f64; 2],
     /// What is drawn, in this order.
     pub series: Vec<Series>,
-    /// Markers that the legend explains beside those of the series, where the series' colours say something else.
+    /// Markers that the legend explains beside those of the series, where the series' colours say
+    /// something else.
     pub keys: Vec<Key>,
     /// Texts beside places, moved apart where they would overlap.
     pub notes: Vec<Point>,
@@ -67,7 +69,8 @@ pub struct Series {
     pub color: String,
     /// How the points are drawn.
     pub style: Style,
-    /// The points; those that no axis can show (not finite, or not above 0 on a logarithmic one) are left out.
+    /// The points; those that no axis can show (not finite, or not above 0 on a logarithmic one)
+    /// are left out.
     pub points: Vec<Point>,
 }
 
@@ -182,7 +185,8 @@ impl Series {
     }
 }
 
-/// Colours for series, which all kinds of colour vision tell apart (Okabe, Ito 2008, "Color Universal Design").
+/// Colours for series, which all kinds of colour vision tell apart (Okabe, Ito 2008, "Color
+/// Universal Design").
 pub const COLORS: [&str; 7] = [
     "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#555555",
 ];
@@ -234,7 +238,8 @@ impl Figure {
         self.scaled(&kuva::render_to_svg(plots, layout))
     }
 
-    /// Gives a rendered picture a view box: without one it would be cropped, not scaled, where a page shows it at another size.
+    /// Gives a rendered picture a view box: without one it would be cropped, not scaled, where a
+    /// page shows it at another size.
     fn scaled(&self, svg: &str) -> String {
         let [width, height] = self.size;
         unnumbered(svg).replacen(
@@ -263,7 +268,8 @@ impl Figure {
         // Texts are the labels of markers that are too small to see.
         let notes = unseen("", INK, Marker::Circle, self.notes.clone());
         plots.extend(self.plot(&notes));
-        // A key is the legend's entry of a marker that is too small to see, placed where something is drawn anyway.
+        // A key is the legend's entry of a marker that is too small to see, placed where something
+        // is drawn anyway.
         let anywhere = self
             .series
             .iter()
@@ -391,8 +397,8 @@ fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
     scatter
 }
 
-/// Removes the numbers of clip paths. The renderer counts them through the whole run of the program, and a chart must not depend
-/// on how many were drawn before it.
+/// Removes the numbers of clip paths. The renderer counts them through the whole run of the
+/// program, and a chart must not depend on how many were drawn before it.
 fn unnumbered(svg: &str) -> String {
     let mut parts = svg.split("kuva-clip-");
     let mut out = parts.next().unwrap_or_default().to_owned();

@@ -6,7 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A folder into which files are written under temporary names; each takes its own name once it is complete.
+/// A folder into which files are written under temporary names; each takes its own name once it is
+/// complete.
 #[derive(Clone, Debug)]
 pub(crate) struct Folder(PathBuf);
 

@@ -17,8 +17,8 @@ const RAMP: [Vec3; 4] = [
     Vec3::new(1.0, 1.0, 1.0),
 ];
 
-/// Returns a picture of maps' lookups as a PNG: texels that no lookup touches are dark gray, the others blue to white by the
-/// logarithm of how many touch them.
+/// Returns a picture of maps' lookups as a PNG: texels that no lookup touches are dark gray, the
+/// others blue to white by the logarithm of how many touch them.
 ///
 /// # Errors
 /// Errors if the encoder fails.

@@ -15,7 +15,8 @@ pub(crate) struct Page<'a> {
     pub(crate) style: &'a str,
     /// The elements that scripts fill.
     pub(crate) body: &'a str,
-    /// In the order in which they run, after [`SCRIPT`], which reads the data from the element `data`.
+    /// In the order in which they run, after [`SCRIPT`], which reads the data from the element
+    /// `data`.
     pub(crate) scripts: &'a [&'a str],
 }
 
@@ -39,7 +40,8 @@ impl Page<'_> {
     }
 }
 
-/// Returns a page of a title (plain text), a style sheet and a body (markup that ends with a line's end).
+/// Returns a page of a title (plain text), a style sheet and a body (markup that ends with a line's
+/// end).
 pub(crate) fn document(title: &str, style: &str, body: &str) -> String {
     let title = escape(title);
     format!(

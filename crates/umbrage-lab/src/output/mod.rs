@@ -1,4 +1,5 @@
-//! Output that all parts of the lab share: folders, pictures, charts, pages and tables. It depends on none of them.
+//! Output that all parts of the lab share: folders, pictures, charts, pages and tables. It depends
+//! on none of them.
 
 mod checksum;
 pub(crate) mod csv;

@@ -6,8 +6,8 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png};
 use umbrage_core::metrics::{Cause, Pixel};
 use umbrage_plan::truth::Truth;
 
-/// False shadow, darker than truth: blue. With orange, the pair of hues that all kinds of colour vision tell apart best
-/// (Okabe, Ito 2008, "Color Universal Design").
+/// False shadow, darker than truth: blue. With orange, the pair of hues that all kinds of colour
+/// vision tell apart best (Okabe, Ito 2008, "Color Universal Design").
 const FALSE_SHADOW: Vec3 = Vec3::new(0.0, 0.35, 0.80);
 /// False light, lighter than truth: orange.
 pub(crate) const FALSE_LIGHT: Vec3 = Vec3::new(0.93, 0.40, 0.0);
@@ -41,7 +41,8 @@ pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
     colors
 }
 
-/// Returns a picture of where a mask is wrong: blue for false shadow, orange for false light, over a faint picture of truth.
+/// Returns a picture of where a mask is wrong: blue for false shadow, orange for false light, over
+/// a faint picture of truth.
 ///
 /// # Errors
 /// Errors if the encoder fails.
@@ -85,8 +86,8 @@ fn faint(truth: f32) -> Vec3 {
     Vec3::splat(0.80 + 0.18 * truth)
 }
 
-/// Returns a picture of the error's causes: acne blue, gaps orange, leaks yellow, edges black, penumbrae green, over a faint
-/// picture of truth (hues of Okabe and Ito).
+/// Returns a picture of the error's causes: acne blue, gaps orange, leaks yellow, edges black,
+/// penumbrae green, over a faint picture of truth (hues of Okabe and Ito).
 ///
 /// # Errors
 /// Errors if the encoder fails.
@@ -116,7 +117,8 @@ fn hue(cause: Cause) -> Vec3 {
 /// Encodes colors of components in 0..=1, rows from the top, as a PNG.
 pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> Result<Vec<u8>, LabError> {
     let pixels = size.x as usize * size.y as usize;
-    // A plain loop: this package is not optimised, and chains of closures would take longer than the encoder.
+    // A plain loop: this package is not optimised, and chains of closures would take longer than
+    // the encoder.
     let mut texels = vec![0; 3 * pixels];
     let mut at = 0;
     for color in colors.take(pixels) {
@@ -135,7 +137,8 @@ fn to_byte(component: f32) -> u8 {
 
 /// Encodes three bytes a pixel, rows from the top, as a PNG.
 pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> Result<Vec<u8>, LabError> {
-    // A report has hundreds of pictures of real size, which took a twentieth of all its time to compress well.
+    // A report has hundreds of pictures of real size, which took a twentieth of all its time to
+    // compress well.
     let compression = if size.x * size.y >= REAL_SIZE {
         png::CompressionType::Fast
     } else {

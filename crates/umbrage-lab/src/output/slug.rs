@@ -1,7 +1,7 @@
 //! Names that fit into file names.
 
-/// Returns a text as a file name of lowercase letters, digits, dots, underscores and single dashes; never empty, never hidden.
-/// Lowercase only, as some file systems don't tell uppercase apart.
+/// Returns a text as a file name of lowercase letters, digits, dots, underscores and single dashes;
+/// never empty, never hidden. Lowercase only, as some file systems don't tell uppercase apart.
 pub(crate) fn slug(text: &str) -> String {
     let lowercase = text.to_lowercase();
     let words: Vec<&str> = lowercase
@@ -25,7 +25,8 @@ pub(crate) fn slug(text: &str) -> String {
     }
 }
 
-/// Whether a name is reserved for a device on Windows: CON, PRN, AUX, NUL, COM0 to COM9, LPT0 to LPT9.
+/// Whether a name is reserved for a device on Windows: CON, PRN, AUX, NUL, COM0 to COM9, LPT0 to
+/// LPT9.
 fn is_device(stem: &str) -> bool {
     let number = stem
         .strip_prefix("com")

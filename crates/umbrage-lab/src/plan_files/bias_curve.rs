@@ -10,9 +10,9 @@ const KINDS: [(BiasKind, &str); 3] = [
     (BiasKind::PolygonOffset, "#5b6472"),
 ];
 
-/// Returns the chart of error against bias for the chosen setting: what is too dark (acne) falls, what is too light (the gap)
-/// grows, and the marked amount has the least error of both. None for techniques without a bias to find, and where nothing was
-/// chosen.
+/// Returns the chart of error against bias for the chosen setting: what is too dark (acne) falls,
+/// what is too light (the gap) grows, and the marked amount has the least error of both. None for
+/// techniques without a bias to find, and where nothing was chosen.
 pub fn curve_figure(plan: &Plan) -> Option<Figure> {
     let chosen = plan.chosen.as_ref().filter(|_| !plan.curve.is_empty())?;
     let title = format!("The best bias of {}: {}", plan.scene, chosen.technique);

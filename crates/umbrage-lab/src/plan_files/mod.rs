@@ -1,4 +1,5 @@
-//! Writes plans to disk: the preset to use, the plan with its reasons, and the curve from which the bias was chosen.
+//! Writes plans to disk: the preset to use, the plan with its reasons, and the curve from which the
+//! bias was chosen.
 
 mod bias_curve;
 mod regret_table;
@@ -25,12 +26,13 @@ pub struct Written {
     pub path: PathBuf,
 }
 
-/// Writes a plan into a folder, which is made if need be, under the scene's name: `cubes.preset.toml` (the
-/// [`LightPreset`](umbrage_techniques::LightPreset), where one was found; a scene file `cubes.toml` stays as it is), `cubes.plan.json`
-/// (the [`Plan`]), for biases that are found by trying `cubes.bias.csv` and `cubes.bias.svg`, and, with the scene and the options that it
-/// was planned with, `cubes.strip.png`: truth, what was chosen and the cheaper ones that fail, with their errors; for another light than the
-/// first `cubes.light-2.preset.toml`, and so on. Each is there whole or not at all; those that an older plan had and this
-/// one lacks are removed.
+/// Writes a plan into a folder, which is made if need be, under the scene's name:
+/// `cubes.preset.toml` (the [`LightPreset`](umbrage_techniques::LightPreset), where one was found;
+/// a scene file `cubes.toml` stays as it is), `cubes.plan.json` (the [`Plan`]), for biases that are
+/// found by trying `cubes.bias.csv` and `cubes.bias.svg`, and, with the scene and the options that
+/// it was planned with, `cubes.strip.png`: truth, what was chosen and the cheaper ones that fail,
+/// with their errors; for another light than the first `cubes.light-2.preset.toml`, and so on. Each
+/// is there whole or not at all; those that an older plan had and this one lacks are removed.
 ///
 /// # Errors
 /// Errors if a file cannot be written, or a setting of the plan can't be played.
@@ -55,8 +57,8 @@ pub fn write(
     write_files(&stem, files(plan, picture)?, folder)
 }
 
-/// Writes the plan of all lights of a scene into a folder: `night-room.lights.json` (the [`LightsPlan`]), and of each light its preset
-/// and its strip of pictures, as [`write()`] does.
+/// Writes the plan of all lights of a scene into a folder: `night-room.lights.json` (the
+/// [`LightsPlan`]), and of each light its preset and its strip of pictures, as [`write()`] does.
 ///
 /// # Errors
 /// Errors if a file cannot be written, or a setting of the plan can't be played.
@@ -148,7 +150,8 @@ fn write_files(stem: &str, files: Vec<PlanFile>, folder: &Path) -> Result<Vec<Wr
     Ok(written)
 }
 
-/// Returns the strip of pictures of a setting and of others, which come after the word for what they are.
+/// Returns the strip of pictures of a setting and of others, which come after the word for what
+/// they are.
 fn picture(
     scene: &Scene,
     options: &PlanOptions,

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use umbrage_plan::Regret;
 
-/// A line of `regret.csv`. Errors are root mean squares of visibility less truth, times milliseconds by the price list;
-/// empty fields are what was not found.
+/// A line of `regret.csv`. Errors are root mean squares of visibility less truth, times
+/// milliseconds by the price list; empty fields are what was not found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RegretLine {
     /// [`Regret::scene`].
@@ -85,7 +85,8 @@ impl From<&Regret> for RegretLine {
     }
 }
 
-/// Writes `regret.csv` into a folder, which is made if need be: one [`RegretLine`] a scene, light and bound. Returns its path.
+/// Writes `regret.csv` into a folder, which is made if need be: one [`RegretLine`] a scene, light
+/// and bound. Returns its path.
 ///
 /// # Errors
 /// Errors if it cannot be written.

@@ -1,4 +1,5 @@
-//! A strip of pictures beside a plan: truth, what was chosen, and cheaper ones, with the error below each.
+//! A strip of pictures beside a plan: truth, what was chosen, and cheaper ones, with the error
+//! below each.
 
 use crate::{error::LabError, output::png};
 use glam::{UVec2, Vec3};
@@ -29,7 +30,8 @@ struct Column<'a> {
     has_error: bool,
 }
 
-/// Returns the strip as a PNG. `look` holds the masks of `chosen` and then of `others`, in their order; `role` says what the others are.
+/// Returns the strip as a PNG. `look` holds the masks of `chosen` and then of `others`, in their
+/// order; `role` says what the others are.
 ///
 /// # Errors
 /// Errors if the encoder fails.
@@ -87,7 +89,8 @@ pub(super) fn strip(
     png::encode(size, colors.into_iter())
 }
 
-/// Returns a white picture with the columns' titles and, below truth, what the colours of the errors mean.
+/// Returns a white picture with the columns' titles and, below truth, what the colours of the
+/// errors mean.
 fn text(size: UVec2, part: UVec2, columns: &[Column<'_>]) -> Result<Vec<Vec3>, LabError> {
     let mut drawing = Drawing::new(f64::from(size.x), f64::from(size.y));
     drawing.background_color = Some("white".to_owned());

@@ -1,7 +1,7 @@
 //! NumPy files: float32, H x W, row 0 on top, -1 where the camera hits nothing.
 //!
-//! The format is version 1.0 of NumPy Enhancement Proposal 1, "A Simple File Format for NumPy Arrays"
-//! (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
+//! The format is version 1.0 of NumPy Enhancement Proposal 1, "A Simple File Format for NumPy
+//! Arrays" (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
 use crate::output::folder::Folder;
 use crate::{
@@ -21,7 +21,8 @@ const PREFIX_BYTES: usize = MAGIC.len() + VERSION.len() + 2;
 /// The data begin at a multiple of this many bytes.
 const ALIGNMENT: usize = 64;
 
-/// Writes truth, distance along the unit camera ray, ambiguity, and one visibility array a measured row.
+/// Writes truth, distance along the unit camera ray, ambiguity, and one visibility array a measured
+/// row.
 pub(super) fn write(
     folder: &Folder,
     result: &SceneResult,
@@ -63,7 +64,8 @@ fn write_array(
     folder.write(name, &bytes)
 }
 
-/// Returns a two-dimensional array of little-endian float32 in NumPy's format. `values`: `size.y` rows of `size.x`, row by row.
+/// Returns a two-dimensional array of little-endian float32 in NumPy's format. `values`: `size.y`
+/// rows of `size.x`, row by row.
 ///
 /// # Errors
 /// Errors if there are more or fewer values than `size` has places.
@@ -86,7 +88,8 @@ pub(super) fn npy(size: UVec2, values: &[f32]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Returns the header's text: a literal of a Python dictionary, padded with blanks up to the line's end that closes it.
+/// Returns the header's text: a literal of a Python dictionary, padded with blanks up to the line's
+/// end that closes it.
 fn header(size: UVec2) -> String {
     let rows = size.y;
     let columns = size.x;

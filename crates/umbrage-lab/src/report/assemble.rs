@@ -1,4 +1,5 @@
-//! Writes the report of all scenes from their folders: the same for one run, one that was stopped and continued, and shards.
+//! Writes the report of all scenes from their folders: the same for one run, one that was stopped
+//! and continued, and shards.
 
 use super::{
     chart, chosen,
@@ -143,7 +144,8 @@ fn is_of(row: &CompareRow, setting: &Relative) -> bool {
         && row.backend == setting.backend
 }
 
-/// Writes the groups' charts, and removes those of an older run, which would not belong to these data.
+/// Writes the groups' charts, and removes those of an older run, which would not belong to these
+/// data.
 fn write_charts(path: &Path, folder: &Folder, groups: &[SettingGroup]) -> Result<(), LabError> {
     let entries = fs::read_dir(path).map_err(|e| LabError::write(path, e))?;
     for entry in entries.flatten() {
@@ -184,7 +186,8 @@ fn comparison(scenes: &[Stored]) -> Comparison {
     }
 }
 
-/// Joins environments: the earliest date and the fewest threads; of everything else all values, joined where they differ.
+/// Joins environments: the earliest date and the fewest threads; of everything else all values,
+/// joined where they differ.
 fn common(all: &[&Environment]) -> Environment {
     let Some(first) = all.first() else {
         return Environment::default();

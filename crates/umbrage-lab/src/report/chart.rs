@@ -14,7 +14,8 @@ pub(super) struct Dot {
     pub(super) on_front: bool,
 }
 
-/// Returns a group's settings by one clock, without those that weren't timed by it and without `none`, which takes no time.
+/// Returns a group's settings by one clock, without those that weren't timed by it and without
+/// `none`, which takes no time.
 pub(super) fn dots(group: &SettingGroup, clock: CostBasis) -> Vec<Dot> {
     let front = group.front(clock);
     let mut out = Vec::new();

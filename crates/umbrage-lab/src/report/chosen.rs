@@ -1,11 +1,13 @@
-//! Chooses the rows that get pictures: pictures of thousands of rows would take too long to write and to open.
+//! Chooses the rows that get pictures: pictures of thousands of rows would take too long to write
+//! and to open.
 
 use crate::compare::{CompareRow, CostBasis, Measured, SceneResult, Section};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_plan::pareto;
 
-/// Returns the rows on a backend's Pareto front of either clock, each technique's row of least error, the rows whose mask
-/// differs from the CPU's, and all of the first backend on frames of real size: the page's charts show these.
+/// Returns the rows on a backend's Pareto front of either clock, each technique's row of least
+/// error, the rows whose mask differs from the CPU's, and all of the first backend on frames of
+/// real size: the page's charts show these.
 pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     let mut best: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
     let mut chosen = BTreeSet::new();
@@ -26,7 +28,8 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     chosen
 }
 
-/// Returns the rows of the first backend on a frame of real size, without those that repeat others; none on other scenes.
+/// Returns the rows of the first backend on a frame of real size, without those that repeat others;
+/// none on other scenes.
 fn of_content(result: &SceneResult) -> Vec<usize> {
     let Some(first) = result.rows.first() else {
         return Vec::new();

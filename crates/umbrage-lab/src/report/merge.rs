@@ -1,4 +1,5 @@
-//! Merges the reports of a comparison's shards into one: byte by byte what a single run would have written of the same figures.
+//! Merges the reports of a comparison's shards into one: byte by byte what a single run would have
+//! written of the same figures.
 
 use super::{
     assemble,
@@ -15,12 +16,12 @@ use umbrage_core::Invalid;
 
 /// Joins the scenes of several folders. Returns the whole comparison and the page's path.
 ///
-/// Of each folder only its last run counts: scenes that an earlier one left there are ignored. `stability`: verdicts that the page
-/// shows beside each setting.
+/// Of each folder only its last run counts: scenes that an earlier one left there are ignored.
+/// `stability`: verdicts that the page shows beside each setting.
 ///
 /// # Errors
-/// Errors if folders hold no scenes, scenes of different comparisons, one scene twice, figures that were changed, or
-/// not all scenes, or if a file cannot be read or written.
+/// Errors if folders hold no scenes, scenes of different comparisons, one scene twice, figures that
+/// were changed, or not all scenes, or if a file cannot be read or written.
 pub fn merge(
     folders: &[PathBuf],
     out: &Path,

@@ -1,20 +1,24 @@
 //! The report of a comparison: a folder with a page, charts, tables, data and pictures.
 //!
-//! * `index.html`: what to use, pictures, charts of time against error with their Pareto fronts, a table of all rows, and each
-//!   scene's rows. It works from a file; its pictures are the scenes' files beside it, so the folder is to be kept together.
-//! * `chart-time-<light>-<backend>.svg`, `chart-cost-...` and PNG: the charts over all scenes of hard and of soft shadows, to be
-//!   shown elsewhere.
-//! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `work.csv`: the counted work and the time of
-//!   each row. `results.json`: the [`Comparison`]
-//!   as it is.
-//! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`, of the Pareto
-//!   fronts, each technique's best, and faults, and of one backend's rows on frames of real size; of comparisons of three scenes or fewer, of all rows, and there
-//!   `.lookups.png`: where the maps are looked up. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the
-//!   camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
-//!   `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
-//! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped, and for [`merge`]; its first
-//!   entry is a checksum of the rest, so that figures which were changed by hand or cut off are not taken up.
-//! * `run.json`: which scenes belong to the folder's last run. Folders of other runs' scenes are left alone and ignored.
+//! * `index.html`: what to use, pictures, charts of time against error with their Pareto fronts, a
+//!   table of all rows, and each scene's rows. It works from a file; its pictures are the scenes'
+//!   files beside it, so the folder is to be kept together.
+//! * `chart-time-<light>-<backend>.svg`, `chart-cost-...` and PNG: the charts over all scenes of
+//!   hard and of soft shadows, to be shown elsewhere.
+//! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `work.csv`:
+//!   the counted work and the time of each row. `results.json`: the [`Comparison`] as it is.
+//! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours
+//!   `.color.png`, of the Pareto fronts, each technique's best, and faults, and of one backend's
+//!   rows on frames of real size; of comparisons of three scenes or fewer, of all rows, and there
+//!   `.lookups.png`: where the maps are looked up. On request NumPy arrays, float32, H x W, row 0
+//!   on top, -1 where the camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the
+//!   unit camera ray), `ambiguous.npy`, `<technique>.<backend>.npy`. Where a technique has several
+//!   settings, they are part of the name.
+//! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped,
+//!   and for [`merge`]; its first entry is a checksum of the rest, so that figures which were
+//!   changed by hand or cut off are not taken up.
+//! * `run.json`: which scenes belong to the folder's last run. Folders of other runs' scenes are
+//!   left alone and ignored.
 //!
 //! Every file and every scene's folder is written whole under another name and then renamed.
 
@@ -62,8 +66,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// Begins a report of these places of the plan in a folder, which is made if need be; files of an older report are
-    /// overwritten.
+    /// Begins a report of these places of the plan in a folder, which is made if need be; files of
+    /// an older report are overwritten.
     ///
     /// # Errors
     /// Errors if the folder cannot be made or written.
@@ -89,11 +93,12 @@ impl Report {
         })
     }
 
-    /// Whether the folder has this place's scene already, measured by this program, for the same plan, with the same
-    /// backends and adapter, on the same kind of machine.
+    /// Whether the folder has this place's scene already, measured by this program, for the same
+    /// plan, with the same backends and adapter, on the same kind of machine.
     ///
     /// # Errors
-    /// Errors if it has figures that are not whole or were changed since: they are to be measured anew.
+    /// Errors if it has figures that are not whole or were changed since: they are to be measured
+    /// anew.
     pub fn has(&self, place: usize, environment: &Environment) -> Result<bool, Invalid> {
         let Some(name) = self.run.plan.scenes.get(place) else {
             return Ok(false);
@@ -156,8 +161,8 @@ impl Report {
         self.folder.finish(name)
     }
 
-    /// Writes the page, the charts, the tables and the data. Returns the whole comparison and the page's path. `stability`: verdicts
-    /// that the page shows beside each setting.
+    /// Writes the page, the charts, the tables and the data. Returns the whole comparison and the
+    /// page's path. `stability`: verdicts that the page shows beside each setting.
     ///
     /// # Errors
     /// Errors if a scene is missing, or a file cannot be written.
@@ -183,7 +188,8 @@ impl Report {
     }
 }
 
-/// Returns the environment without the date: what must be the same for figures to be taken up again.
+/// Returns the environment without the date: what must be the same for figures to be taken up
+/// again.
 fn undated(environment: &Environment) -> Environment {
     Environment {
         date: None,

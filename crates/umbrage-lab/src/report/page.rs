@@ -1,4 +1,5 @@
-//! The page itself: elements, a style sheet, scripts, and one block of data. Pictures are files beside it.
+//! The page itself: elements, a style sheet, scripts, and one block of data. Pictures are files
+//! beside it.
 
 use super::{
     page_rows::{PageRow, Texts, table_of},

@@ -13,13 +13,15 @@ const DIGITS: usize = 3;
 /// Which pictures of a row there are.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub(super) struct RowPictures {
-    /// Names of the files without what comes after the last dots; those of another row if its pictures are the same.
+    /// Names of the files without what comes after the last dots; those of another row if its
+    /// pictures are the same.
     pub(super) stem: String,
     pub(super) color: bool,
     pub(super) lookups: bool,
 }
 
-/// A row as the page shows it. Times are medians, milliseconds; shares are percent; none: not measured.
+/// A row as the page shows it. Times are medians, milliseconds; shares are percent; none: not
+/// measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct PageRow {
     pub(super) technique: String,
@@ -35,7 +37,8 @@ pub(super) struct PageRow {
     /// Whether it is on its backend's Pareto front of times, and of costs.
     front: bool,
     front_cost: bool,
-    /// Place of its verdicts in the page's list, and whether they are of this very setting, but for the side of its map.
+    /// Place of its verdicts in the page's list, and whether they are of this very setting, but for
+    /// the side of its map.
     verdict: Option<usize>,
     is_own_verdict: bool,
     rmse: Option<f64>,
@@ -252,7 +255,8 @@ fn entries(row: &PageRow) -> serde_json::Result<Vec<(String, Value)>> {
     }
 }
 
-/// Returns a value in fewer letters: texts as their places, truth as 0 or 1, figures with few digits.
+/// Returns a value in fewer letters: texts as their places, truth as 0 or 1, figures with few
+/// digits.
 fn short(value: Value, texts: &mut Texts) -> Value {
     match value {
         Value::String(text) => texts.place(&text).into(),

@@ -1,4 +1,5 @@
-//! Which scenes a folder's last run measured. Scenes of other runs may lie beside them and are ignored.
+//! Which scenes a folder's last run measured. Scenes of other runs may lie beside them and are
+//! ignored.
 
 use super::store::{self, ComparisonPlan, Stored};
 use crate::{
@@ -32,8 +33,8 @@ fn holds_scenes(folder: &Path) -> bool {
         .any(|entry| entry.path().join(store::FILE).is_file())
 }
 
-/// Whether a name is that of something directly inside a folder. Whoever merges removes and writes folders by the names that a file
-/// tells, which must not lead elsewhere.
+/// Whether a name is that of something directly inside a folder. Whoever merges removes and writes
+/// folders by the names that a file tells, which must not lead elsewhere.
 fn is_inside(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let only = match (parts.next(), parts.next()) {
@@ -49,7 +50,8 @@ impl Run {
         folder.write(FILE, &json)
     }
 
-    /// Reads what a folder's last run was for. `writer` is the command that writes such folders, for errors.
+    /// Reads what a folder's last run was for. `writer` is the command that writes such folders,
+    /// for errors.
     ///
     /// # Errors
     /// Errors if the folder holds no run, or a damaged one.

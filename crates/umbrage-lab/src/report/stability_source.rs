@@ -72,7 +72,8 @@ impl StabilitySource {
         &self.told
     }
 
-    /// Returns the verdicts that hold for a setting: see [`nearest`]. None if it was not played with that bias.
+    /// Returns the verdicts that hold for a setting: see [`nearest`]. None if it was not played
+    /// with that bias.
     pub fn of(&self, technique: &str, settings: &str) -> Option<&SettingVerdicts> {
         let of_technique = nearest(&self.verdicts, technique, settings);
         // A preset's row has the preset's name; its settings begin with the technique's.
@@ -83,7 +84,8 @@ impl StabilitySource {
         of_technique.or_else(of_preset)
     }
 
-    /// Returns the place of [`Self::of`] among the page's verdicts, and whether it is of the very setting.
+    /// Returns the place of [`Self::of`] among the page's verdicts, and whether it is of the very
+    /// setting.
     pub(super) fn place_of(&self, technique: &str, settings: &str) -> Option<(usize, bool)> {
         let found = self.of(technique, settings)?;
         let place = self.verdicts.iter().position(|v| v == found)?;
@@ -105,13 +107,15 @@ impl StabilitySource {
         }
     }
 
-    /// Returns why the verdicts may not be those of the code that measured the scenes; none if one program did both.
+    /// Returns why the verdicts may not be those of the code that measured the scenes; none if one
+    /// program did both.
     fn stale(&self, scenes: &[Stored]) -> Option<String> {
         let mut scenes = scenes.iter();
         scenes.find_map(|scene| self.stale_beside(&scene.program, &scene.environment))
     }
 
-    /// Returns why the verdicts may not be those of the code of this program, which ran in this environment; none if it played them.
+    /// Returns why the verdicts may not be those of the code of this program, which ran in this
+    /// environment; none if it played them.
     pub(crate) fn stale_beside(&self, program: &str, environment: &Environment) -> Option<String> {
         if program == self.program {
             return None;
@@ -129,8 +133,8 @@ impl StabilitySource {
     }
 }
 
-/// Returns the way from one folder to another with `/` between names, as addresses in pages have it; none if they lie on different
-/// drives or aren't there.
+/// Returns the way from one folder to another with `/` between names, as addresses in pages have
+/// it; none if they lie on different drives or aren't there.
 fn relative(from: &Path, to: &Path) -> Option<String> {
     let from = from.canonicalize().ok()?;
     let to = to.canonicalize().ok()?;
@@ -166,7 +170,8 @@ mod tests {
     use serde_json::Value;
     use std::fs;
 
-    /// Technique `quick` by the settings of the made-up comparison fails the second of two rows; `good` was played with others.
+    /// Technique `quick` by the settings of the made-up comparison fails the second of two rows;
+    /// `good` was played with others.
     fn results() -> StabilityResults {
         let cell = |technique: &str, settings: &str, verdict| Cell {
             technique: technique.to_owned(),

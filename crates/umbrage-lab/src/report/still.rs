@@ -109,7 +109,8 @@ fn points(dots: &[Dot], technique: &str, backend: &str, on_front: bool) -> Vec<P
     of_technique.map(point).collect()
 }
 
-/// Returns the series of points that a front beats. They are paler rather than transparent, since not every viewer blends.
+/// Returns the series of points that a front beats. They are paler rather than transparent, since
+/// not every viewer blends.
 fn faint(style: SeriesStyle, backend: usize, points: Vec<Point>) -> Series {
     Series {
         style: Style::Points(style.marker, FAINT_RADIUS, 1.0),

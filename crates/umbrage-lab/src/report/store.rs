@@ -1,4 +1,5 @@
-//! Scenes on disk: each is a folder that is written whole or not at all, so that a stopped comparison loses nothing.
+//! Scenes on disk: each is a folder that is written whole or not at all, so that a stopped
+//! comparison loses nothing.
 
 use crate::output::folder::Folder;
 use crate::{
@@ -53,7 +54,8 @@ pub(super) struct Stored {
     pub(super) result: SceneResult,
 }
 
-/// What the file begins with: the checksum of all that follows is its first entry, as sixteen hexadecimal digits.
+/// What the file begins with: the checksum of all that follows is its first entry, as sixteen
+/// hexadecimal digits.
 const BEFORE: &str = "{\n  \"checksum\": \"";
 /// What stands between the checksum and the rest.
 const AFTER: &str = "\",\n";
@@ -132,7 +134,8 @@ pub(super) fn is_chart(name: &str) -> bool {
 fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for scene in scenes {
-        // Scenes with longer names are refused; but lowercase letters may take more bytes than uppercase ones.
+        // Scenes with longer names are refused; but lowercase letters may take more bytes than
+        // uppercase ones.
         let mut stem = slug(scene);
         stem.truncate(stem.floor_char_boundary(MAX_NAME_BYTES));
         let mut name = stem.clone();

@@ -1,4 +1,5 @@
-//! The style of each technique in charts: a shape, and a tone of its backend's color; the same in the page and in still charts.
+//! The style of each technique in charts: a shape, and a tone of its backend's color; the same in
+//! the page and in still charts.
 
 use crate::output::figure::Marker;
 
@@ -26,7 +27,8 @@ const COLORS: [Tones; 3] = [
     ["#8a94a3", "#5b6472"],
 ];
 
-/// Backends' colors for points that the front beats. Paler rather than transparent, since not every viewer blends.
+/// Backends' colors for points that the front beats. Paler rather than transparent, since not every
+/// viewer blends.
 const FAINT: [Tones; 3] = [
     ["#c5daf6", "#a3b8da"],
     ["#fad5b9", "#dfb395"],
@@ -68,8 +70,8 @@ pub(super) fn color(backend: usize) -> &'static str {
     SeriesStyle::nth(0).color(backend)
 }
 
-/// Returns the styles of a chart's techniques. Those of the registry have the style of their place in it, so that they look the
-/// same in every chart; others come after them.
+/// Returns the styles of a chart's techniques. Those of the registry have the style of their place
+/// in it, so that they look the same in every chart; others come after them.
 pub(super) fn styles_of(techniques: &[&str]) -> Vec<SeriesStyle> {
     let all = umbrage_techniques::all();
     let mut next = all.len();

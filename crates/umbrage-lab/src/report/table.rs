@@ -4,8 +4,8 @@ use crate::compare::{CompareRow, Comparison, RowOutcome, SceneResult, TimingStat
 use crate::{error::LabError, output::csv};
 use serde::{Deserialize, Serialize};
 
-/// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were not measured, errors among
-/// them where no pixel counts.
+/// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were
+/// not measured, errors among them where no pixel counts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Line {
     /// The scene's name.
@@ -74,21 +74,26 @@ pub struct Line {
     pub yardsticks: Option<f64>,
     /// The yardstick's median time, milliseconds a unit.
     pub yardstick_ms: Option<f64>,
-    /// The total at a device's full clock, milliseconds: what is charted. Empty on the CPU, and if no yardstick was steady.
+    /// The total at a device's full clock, milliseconds: what is charted. Empty on the CPU, and if
+    /// no yardstick was steady.
     pub full_clock_ms: Option<f64>,
     /// Bytes held.
     pub bytes: Option<u64>,
-    /// Percent of the maps' texels that no lookup touches: [`MapUse::unused`](umbrage_plan::footprint::MapUse::unused).
+    /// Percent of the maps' texels that no lookup touches:
+    /// [`MapUse::unused`](umbrage_plan::footprint::MapUse::unused).
     pub map_unused: Option<f64>,
-    /// Fewest texels in a pixel: [`MapUse::texels_per_pixel`](umbrage_plan::footprint::MapUse::texels_per_pixel).
+    /// Fewest texels in a pixel:
+    /// [`MapUse::texels_per_pixel`](umbrage_plan::footprint::MapUse::texels_per_pixel).
     pub texels_least: Option<f32>,
     /// Their median.
     pub texels_median: Option<f32>,
     /// The most.
     pub texels_greatest: Option<f32>,
-    /// What nine in ten pixels that face the light span at least: [`MapUse::texels`](umbrage_plan::footprint::MapUse::texels).
+    /// What nine in ten pixels that face the light span at least:
+    /// [`MapUse::texels`](umbrage_plan::footprint::MapUse::texels).
     pub texels_of_nine_in_ten: Option<f32>,
-    /// The side on which that is one texel: [`MapUse::side`](umbrage_plan::footprint::MapUse::side).
+    /// The side on which that is one texel:
+    /// [`MapUse::side`](umbrage_plan::footprint::MapUse::side).
     pub map_side_needed: Option<u32>,
     /// Pixels unlike the CPU's.
     pub differing: Option<u64>,

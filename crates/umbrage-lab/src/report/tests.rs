@@ -1,4 +1,5 @@
-//! A report of made-up results: complete, asking for nothing from elsewhere, and safe whatever the names.
+//! A report of made-up results: complete, asking for nothing from elsewhere, and safe whatever the
+//! names.
 
 use super::*;
 use crate::{

@@ -1,4 +1,5 @@
-//! `work.csv`: the counted work of each row beside its time, from which anyone can fit prices of their own.
+//! `work.csv`: the counted work of each row beside its time, from which anyone can fit prices of
+//! their own.
 
 use crate::compare::{CompareRow, Comparison, SceneResult, TimingStats};
 use crate::{error::LabError, output::csv};

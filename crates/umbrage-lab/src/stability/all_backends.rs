@@ -1,4 +1,5 @@
-//! Renders one recipe on every backend. Figures are the first's; the others must agree with it where they serve the recipe.
+//! Renders one recipe on every backend. Figures are the first's; the others must agree with it
+//! where they serve the recipe.
 
 use super::guard::{self, NoMask};
 use crate::compare::agreement::agree;
@@ -12,8 +13,8 @@ pub(super) struct RenderedOnAll {
     pub(super) disagreeing: Option<u64>,
 }
 
-/// Renders a recipe on each of these backends. Without the first there is no figure; others that don't serve the recipe are
-/// left out.
+/// Renders a recipe on each of these backends. Without the first there is no figure; others that
+/// don't serve the recipe are left out.
 pub(super) fn render(
     playing: &mut [Box<dyn Backend + Send>],
     view: &View<'_>,
@@ -60,7 +61,8 @@ pub(super) fn sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
     a.into_iter().chain(b).reduce(|a, b| a + b)
 }
 
-/// Returns the number of decided pixels on which a backend differs from the CPU; `snapping` is the other backend's.
+/// Returns the number of decided pixels on which a backend differs from the CPU; `snapping` is the
+/// other backend's.
 fn disagreeing_pixels(
     view: &View<'_>,
     recipe: &Recipe,
@@ -77,8 +79,8 @@ fn disagreeing_pixels(
     Ok(agreement.violations)
 }
 
-/// Returns the number of pixels on which masks differ where the first backend is not the CPU: none or all. Only the CPU backend
-/// tells which pixels rounding decides.
+/// Returns the number of pixels on which masks differ where the first backend is not the CPU: none
+/// or all. Only the CPU backend tells which pixels rounding decides.
 fn differing_masks(of_first: &Shadows, of_other: &Shadows) -> u64 {
     if have_equal_masks(of_first, of_other) {
         0

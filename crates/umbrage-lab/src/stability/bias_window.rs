@@ -28,7 +28,8 @@ pub struct BiasWindow {
     pub passes: Option<[f64; 2]>,
     /// Whether it passes without any offset, which may lie beside the widest window.
     pub passes_without: bool,
-    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding; none with a single backend.
+    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding;
+    /// none with a single backend.
     pub disagreeing: Option<u64>,
 }
 

@@ -10,8 +10,8 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{self, Truth, TruthOptions};
 
-/// A pixel is *open* when no true shadow edge is within this many texels: the reach of the widest kernel that is compared
-/// (7x7) and half a texel of aliasing.
+/// A pixel is *open* when no true shadow edge is within this many texels: the reach of the widest
+/// kernel that is compared (7x7) and half a texel of aliasing.
 pub const OPEN_TEXELS: f64 = 4.0;
 
 /// Truth about a view, and what a perfect map of a given size would show there.
@@ -227,9 +227,10 @@ pub(super) fn visibility_at_receivers(
     Ok(out)
 }
 
-/// Returns truth at texel centers. A texel's center on a receiver's *plane* may lie beyond the receiver's triangle and below
-/// its neighbor; so the center is moved no farther than the triangle reaches, and its visibility counts only where, in the
-/// picture, a true edge is no farther away than the center itself.
+/// Returns truth at texel centers. A texel's center on a receiver's *plane* may lie beyond the
+/// receiver's triangle and below its neighbor; so the center is moved no farther than the triangle
+/// reaches, and its visibility counts only where, in the picture, a true edge is no farther away
+/// than the center itself.
 fn ideal(
     texels: &Texels,
     camera: &Camera,
@@ -291,10 +292,10 @@ const DIRECTIONS: [DVec2; 8] = [
     DVec2::new(1.0, -1.0),
 ];
 
-/// Returns which pixels are open: those fully lit or fully dark whose visibility is the same all around, at eight places
-/// [`OPEN_TEXELS`] away and at eight half as far, on the receiver's plane. Where the ground rises beyond the receiver's
-/// triangle these places lie below it and are dark, so that creases count as edges: errors there show in RMSE and shimmer, not
-/// as acne.
+/// Returns which pixels are open: those fully lit or fully dark whose visibility is the same all
+/// around, at eight places [`OPEN_TEXELS`] away and at eight half as far, on the receiver's plane.
+/// Where the ground rises beyond the receiver's triangle these places lie below it and are dark, so
+/// that creases count as edges: errors there show in RMSE and shimmer, not as acne.
 fn open(
     texels: Option<&Texels>,
     center: &Light,

@@ -21,8 +21,8 @@ pub struct Stability {
     pub cases: Vec<CaseResult>,
     /// How much tuning each technique needs, the least first; empty if single rows were asked for.
     pub windows: Vec<BiasWindow>,
-    /// Messages about what must never happen: NaN, panics, validation errors, backends that disagree, a backend whose pictures
-    /// differ after the run.
+    /// Messages about what must never happen: NaN, panics, validation errors, backends that
+    /// disagree, a backend whose pictures differ after the run.
     pub faults: Vec<String>,
 }
 
@@ -45,9 +45,11 @@ pub struct CaseResult {
     pub motion: String,
     /// How maps are fitted, as settings say it; empty for the tight fit.
     pub fit: String,
-    /// Whether nothing shadows what is seen: then no shadow at all is right, and the case tells no technique from another.
+    /// Whether nothing shadows what is seen: then no shadow at all is right, and the case tells no
+    /// technique from another.
     pub is_sanity: bool,
-    /// What cells are judged by: the case's own measure first, then what a cure for the failure would take away.
+    /// What cells are judged by: the case's own measure first, then what a cure for the failure
+    /// would take away.
     pub criteria: Vec<CriterionResult>,
     /// All settings.
     pub cells: Vec<Cell>,
@@ -77,7 +79,8 @@ pub struct Cell {
     pub settings: String,
     /// The result.
     pub outcome: CellOutcome,
-    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding; none with a single backend.
+    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding;
+    /// none with a single backend.
     pub disagreeing: Option<u64>,
     /// Truth, mask and error side by side, or a strip of frames: a PNG, for cells that don't pass.
     #[serde(skip)]
@@ -108,7 +111,8 @@ pub enum CellOutcome {
 }
 
 impl CellOutcome {
-    /// Returns the outcome of a mask with these judgements, of which there is at least one: the worst verdict counts.
+    /// Returns the outcome of a mask with these judgements, of which there is at least one: the
+    /// worst verdict counts.
     pub fn of(judgements: Vec<Judgement>) -> Self {
         let worst = judgements.iter().map(|judgement| judgement.verdict).max();
         Self::Measured {
@@ -127,7 +131,8 @@ impl Cell {
         }
     }
 
-    /// Returns a sign that reads without color: ✓ passes, ~ degraded, ✗ fails, · not measured, – not served, ! a fault.
+    /// Returns a sign that reads without color: ✓ passes, ~ degraded, ✗ fails, · not measured, –
+    /// not served, ! a fault.
     pub fn sign(&self) -> char {
         match &self.outcome {
             CellOutcome::Measured { verdict, .. } => verdict.sign(),
@@ -149,7 +154,8 @@ impl Cell {
         }
     }
 
-    /// Returns the index of the criterion that decides: the first with the worst verdict. None without a mask.
+    /// Returns the index of the criterion that decides: the first with the worst verdict. None
+    /// without a mask.
     pub fn decisive(&self) -> Option<usize> {
         let verdict = self.verdict()?;
         self.judgements()
@@ -170,7 +176,8 @@ impl Stability {
         self.cases.iter().filter(|case| !case.is_sanity)
     }
 
-    /// Returns the sanity cases, in which nothing shadows what is seen, as one line; none if there are none.
+    /// Returns the sanity cases, in which nothing shadows what is seen, as one line; none if there
+    /// are none.
     pub fn sanity_line(&self) -> Option<String> {
         let cases: Vec<&CaseResult> = self.cases.iter().filter(|case| case.is_sanity).collect();
         let mut failing = Vec::new();

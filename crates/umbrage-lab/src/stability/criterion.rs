@@ -17,8 +17,8 @@ pub struct Criterion {
 }
 
 impl Criterion {
-    /// Returns what a case is judged by: `measure`, and its opposite ([`Measure::opposite`]) where the picture has something
-    /// to lose by it. `limits` returns a measure's limits.
+    /// Returns what a case is judged by: `measure`, and its opposite ([`Measure::opposite`]) where
+    /// the picture has something to lose by it. `limits` returns a measure's limits.
     pub fn of_case(
         measure: Measure,
         case_truth: &CaseTruth,

@@ -1,5 +1,5 @@
-//! Catches what must never happen in a cell: visibilities outside 0..=1, panics, errors of the graphics API, and backends whose
-//! state a rendering has changed.
+//! Catches what must never happen in a cell: visibilities outside 0..=1, panics, errors of the
+//! graphics API, and backends whose state a rendering has changed.
 
 use crate::error::LabError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -11,7 +11,8 @@ use umbrage_techniques::{Bias, MapFilter as _, Pcf, ShadowMap};
 /// Why a cell has no mask.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum NoMask {
-    /// The technique or the backend says beforehand that it can't do this: a result, no fault. The text says why.
+    /// The technique or the backend says beforehand that it can't do this: a result, no fault. The
+    /// text says why.
     Unsupported(String),
     /// What must never happen. The text says what did.
     Fault(String),
@@ -82,8 +83,8 @@ pub(super) fn check(mask: &[f32]) -> Result<(), String> {
     }
 }
 
-/// Whether a backend that has played other recipes renders the same mask, bit by bit, as a fresh one. The mask is that of a
-/// small built-in scene, `cubes`, under a 3x3 PCF.
+/// Whether a backend that has played other recipes renders the same mask, bit by bit, as a fresh
+/// one. The mask is that of a small built-in scene, `cubes`, under a 3x3 PCF.
 ///
 /// # Errors
 /// Errors if either backend can't render it.

@@ -17,8 +17,8 @@ use umbrage_core::{
     metrics::{Errors, Pixel},
 };
 
-/// A measure of one case: smaller is better, and 0 is truth's own. Some see one kind of error alone, false shadow or false
-/// light; [`Measure::opposite`] is then the other side.
+/// A measure of one case: smaller is better, and 0 is truth's own. Some see one kind of error
+/// alone, false shadow or false light; [`Measure::opposite`] is then the other side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// [`open::acne`].
@@ -51,19 +51,24 @@ pub enum Measure {
     PenumbraRmse,
     /// [`penumbra::ShadowPlaces::widths`]: the mean over all casters of how far the ratio is from 1.
     PenumbraWidth,
-    /// Percent of the pixels, those facing away from the light left out, that the mask darkens at all.
+    /// Percent of the pixels, those facing away from the light left out, that the mask darkens at
+    /// all.
     AllLit,
-    /// How far the RMSE is from that of the same technique on the scene of this name, which is the same at scale 1.
+    /// How far the RMSE is from that of the same technique on the scene of this name, which is the
+    /// same at scale 1.
     ScaleDrift(&'static str),
-    /// Fragments that casts draw, in pictures of 1280 x 720: those of casts from the camera grow with its pixels.
+    /// Fragments that casts draw, in pictures of 1280 x 720: those of casts from the camera grow
+    /// with its pixels.
     Fill,
-    /// [`shimmer::shimmer`](super::measures::shimmer) at points within [`OPEN_TEXELS`](super::OPEN_TEXELS) of an edge.
+    /// [`shimmer::shimmer`](super::measures::shimmer) at points within
+    /// [`OPEN_TEXELS`](super::OPEN_TEXELS) of an edge.
     Shimmer,
     /// [`shimmer::change_error`](super::measures::shimmer) at such points, where the light moves.
     ChangeError,
 }
 
-/// Limits for percentages of wrong pixels: one pixel in a thousand goes unseen, one in a hundred is a visible patch.
+/// Limits for percentages of wrong pixels: one pixel in a thousand goes unseen, one in a hundred is
+/// a visible patch.
 const SHARE: VerdictLimits = VerdictLimits::new(0.1, 1.0);
 /// The smallest visible step of visibility: one level of an 8-bit picture.
 const STEP: f64 = 1.0 / 255.0;
@@ -73,7 +78,8 @@ const SEAM_TEXELS: f32 = 2.0;
 const RAYS: u32 = 16;
 /// The least percentage of all pixels that is visible.
 const SMALL_SHARE: f64 = 0.1;
-/// The least percentage that is visible in a narrow band: of some hundred pixels, one percent is a pixel or a few.
+/// The least percentage that is visible in a narrow band: of some hundred pixels, one percent is a
+/// pixel or a few.
 const BAND_SHARE: f64 = 1.0;
 /// A displacement that is too small to be visible, pixels.
 const HALF_PIXEL: f64 = 0.5;
@@ -108,8 +114,9 @@ impl Measure {
         }
     }
 
-    /// Returns what pays for a cure of the failure that is measured: lost shadow for acne, acne for leaks and gaps, and RMSE
-    /// where no shadow at all would be perfect. None for measures that charge false shadow and false light alike.
+    /// Returns what pays for a cure of the failure that is measured: lost shadow for acne, acne for
+    /// leaks and gaps, and RMSE where no shadow at all would be perfect. None for measures that
+    /// charge false shadow and false light alike.
     pub fn opposite(&self) -> Option<Self> {
         match self {
             Self::Acne | Self::AcneByDistance => Some(Self::LostShadow),
@@ -192,8 +199,8 @@ impl Measure {
         }
     }
 
-    /// Returns the figure of a mask, in the measure's unit; 0 for measures that a single mask doesn't determine: fill, shimmer,
-    /// change, and seams between cascades.
+    /// Returns the figure of a mask, in the measure's unit; 0 for measures that a single mask
+    /// doesn't determine: fill, shimmer, change, and seams between cascades.
     pub fn figure(&self, case_truth: &CaseTruth, mask: &[f32]) -> f64 {
         let truth = &case_truth.truth.visibility;
         let receivers = &case_truth.truth.receivers;
@@ -238,8 +245,8 @@ impl Measure {
         }
     }
 
-    /// Returns where the figure passes and fails on this case: see [`Measure::reason`]. Bounds from truth's own movement are
-    /// added by [`Moving::limits`](super::Moving::limits).
+    /// Returns where the figure passes and fails on this case: see [`Measure::reason`]. Bounds from
+    /// truth's own movement are added by [`Moving::limits`](super::Moving::limits).
     pub fn limits(&self, case_truth: &CaseTruth) -> VerdictLimits {
         let counts = |i: usize| case_truth.counts(i);
         let ideal = self.figure(case_truth, &case_truth.ideal);
@@ -288,8 +295,9 @@ impl Measure {
         self.figure(case_truth, &all_lit)
     }
 
-    /// Returns where the figure passes and fails, taken from truth about another scene: its limits in proportion to what no
-    /// shadow at all would cost here and there. Where that costs nothing there, the limits are the case's own.
+    /// Returns where the figure passes and fails, taken from truth about another scene: its limits
+    /// in proportion to what no shadow at all would cost here and there. Where that costs nothing
+    /// there, the limits are the case's own.
     pub fn limits_from(&self, case_truth: &CaseTruth, elsewhere: &CaseTruth) -> VerdictLimits {
         let there = self.without_shadow(elsewhere);
         if there > 0.0 {
@@ -317,7 +325,8 @@ fn mean_width_error(ratios: &[Option<f64>]) -> f64 {
     100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64
 }
 
-/// Returns the percentage of pixels that the mask darkens at all, of those that don't face away from the light.
+/// Returns the percentage of pixels that the mask darkens at all, of those that don't face away
+/// from the light.
 fn darkened(mask: &[f32], pixels: &[Pixel]) -> f64 {
     let facing = (0..mask.len()).filter(|&i| matches!(pixels[i], Pixel::Counted | Pixel::Empty));
     open::share(facing.map(|i| mask[i] < 1.0))
@@ -327,7 +336,8 @@ fn worst(bins: [f64; open::BINS]) -> f64 {
     bins.into_iter().fold(0.0, f64::max)
 }
 
-/// Returns the RMSE over the pixels that count; NaN, which fails, if the mask has another size or holds anything outside 0..=1.
+/// Returns the RMSE over the pixels that count; NaN, which fails, if the mask has another size or
+/// holds anything outside 0..=1.
 pub(super) fn rmse(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
     let truth = &case_truth.truth;
     Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels)
@@ -351,7 +361,8 @@ fn is_in_band(case_truth: &CaseTruth, part: Band, i: usize) -> bool {
 /// Places along each caster's upright axis.
 const PLACES: usize = 5;
 
-/// Returns where the shadows of all instances but the first (the floor) fall, as seen from the light's centre.
+/// Returns where the shadows of all instances but the first (the floor) fall, as seen from the
+/// light's centre.
 fn shadow_places(case_truth: &CaseTruth) -> ShadowPlaces {
     let light = case_truth
         .lights

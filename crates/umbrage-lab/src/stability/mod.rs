@@ -1,18 +1,22 @@
-//! Where shadow methods fail: every row of the catalogue of failures as a scene, still or moving, against every technique,
-//! each judged by the row's own measure.
+//! Where shadow methods fail: every row of the catalogue of failures as a scene, still or moving,
+//! against every technique, each judged by the row's own measure.
 //!
-//! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`VerdictLimits`] where it passes and fails.
+//! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`VerdictLimits`]
+//!   where it passes and fails.
 //! * [`run`]: plays them. [`Stability`]: what comes out.
-//! * [`Criterion`]: a measure with its limits. Most cases have two, one for the failure and one for what its cure takes away,
-//!   so that no bias is free; the worse verdict counts.
-//! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map* of the same size would
-//!   show, which limits are taken from.
+//! * [`Criterion`]: a measure with its limits. Most cases have two, one for the failure and one for
+//!   what its cure takes away, so that no bias is free; the worse verdict counts.
+//! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map*
+//!   of the same size would show, which limits are taken from.
 //! * [`SettingVerdicts`]: which rows a setting fails, all cases taken together.
-//! * [`windows`]: by how much each technique's bias may be off, in texels: how much tuning it needs.
-//! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a table, data.
+//! * [`windows`]: by how much each technique's bias may be off, in texels: how much tuning it
+//!   needs.
+//! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a
+//!   table, data.
 //!
-//! Limits are never tuned to results. They come from what edge aliasing alone must cause on a map of that size, from what
-//! is visible (steps of 1/255, one pixel in a thousand), or from the noise of a stated number of rays.
+//! Limits are never tuned to results. They come from what edge aliasing alone must cause on a map
+//! of that size, from what is visible (steps of 1/255, one pixel in a thousand), or from the noise
+//! of a stated number of rays.
 
 mod all_backends;
 mod bias_window;

@@ -1,17 +1,20 @@
 //! Moving cases: what changes from frame to frame at points that stay.
 //!
-//! The points are the receivers of the first frame's pixels that are near edges of shadows and seen in all frames. For each
-//! frame a technique's map is fitted to that frame's camera and drawn anew, and looked up at these same points. Techniques
-//! that cast into the camera's own picture (planar shadows, volumes) have visibilities only at that camera's pixels: they are
-//! always played with the first camera, so that their change while the camera moves alone is *not measured*. Neither is that
-//! of techniques without a map (rays) whose answer at a point never changes: it has no way to follow the camera.
+//! The points are the receivers of the first frame's pixels that are near edges of shadows and seen
+//! in all frames. For each frame a technique's map is fitted to that frame's camera and drawn anew,
+//! and looked up at these same points. Techniques that cast into the camera's own picture (planar
+//! shadows, volumes) have visibilities only at that camera's pixels: they are always played with
+//! the first camera, so that their change while the camera moves alone is *not measured*. Neither
+//! is that of techniques without a map (rays) whose answer at a point never changes: it has no way
+//! to follow the camera.
 //!
-//! While the camera moves, its pictures show the points at other pixels: a point that is asked at pixel (x, y) in the first
-//! frame is asked at (x + 1, y) in the second, and so on. So patterns and noise that follow the pixel (dithered or turned taps,
-//! random rays) change at a point, as they do on a screen.
+//! While the camera moves, its pictures show the points at other pixels: a point that is asked at
+//! pixel (x, y) in the first frame is asked at (x + 1, y) in the second, and so on. So patterns and
+//! noise that follow the pixel (dithered or turned taps, random rays) change at a point, as they do
+//! on a screen.
 //!
-//! Figures are the first backend's. The others play the first and the last frame, the two that differ most, and must agree
-//! there.
+//! Figures are the first backend's. The others play the first and the last frame, the two that
+//! differ most, and must agree there.
 
 use super::{
     all_backends,
@@ -116,8 +119,9 @@ impl Moving {
         })
     }
 
-    /// Returns a measure's figure of the masks, one for each frame, at the first frame's receivers: how much they change though
-    /// they should not; for measures of a single mask, that of the first frame.
+    /// Returns a measure's figure of the masks, one for each frame, at the first frame's receivers:
+    /// how much they change though they should not; for measures of a single mask, that of the
+    /// first frame.
     pub fn figure(&self, measure: Measure, masks: &[Vec<f32>]) -> f64 {
         let width = self.case_truth.truth.size.x as usize;
         match measure {
@@ -127,8 +131,9 @@ impl Moving {
         }
     }
 
-    /// Returns where that figure passes and fails; `limits` are the measure's own ([`Measure::limits`]). Where truth moves, a
-    /// shadow that stands still fails, however slow the movement: its figure is truth's own change.
+    /// Returns where that figure passes and fails; `limits` are the measure's own
+    /// ([`Measure::limits`]). Where truth moves, a shadow that stands still fails, however slow the
+    /// movement: its figure is truth's own change.
     pub fn limits(&self, measure: Measure, limits: VerdictLimits) -> VerdictLimits {
         match measure {
             Measure::ChangeError => limits.below(change(&self.truth, &self.marked)),
@@ -214,7 +219,8 @@ impl Moving {
         let recipe = guard::plan(technique, &at_frame)?;
         let casts = !recipe.casts.is_empty();
         let receivers = &self.case_truth.truth.receivers;
-        // Images that are drawn as the frame's camera sees them can't be read at the first camera's pixels.
+        // Images that are drawn as the frame's camera sees them can't be read at the first camera's
+        // pixels.
         if draws_the_picture(&recipe, &frame.camera) {
             let at_first = first_view.with_receivers(receivers);
             let recipe = guard::plan(technique, &at_first)?;
@@ -252,14 +258,15 @@ struct PlayedFrame {
     casts: bool,
 }
 
-/// Why a technique that casts into the camera's own picture isn't measured while the camera alone moves.
+/// Why a technique that casts into the camera's own picture isn't measured while the camera alone
+/// moves.
 const IN_THE_PICTURE: &str = "it draws into the camera's own picture, and so is asked by the first frame's camera in every frame";
 /// Why a technique without a map isn't measured then.
 const NO_MAP: &str = "it draws no map, and its answer at a point has no way to follow the camera while the light stands still";
 
 impl PlayedFrames {
-    /// Returns why the change of visibility, `figure`, could not have been anything but 0 while the camera alone moves; none
-    /// if it could.
+    /// Returns why the change of visibility, `figure`, could not have been anything but 0 while the
+    /// camera alone moves; none if it could.
     fn cannot_change(&self, figure: f64) -> Option<&'static str> {
         match (self.draws_the_picture, self.casts) {
             (true, _) => Some(IN_THE_PICTURE),
@@ -277,7 +284,8 @@ struct PlayedFrames {
     draws_the_picture: bool,
     /// Whether it draws anything.
     casts: bool,
-    /// On how many decided pixels backends differ, all frames together; none if no other backend serves the technique.
+    /// On how many decided pixels backends differ, all frames together; none if no other backend
+    /// serves the technique.
     disagreeing: Option<u64>,
 }
 
@@ -324,7 +332,8 @@ fn is_seen(case_truth: &CaseTruth, frame: &MotionFrame, i: usize) -> bool {
     let clip = camera.space().clip_from_world() * position.extend(1.0);
     let is_inside = clip.w > 0.0 && clip.x.abs() < clip.w && clip.y.abs() < clip.w;
     let to_eye: Vec3 = camera.eye() - position;
-    // The ray starts a thousandth of its length off the surface, so that neighboring triangles don't hide the point.
+    // The ray starts a thousandth of its length off the surface, so that neighboring triangles
+    // don't hide the point.
     let lift = receivers.normal(i) * (1e-3 * to_eye.length());
     let origin = position + lift;
     let direction = to_eye - lift;

@@ -16,9 +16,10 @@ pub enum Demand {
 }
 
 impl Stability {
-    /// Whether a technique meets a demand, by the best of its settings in each case: one that passes with the right bias passes,
-    /// since planners choose the bias. What is not measured or not served is no pass, and no failure. A technique that the run
-    /// knows nothing of passes nothing.
+    /// Whether a technique meets a demand, by the best of its settings in each case: one that
+    /// passes with the right bias passes, since planners choose the bias. What is not measured or
+    /// not served is no pass, and no failure. A technique that the run knows nothing of passes
+    /// nothing.
     ///
     /// # Errors
     /// Errors if a row or case is asked for that the run has not.
@@ -65,7 +66,8 @@ fn is_named(case: &CaseResult, name: &str) -> bool {
     case.case == name || name.parse() == Ok(case.row)
 }
 
-/// Returns the best verdict over a technique's settings in a case; none if it was not played or is not made for the scene.
+/// Returns the best verdict over a technique's settings in a case; none if it was not played or is
+/// not made for the scene.
 fn best(case: &CaseResult, technique: &str) -> Option<Verdict> {
     let of_cell = |outcome: &CellOutcome| match outcome {
         CellOutcome::Measured { verdict, .. } => Some(*verdict),

@@ -22,7 +22,8 @@ pub(super) fn beside(case_truth: &CaseTruth, mask: &[f32]) -> Result<Vec<u8>, La
     row(truth.size, &parts)
 }
 
-/// Returns the first frames' masks side by side, then a picture of where they change, in orange, as a PNG.
+/// Returns the first frames' masks side by side, then a picture of where they change, in orange, as
+/// a PNG.
 pub(super) fn strip(
     case_truth: &CaseTruth,
     masks: &[Vec<f32>],
@@ -38,7 +39,8 @@ pub(super) fn strip(
     row(case_truth.truth.size, &parts)
 }
 
-/// Returns each pixel's color from the mean of |V_t - V_(t-1)| over all pairs of neighboring frames.
+/// Returns each pixel's color from the mean of |V_t - V_(t-1)| over all pairs of neighboring
+/// frames.
 fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
     let pairs = masks.len().saturating_sub(1).max(1) as f32;
     let mut colors = Vec::with_capacity(marked.len());

@@ -94,7 +94,8 @@ impl Still<'_> {
         )
     }
 
-    /// Returns a measure's figure of a rendering. For a comparison with scale 1, plays the technique there, too.
+    /// Returns a measure's figure of a rendering. For a comparison with scale 1, plays the
+    /// technique there, too.
     fn figure(
         &self,
         measure: Measure,
@@ -113,7 +114,8 @@ impl Still<'_> {
         }
     }
 
-    /// Returns the mean mask over the case's lights on the first backend, and on how many pixels the others differ from it.
+    /// Returns the mean mask over the case's lights on the first backend, and on how many pixels
+    /// the others differ from it.
     fn play(
         &self,
         case_truth: &CaseTruth,
@@ -156,8 +158,8 @@ impl Still<'_> {
         })
     }
 
-    /// Returns each pixel's cascade; `None` if the recipe has no cascades. Only a sun's map has several layers that aren't a
-    /// cube's.
+    /// Returns each pixel's cascade; `None` if the recipe has no cascades. Only a sun's map has
+    /// several layers that aren't a cube's.
     fn cascades(&self, light: &Light, recipe: &Recipe, receivers: &Receivers) -> Option<Vec<u32>> {
         if light.position().is_some() {
             return None;
@@ -169,8 +171,8 @@ impl Still<'_> {
             .collect()
     }
 
-    /// Returns the number of fragments that casts draw for a picture of [`SCREEN`] pixels, millions. Casts into images of the
-    /// camera's size grow with its pixels.
+    /// Returns the number of fragments that casts draw for a picture of [`SCREEN`] pixels,
+    /// millions. Casts into images of the camera's size grow with its pixels.
     fn fill(&self, recipe: &Recipe, view: &View<'_>) -> f64 {
         let covered = Work::of(view, recipe, self.catalogue).covered as f64 * 1e-6;
         let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;

@@ -36,11 +36,11 @@ pub struct StabilityCase {
     pub motion: Motion,
     /// What is measured.
     pub measure: Measure,
-    /// How maps are fitted. With another fit than the tight one, only techniques with a map are played, by the limits of the tight
-    /// one: what another costs in texels is charged as error.
+    /// How maps are fitted. With another fit than the tight one, only techniques with a map are
+    /// played, by the limits of the tight one: what another costs in texels is charged as error.
     pub fit: Fit,
-    /// The scene that limits are taken from, if not the case's own: the same where coordinates are fine enough for truth to be
-    /// traced at texels' centres. See [`Measure::limits_from`].
+    /// The scene that limits are taken from, if not the case's own: the same where coordinates are
+    /// fine enough for truth to be traced at texels' centres. See [`Measure::limits_from`].
     pub limits_from: Option<&'static str>,
     /// Settings tried in addition to those of the catalogue, for this map size.
     pub extra: Option<fn(map_size: u32) -> Vec<TechniquePreset>>,
@@ -61,7 +61,8 @@ impl StabilityCase {
         }
     }
 
-    /// A moving scene. While light and casters stand still nothing may change; else as much may change as in truth.
+    /// A moving scene. While light and casters stand still nothing may change; else as much may
+    /// change as in truth.
     pub(super) const fn moving(moving: MovingScene) -> Self {
         let measure = if moving.motion.moves_shadows() {
             Measure::ChangeError
@@ -80,7 +81,8 @@ impl StabilityCase {
         Self { name, ..self }
     }
 
-    /// Returns the case under another name, with maps whose fit moves by whole texels: [`Fit::Stable`], also for `range`.
+    /// Returns the case under another name, with maps whose fit moves by whole texels:
+    /// [`Fit::Stable`], also for `range`.
     pub(super) const fn stable(self, name: &'static str, range: f32) -> Self {
         Self {
             name,
@@ -97,7 +99,8 @@ impl StabilityCase {
         }
     }
 
-    /// Returns the case with settings tried in addition to those of the catalogue: [`StabilityCase::extra`].
+    /// Returns the case with settings tried in addition to those of the catalogue:
+    /// [`StabilityCase::extra`].
     pub(super) const fn also(self, extra: fn(map_size: u32) -> Vec<TechniquePreset>) -> Self {
         Self {
             extra: Some(extra),
@@ -105,7 +108,8 @@ impl StabilityCase {
         }
     }
 
-    /// Returns the scene's entry in the catalogue of scenes; none if there is no scene of that name, which a test rules out.
+    /// Returns the scene's entry in the catalogue of scenes; none if there is no scene of that
+    /// name, which a test rules out.
     pub fn entry(&self) -> Option<&'static SceneEntry> {
         umbrage_scenes::find(self.scene)
     }

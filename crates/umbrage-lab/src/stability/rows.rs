@@ -26,7 +26,8 @@ pub fn cases() -> impl Iterator<Item = (&'static StabilityRow, &'static Stabilit
 
 /// Where `thin-plate`'s plate meets the floor on the side of its shadow, which falls along +z.
 ///
-/// Copied from `thin_plate` in `umbrage-scenes` (`sunlit.rs`), less 5 cm at each end of the plate; a test compares them.
+/// Copied from `thin_plate` in `umbrage-scenes` (`sunlit.rs`), less 5 cm at each end of the plate;
+/// a test compares them.
 pub const PLATE: Contact = Contact {
     from: Vec3::new(-0.45, 0.0, 0.001),
     to: Vec3::new(0.45, 0.0, 0.001),
@@ -52,7 +53,8 @@ const LEAK_RADIUS: f32 = FOOT_RADIUS + RING_WIDTH;
 
 /// Width of the strips on either side of the creases of `room-corner`, metres: some ten texels.
 const CREASE_WIDTH: f32 = 0.08;
-/// The creases of `room-corner`'s walls, from their corner as far as they are seen; a test compares them with the scene.
+/// The creases of `room-corner`'s walls, from their corner as far as they are seen; a test compares
+/// them with the scene.
 const CREASES: Band = Band::Creases {
     lines: &[
         [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0)],
@@ -121,8 +123,8 @@ fn hard_16_bit(size: u32) -> Vec<TechniquePreset> {
     )
 }
 
-/// Returns hard shadows without bias, under a constant bias and under the normal offset of one comparison: little bias for low
-/// suns and long distances.
+/// Returns hard shadows without bias, under a constant bias and under the normal offset of one
+/// comparison: little bias for low suns and long distances.
 fn hard_small_bias(size: u32) -> Vec<TechniquePreset> {
     hard(
         size,
@@ -140,8 +142,8 @@ fn hard_leaky_bias(size: u32) -> Vec<TechniquePreset> {
     )
 }
 
-/// Returns hard and filtered shadows from four cascades that together take the memory of one map: cut by what is seen, stable, and
-/// with answers that blend.
+/// Returns hard and filtered shadows from four cascades that together take the memory of one map:
+/// cut by what is seen, stable, and with answers that blend.
 fn cascaded(size: u32) -> Vec<TechniquePreset> {
     let map = |fit, cascades| ShadowMap {
         size: size / 2,
@@ -167,7 +169,8 @@ fn cascaded(size: u32) -> Vec<TechniquePreset> {
     ]
 }
 
-/// Returns maps of moments without what hides their light bleeding, by all ways in which they tell light from shadow.
+/// Returns maps of moments without what hides their light bleeding, by all ways in which they tell
+/// light from shadow.
 fn unreduced_moments(size: u32) -> Vec<TechniquePreset> {
     let map = ShadowMap {
         size,

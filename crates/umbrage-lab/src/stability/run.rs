@@ -138,9 +138,9 @@ pub enum StabilityEvent<'a> {
     },
 }
 
-/// Plays the chosen rows on all backends; of moving rows, all but the first backend play only the first and the last frame. A
-/// technique that fails a row is a result. What must never happen (NaN, a panic, a validation error, backends that disagree)
-/// is listed in [`Stability::faults`].
+/// Plays the chosen rows on all backends; of moving rows, all but the first backend play only the
+/// first and the last frame. A technique that fails a row is a result. What must never happen (NaN,
+/// a panic, a validation error, backends that disagree) is listed in [`Stability::faults`].
 ///
 /// # Errors
 /// Errors if a name is unknown, there is no backend, or a scene can't be used.
@@ -169,7 +169,8 @@ pub fn run(
     thread::scope(|scope| {
         // The receiver ends with this closure, after an error, too: then the other thread stops.
         let (sender, receiver) = sync_channel(CASES_AHEAD);
-        // Truth takes all cores for a while, and what a device renders takes one: so the next cases are prepared meanwhile.
+        // Truth takes all cores for a while, and what a device renders takes one: so the next cases
+        // are prepared meanwhile.
         scope.spawn(move || prepare_all(wanted, options, &sender));
         for (index, (row, case)) in wanted.iter().copied().enumerate() {
             on_event(StabilityEvent::Case {
@@ -261,8 +262,8 @@ fn prepare(
     })
 }
 
-/// Whether two cases begin with the same view of the same scene: only a widening motion changes the first camera
-/// ([`Motion::first_camera`]).
+/// Whether two cases begin with the same view of the same scene: only a widening motion changes the
+/// first camera ([`Motion::first_camera`]).
 fn has_same_truth(a: &StabilityCase, b: &StabilityCase) -> bool {
     let a_widens = a.motion == Motion::Widening;
     let b_widens = b.motion == Motion::Widening;
@@ -370,7 +371,8 @@ fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> Vec<Techni
     out
 }
 
-/// Returns truth about the scene that a case is compared with, if its measure needs one: the same scene at scale 1.
+/// Returns truth about the scene that a case is compared with, if its measure needs one: the same
+/// scene at scale 1.
 fn reference(
     case: &StabilityCase,
     options: &StabilityOptions,
@@ -398,7 +400,8 @@ fn faults(result: &CaseResult) -> Vec<String> {
     out
 }
 
-/// Compares backends that have played with fresh ones of the same kind. Returns a message for each whose picture differs.
+/// Compares backends that have played with fresh ones of the same kind. Returns a message for each
+/// whose picture differs.
 ///
 /// # Errors
 /// Errors if the picture can't be played.

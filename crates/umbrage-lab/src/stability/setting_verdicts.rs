@@ -1,7 +1,7 @@
 //! What all rows say of one setting of a technique: how many it fails, and which.
 //!
-//! A row counts once, with the worst verdict of its cases. Cases with another fit than the tight one are apart: where a row fails
-//! under the tight fit alone, the fit that cures it is named.
+//! A row counts once, with the worst verdict of its cases. Cases with another fit than the tight
+//! one are apart: where a row fails under the tight fit alone, the fit that cures it is named.
 
 use super::{
     cell::{CaseResult, Cell, Stability},
@@ -18,7 +18,8 @@ pub struct FailedRow {
     pub title: String,
     /// Its cases that have this verdict.
     pub cases: Vec<String>,
-    /// The fit under which all of the row's cases pass or are merely degraded, in words; none if there is no such fit.
+    /// The fit under which all of the row's cases pass or are merely degraded, in words; none if
+    /// there is no such fit.
     pub cured_by: Option<String>,
 }
 
@@ -43,11 +44,13 @@ pub struct SettingVerdicts {
     pub not_served: usize,
 }
 
-/// The least side of a shadow map, texels, that a number in a setting's words is taken for: kernels and counts of rays are smaller.
+/// The least side of a shadow map, texels, that a number in a setting's words is taken for: kernels
+/// and counts of rays are smaller.
 const LEAST_MAP_SIDE: u32 = 16;
 
 impl Stability {
-    /// Returns the verdicts on every setting that was played on all rows with the tight fit, in the order of the cells.
+    /// Returns the verdicts on every setting that was played on all rows with the tight fit, in the
+    /// order of the cells.
     pub fn setting_verdicts(&self) -> Vec<SettingVerdicts> {
         let tight: Vec<&CaseResult> = self.telling().filter(|c| c.fit.is_empty()).collect();
         // Some cases try settings of their own; those that all cases share are the techniques'.
@@ -112,8 +115,8 @@ fn failed_row(of_row: &[&CaseResult], setting: &Cell, verdict: Verdict) -> Optio
     })
 }
 
-/// Returns the worst verdict of a row's cases with this fit on a setting; none where it serves none of them. A case in which it
-/// could not have failed counts only where there is no other.
+/// Returns the worst verdict of a row's cases with this fit on a setting; none where it serves none
+/// of them. A case in which it could not have failed counts only where there is no other.
 fn worst(of_row: &[&CaseResult], fit: &str, setting: &Cell) -> Option<Verdict> {
     let cases = of_row.iter().filter(|case| case.fit == fit);
     let verdicts: Vec<Verdict> = cases.filter_map(|case| verdict_of(case, setting)).collect();
@@ -151,8 +154,8 @@ impl SettingVerdicts {
         self.technique == technique && without_side(&self.settings) == without_side(settings)
     }
 
-    /// Returns the verdicts in a few words: `fails 4 of 33 rows: low sun, fine casters, ..`. `most`: titles that are named; 0: the
-    /// count alone.
+    /// Returns the verdicts in a few words: `fails 4 of 33 rows: low sun, fine casters, ..`.
+    /// `most`: titles that are named; 0: the count alone.
     pub fn words(&self, most: usize) -> String {
         if self.measured == 0 {
             return "no row measures it".to_owned();
@@ -193,8 +196,9 @@ fn without_side(settings: &str) -> String {
     words.join(", ")
 }
 
-/// Returns the verdicts that hold for a setting: those of the same setting on another map; else those of the technique with the same
-/// bias, its smallest kernel first. None if neither was played: another bias fails other rows.
+/// Returns the verdicts that hold for a setting: those of the same setting on another map; else
+/// those of the technique with the same bias, its smallest kernel first. None if neither was
+/// played: another bias fails other rows.
 pub fn nearest<'a>(
     all: &'a [SettingVerdicts],
     technique: &str,
@@ -257,7 +261,8 @@ mod tests {
         }
     }
 
-    /// Row 1 fails in one of two cases, and not with the stable fit; row 2 is degraded; row 3 is not measured, row 4 not served.
+    /// Row 1 fails in one of two cases, and not with the stable fit; row 2 is degraded; row 3 is
+    /// not measured, row 4 not served.
     fn sample() -> Stability {
         use Verdict::{Degraded, Fails, NotMeasured, Pass};
         let both = |verdict| [judged(verdict), judged(Pass)];

@@ -4,10 +4,12 @@ use umbrage_core::Fit;
 use umbrage_plan::catalogue::Catalogue;
 use umbrage_techniques::TechniquePreset;
 
-/// Returns the settings of every technique of the catalogue (or of those named) that run: the one that textbooks have (the first
-/// with a slope bias or a polygon offset, else the first), and those that stand for it in a comparison of frames of real size
-/// ([`CatalogueEntry::headline`](umbrage_plan::catalogue::CatalogueEntry::headline)), so that a comparison's rows have verdicts of their
-/// own. With another fit than the tight one, techniques without a map are left out: it changes nothing for them.
+/// Returns the settings of every technique of the catalogue (or of those named) that run: the one
+/// that textbooks have (the first with a slope bias or a polygon offset, else the first), and those
+/// that stand for it in a comparison of frames of real size
+/// ([`CatalogueEntry::headline`](umbrage_plan::catalogue::CatalogueEntry::headline)), so that a
+/// comparison's rows have verdicts of their own. With another fit than the tight one, techniques
+/// without a map are left out: it changes nothing for them.
 pub fn settings(
     catalogue: &Catalogue,
     techniques: &[String],

@@ -1,8 +1,10 @@
-//! A map's texels projected onto receivers: what a perfect map would show, and how far edges are in texels.
+//! A map's texels projected onto receivers: what a perfect map would show, and how far edges are in
+//! texels.
 //!
-//! A map stores one value a texel, at its center. A *perfect map* holds there the exact visibility of the point where the light's
-//! ray through the center meets the receiver's own plane. It has no acne, no gap and no leak, and yet its shadow edges run along
-//! texels. Its error is what edge aliasing alone causes at that size, and so the reference for measures that aliasing bounds.
+//! A map stores one value a texel, at its center. A *perfect map* holds there the exact visibility
+//! of the point where the light's ray through the center meets the receiver's own plane. It has no
+//! acne, no gap and no leak, and yet its shadow edges run along texels. Its error is what edge
+//! aliasing alone causes at that size, and so the reference for measures that aliasing bounds.
 
 use glam::{DMat4, DVec2, DVec3, Vec3};
 use umbrage_core::{Geometry, Invalid, Light, LightSpace, LightSpaces, Receivers, light_sample};
@@ -39,8 +41,8 @@ impl ClipSpace {
     }
 }
 
-/// Planes whose sine of the angle to the light's ray is at most this have no usable footprint: a small step on the map is an
-/// endless one on the plane.
+/// Planes whose sine of the angle to the light's ray is at most this have no usable footprint: a
+/// small step on the map is an endless one on the plane.
 const GRAZING: f64 = 1e-6;
 
 impl Texels {
@@ -52,9 +54,9 @@ impl Texels {
         }
     }
 
-    /// Returns the point of the plane through `position` that lies on the map where `to` moves the position's own place,
-    /// both in texels from the top left. World space, metres. None where no map shows the position, or its plane is seen
-    /// edge-on.
+    /// Returns the point of the plane through `position` that lies on the map where `to` moves the
+    /// position's own place, both in texels from the top left. World space, metres. None where no
+    /// map shows the position, or its plane is seen edge-on.
     pub fn moved(&self, position: Vec3, normal: Vec3, to: impl Fn(DVec2) -> DVec2) -> Option<Vec3> {
         let position = position.as_dvec3();
         let normal = normal.as_dvec3();
@@ -79,9 +81,9 @@ impl Texels {
         (has_footprint && moved.is_finite()).then_some(moved.as_vec3())
     }
 
-    /// Returns the traced visibility of each receiver at another point of its plane, and that point: `to` moves its place on
-    /// the map (as in [`Texels::moved`]), and `keep` may move the point again, given the receiver's index. None where nothing
-    /// receives or no map shows it.
+    /// Returns the traced visibility of each receiver at another point of its plane, and that
+    /// point: `to` moves its place on the map (as in [`Texels::moved`]), and `keep` may move the
+    /// point again, given the receiver's index. None where nothing receives or no map shows it.
     ///
     /// # Errors
     /// Errors if the light is not valid.
@@ -114,8 +116,8 @@ impl Texels {
     }
 }
 
-/// Returns receiver `i` as a point to be traced, moved to another position on its plane. `any` is any point of the same
-/// geometry; what is the same for all points is copied from it.
+/// Returns receiver `i` as a point to be traced, moved to another position on its plane. `any` is
+/// any point of the same geometry; what is the same for all points is copied from it.
 pub(super) fn point_at(
     any: &ReceiverPoint,
     receivers: &Receivers,
@@ -133,8 +135,8 @@ pub(super) fn point_at(
     }
 }
 
-/// Returns the last point of the way from `p` to `q` that lies within a triangle, both points on its plane; `p` itself if it
-/// lies outside.
+/// Returns the last point of the way from `p` to `q` that lies within a triangle, both points on
+/// its plane; `p` itself if it lies outside.
 pub(super) fn within(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
     let edge_1 = triangle[1] - triangle[0];
     let edge_2 = triangle[2] - triangle[0];

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A figure judged against its limits. The order is from the best to the worst: of a cell's verdicts the greatest counts.
+/// A figure judged against its limits. The order is from the best to the worst: of a cell's
+/// verdicts the greatest counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -38,11 +39,12 @@ impl Verdict {
     }
 }
 
-/// The limit of failure over the limit of a pass. On a map with a quarter of the side, edges, gaps and displacements are four
-/// times as wide.
+/// The limit of failure over the limit of a pass. On a map with a quarter of the side, edges, gaps
+/// and displacements are four times as wide.
 pub const FAILS_AT: f64 = 4.0;
 
-/// The figures up to which a case passes and above which it fails, in the measure's unit. Smaller figures are better.
+/// The figures up to which a case passes and above which it fails, in the measure's unit. Smaller
+/// figures are better.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VerdictLimits {
     /// At most this passes.
@@ -57,8 +59,9 @@ impl VerdictLimits {
         Self { pass, fails }
     }
 
-    /// Returns limits for errors that edge aliasing alone causes on any map. A pass has up to twice the figure of a perfect map
-    /// of the same size, `ideal` (see [`CaseTruth::ideal`](super::CaseTruth)), so that a kernel may blur edges by a few texels,
+    /// Returns limits for errors that edge aliasing alone causes on any map. A pass has up to twice
+    /// the figure of a perfect map of the same size, `ideal` (see
+    /// [`CaseTruth::ideal`](super::CaseTruth)), so that a kernel may blur edges by a few texels,
     /// plus the smallest visible step; more than [`FAILS_AT`] times that fails.
     pub fn over_ideal(ideal: f64, visible: f64) -> Self {
         let pass = 2.0 * ideal + visible;
@@ -84,8 +87,9 @@ impl VerdictLimits {
         }
     }
 
-    /// Returns limits that are no looser than the figure of no shadow at all, `none`, allows: a pass has at most half of that,
-    /// and more than three quarters of it fail, however coarse the map.
+    /// Returns limits that are no looser than the figure of no shadow at all, `none`, allows: a
+    /// pass has at most half of that, and more than three quarters of it fail, however coarse the
+    /// map.
     pub fn below(self, none: f64) -> Self {
         if none > 0.0 {
             Self {

@@ -1,9 +1,10 @@
 //! How much tuning a technique needs: the window of biases at which it has neither acne nor a gap.
 //!
-//! A technique's bias gets a normal offset more, from nothing to far too much. Too little is acne under a low sun, too much parts
-//! a thin plate from its shadow and takes shadow away. The window is the widest run of amounts that pass both cases, by all of
-//! their criteria; its width in texels says by how much a guess may be off. Under [`Base::Own`] the technique keeps its default
-//! bias: a window that starts at 0 needs no tuning. Under [`Base::Bare`] the offset is all there is.
+//! A technique's bias gets a normal offset more, from nothing to far too much. Too little is acne
+//! under a low sun, too much parts a thin plate from its shadow and takes shadow away. The window
+//! is the widest run of amounts that pass both cases, by all of their criteria; its width in texels
+//! says by how much a guess may be off. Under [`Base::Own`] the technique keeps its default bias: a
+//! window that starts at 0 needs no tuning. Under [`Base::Bare`] the offset is all there is.
 
 use super::{
     all_backends,
@@ -25,9 +26,11 @@ use std::sync::{Mutex, PoisonError};
 use umbrage_core::ShadowTechnique;
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 
-/// Amounts that are tried beside 0, each 1.2 times the one before. A window that lies between two of them is not found.
+/// Amounts that are tried beside 0, each 1.2 times the one before. A window that lies between two
+/// of them is not found.
 const STEPS: u32 = 33;
-/// How often the way from the last passing amount to the next is halved: to a hundredth of the amount.
+/// How often the way from the last passing amount to the next is halved: to a hundredth of the
+/// amount.
 const HALVINGS: u32 = 4;
 /// The least of them, texels: what rounding alone may ask for.
 const LEAST: f64 = 0.05;
@@ -41,8 +44,8 @@ const CASES: [StabilityCase; 2] = [
 ];
 
 impl Stability {
-    /// Returns what the windows of bias say, in a sentence or two: which techniques need no tuning, which some, which can't be
-    /// tuned, and which window is the widest. None without windows.
+    /// Returns what the windows of bias say, in a sentence or two: which techniques need no tuning,
+    /// which some, which can't be tuned, and which window is the widest. None without windows.
     pub fn windows_line(&self) -> Option<String> {
         let own = || self.windows.iter().filter(|w| w.base == Base::Own);
         let named = |wanted: &dyn Fn(&BiasWindow) -> bool| {
@@ -77,11 +80,12 @@ impl Stability {
     }
 }
 
-/// Returns the windows of all techniques with a map that are asked for, the widest under their own bias first, with both bases of
-/// each. Techniques that don't serve both cases are left out.
+/// Returns the windows of all techniques with a map that are asked for, the widest under their own
+/// bias first, with both bases of each. Techniques that don't serve both cases are left out.
 ///
 /// # Errors
-/// Errors if there is no backend, a scene can't be used, or a technique's result breaks the rules (a panic, values outside 0..=1).
+/// Errors if there is no backend, a scene can't be used, or a technique's result breaks the rules
+/// (a panic, values outside 0..=1).
 pub fn windows(
     options: &StabilityOptions,
     backends: &mut Backends,
@@ -256,8 +260,8 @@ impl Trial<'_> {
         Ok(Some(true))
     }
 
-    /// Returns the last amount that passes on the way from one that does to a neighbour that does not; the first where there is no
-    /// neighbour.
+    /// Returns the last amount that passes on the way from one that does to a neighbour that does
+    /// not; the first where there is no neighbour.
     fn last_passing(
         &mut self,
         passing: f64,
@@ -281,8 +285,8 @@ impl Trial<'_> {
     }
 }
 
-/// Returns the first and the last amount of the widest run of neighbours that all pass, the first of equally wide ones; none
-/// without any. Amounts grow.
+/// Returns the first and the last amount of the widest run of neighbours that all pass, the first
+/// of equally wide ones; none without any. Amounts grow.
 fn widest_run(amounts: &[f64], passing: &[bool]) -> Option<[f64; 2]> {
     let mut widest: Option<[f64; 2]> = None;
     let mut run: Option<[f64; 2]> = None;
@@ -318,7 +322,8 @@ mod tests {
         assert_eq!(run([false, false, true, false, false]), Some([2.0, 2.0]));
     }
 
-    /// One comparison needs an offset of its own, but none beside its default bias; far too much passes under neither.
+    /// One comparison needs an offset of its own, but none beside its default bias; far too much
+    /// passes under neither.
     #[test]
     fn a_bare_comparison_needs_tuning_and_the_default_does_not() {
         let options = StabilityOptions {

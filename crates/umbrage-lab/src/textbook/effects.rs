@@ -22,7 +22,8 @@ pub fn all() -> &'static [Effect] {
     ALL
 }
 
-/// The textbooks' map: 1024 texels, laid by hand from (-2, 4, -1), 10 m to each side, near 1, far 7.5.
+/// The textbooks' map: 1024 texels, laid by hand from (-2, 4, -1), 10 m to each side, near 1, far
+/// 7.5.
 fn map(bias: Bias) -> ShadowMap {
     ShadowMap {
         size: 1024,

@@ -50,7 +50,8 @@ fn section(effect: &Effect, played: &PlayedEffect) -> String {
     format!("{head}<div class=pair>\n{left}{right}</div>\n{worse}</section>\n")
 }
 
-/// Returns one half of an effect; mean errors that are less than those of `than` are marked as better.
+/// Returns one half of an effect; mean errors that are less than those of `than` are marked as
+/// better.
 fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
     let label = preset.label;
     let technique = (preset.technique)();

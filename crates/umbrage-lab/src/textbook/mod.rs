@@ -1,5 +1,6 @@
-//! The textbooks' effects as presets: each a scene and settings that show a fault, and settings that cure it, with the
-//! numbers that the textbooks use. [`play()`] measures and pictures both; [`html`] makes one page of all.
+//! The textbooks' effects as presets: each a scene and settings that show a fault, and settings
+//! that cure it, with the numbers that the textbooks use. [`play()`] measures and pictures both;
+//! [`html`] makes one page of all.
 
 mod effect;
 mod effects;

@@ -39,7 +39,8 @@ pub(super) fn text(words: impl Into<String>) -> Inline {
     Inline::Text(words.into())
 }
 
-/// Returns a heading's anchor as GitHub makes it: lowercase letters, digits, dashes and underscores; dashes for spaces.
+/// Returns a heading's anchor as GitHub makes it: lowercase letters, digits, dashes and
+/// underscores; dashes for spaces.
 pub(super) fn anchor(heading: &str) -> String {
     let mut out = String::new();
     for c in heading.to_lowercase().chars() {

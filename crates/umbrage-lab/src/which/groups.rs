@@ -12,11 +12,12 @@ pub(super) const MOTIONS: [(FrameMotion, &str); 3] = [
     (FrameMotion::AllMoves, "all moves"),
 ];
 
-/// A frame's greatest time, as a multiple of a `hard` map's in the same scene under the same motion. The first has room for the noise
-/// of times.
+/// A frame's greatest time, as a multiple of a `hard` map's in the same scene under the same
+/// motion. The first has room for the noise of times.
 pub(super) const BUDGETS: [f64; 5] = [1.25, 2.0, 5.0, 20.0, f64::INFINITY];
 
-/// Of settings whose errors are so near to the least, as a multiple of it, the quickest is the answer.
+/// Of settings whose errors are so near to the least, as a multiple of it, the quickest is the
+/// answer.
 pub(super) const AS_GOOD: f64 = 1.1;
 
 /// How large a scene is.
@@ -60,7 +61,8 @@ pub(super) struct Answer {
 #[derive(Clone, Debug)]
 pub(super) struct OfBackend {
     pub(super) backend: String,
-    /// For each budget, for each motion: the place of an answer; none where nothing within the budget is better than no shadow.
+    /// For each budget, for each motion: the place of an answer; none where nothing within the
+    /// budget is better than no shadow.
     pub(super) table: Vec<[Option<usize>; MOTIONS.len()]>,
     /// What is known of each setting, for each motion.
     pub(super) settings: [Vec<Relative>; MOTIONS.len()],
@@ -107,7 +109,8 @@ fn size_of(scene: &SceneResult) -> usize {
     fits.unwrap_or(SIZES.len() - 1)
 }
 
-/// Returns the groups of which there are frames of real size, in the order of lights, extents and sizes.
+/// Returns the groups of which there are frames of real size, in the order of lights, extents and
+/// sizes.
 pub(super) fn groups(scenes: &[MeasuredScene]) -> Vec<WhichGroup> {
     let mut out = Vec::new();
     for (light, (kind, _)) in LIGHTS.iter().enumerate() {
@@ -208,8 +211,8 @@ impl OfBackend {
     }
 }
 
-/// Returns the quickest of the settings within a budget that are as good as the best of them ([`AS_GOOD`]); none if none of them is
-/// better than no shadow.
+/// Returns the quickest of the settings within a budget that are as good as the best of them
+/// ([`AS_GOOD`]); none if none of them is better than no shadow.
 fn best_within(settings: &[Relative], clock: CostBasis, budget: f64) -> Option<&Relative> {
     let time = |s: &Relative| s.take(clock).unwrap_or(f64::INFINITY);
     // Errors below this can't be seen.

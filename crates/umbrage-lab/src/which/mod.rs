@@ -1,7 +1,8 @@
-//! "Which technique should I use?": a page of answers by kind of light, size of scene, motion and budget, made from the results of
-//! a comparison and of `stability` alone.
+//! "Which technique should I use?": a page of answers by kind of light, size of scene, motion and
+//! budget, made from the results of a comparison and of `stability` alone.
 //!
-//! * `groups`: the scenes of one kind of light and one size, and for each motion and budget the setting that does best.
+//! * `groups`: the scenes of one kind of light and one size, and for each motion and budget the
+//!   setting that does best.
 //! * `document`: text, tables and pictures, written as Markdown and as HTML.
 //! * `words`: what the page says. `pictures`: truth, mask and error of each answer, small.
 
@@ -21,11 +22,13 @@ use umbrage_core::Invalid;
 /// Where the pictures lie, beside the page.
 const PICTURES: &str = "which";
 
-/// Writes `which.md`, `which.html` and the folder `which` with their pictures into `out`. `compared` and `stability` are folders that
-/// `compare` and `stability` wrote; `command`: how the page is made again. Returns the paths of the two pages.
+/// Writes `which.md`, `which.html` and the folder `which` with their pictures into `out`.
+/// `compared` and `stability` are folders that `compare` and `stability` wrote; `command`: how the
+/// page is made again. Returns the paths of the two pages.
 ///
 /// # Errors
-/// Errors if a folder holds no such results, if there are no frames of real size among them, or if a file cannot be read or written.
+/// Errors if a folder holds no such results, if there are no frames of real size among them, or if
+/// a file cannot be read or written.
 pub fn write(
     compared: &Path,
     stability: &Path,

@@ -16,7 +16,8 @@ const WIDTH: usize = 168;
 /// Pixels between two of them.
 const GAP: usize = 4;
 
-/// For each group, for each answer, its picture's file, relative to the page; none where the comparison kept none.
+/// For each group, for each answer, its picture's file, relative to the page; none where the
+/// comparison kept none.
 pub(super) type Shown = Vec<Vec<Option<String>>>;
 
 /// Writes the pictures of all answers.
@@ -54,7 +55,8 @@ pub(super) fn write(
     Ok(out)
 }
 
-/// Returns the mask's and the error's file of the first row that has them; or of the rows whose figures it repeats.
+/// Returns the mask's and the error's file of the first row that has them; or of the rows whose
+/// figures it repeats.
 fn files(folder: &Path, scene: &SceneResult, rows: &[&CompareRow]) -> Option<[PathBuf; 2]> {
     let of_row = |row: &CompareRow| {
         let stem = row.stem();
@@ -132,7 +134,8 @@ impl Small {
     }
 }
 
-/// Returns a component, 0..=255, in sixteen levels: the files are half as large, and nobody sees it at this size.
+/// Returns a component, 0..=255, in sixteen levels: the files are half as large, and nobody sees it
+/// at this size.
 fn coarse(component: u32) -> u8 {
     ((component + LEVEL / 2) / LEVEL * LEVEL).min(255) as u8
 }

@@ -301,7 +301,8 @@ impl Words<'_> {
         ]
     }
 
-    /// Returns the geometric mean of a setting's frame over the group's scenes, milliseconds; none if it is not known of all.
+    /// Returns the geometric mean of a setting's frame over the group's scenes, milliseconds; none
+    /// if it is not known of all.
     fn milliseconds(
         &self,
         group: &WhichGroup,
@@ -328,7 +329,8 @@ impl Words<'_> {
         row.measured()
     }
 
-    /// Returns an answer's line: its picture, its error, its times on all backends, and what it fails.
+    /// Returns an answer's line: its picture, its error, its times on all backends, and what it
+    /// fails.
     fn answer(
         &self,
         group: &WhichGroup,

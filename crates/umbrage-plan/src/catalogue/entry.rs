@@ -18,13 +18,16 @@ use umbrage_techniques::{ShadowMap, TechniqueEntry, TechniquePreset, for_each_te
 pub struct CatalogueEntry {
     /// Its row in the library's list: name, summary, default settings.
     pub technique: TechniqueEntry,
-    /// The settings worth comparing, for the given map sides (texels) and fit: [`CataloguedTechnique::compared`].
+    /// The settings worth comparing, for the given map sides (texels) and fit:
+    /// [`CataloguedTechnique::compared`].
     pub settings: fn(map_sizes: &[u32], fit: Fit) -> Vec<TechniquePreset>,
-    /// The few settings that stand for it, for the given map sides (texels) and fit: [`CataloguedTechnique::headline`].
+    /// The few settings that stand for it, for the given map sides (texels) and fit:
+    /// [`CataloguedTechnique::headline`].
     pub headline: fn(map_sizes: &[u32], fit: Fit) -> Vec<TechniquePreset>,
     /// As [`CataloguedTechnique::MAX_COMPARED_TRIANGLES`].
     pub max_compared_triangles: Option<usize>,
-    /// Every setting that differs in code path, at one map side (texels): [`CataloguedTechnique::exhaustive`].
+    /// Every setting that differs in code path, at one map side (texels):
+    /// [`CataloguedTechnique::exhaustive`].
     pub exhaustive: fn(map_size: u32) -> Vec<TechniquePreset>,
     /// What a planner tries: [`CataloguedTechnique::candidates`].
     pub candidates: fn(map: ShadowMap, light: &Light) -> Vec<Candidate<TechniquePreset>>,
@@ -35,7 +38,8 @@ pub struct CatalogueEntry {
     pub why_chosen: fn(preset: &TechniquePreset, error: f64, recipe: &Recipe) -> Option<String>,
     /// What closed forms demand of it: [`CataloguedTechnique::closed_form`].
     pub closed_form: fn(map: ShadowMap) -> Option<ClosedFormDemand<TechniquePreset>>,
-    /// How far its lookups go: [`CataloguedTechnique::kernel_reach`]. `None` of another technique's settings, too.
+    /// How far its lookups go: [`CataloguedTechnique::kernel_reach`]. `None` of another technique's
+    /// settings, too.
     pub kernel_reach: fn(&TechniquePreset) -> Option<f32>,
     /// What is measured of its kernel: [`CataloguedTechnique::kernel`].
     pub kernel: fn(&dyn ReceiveKernel) -> Option<&dyn CataloguedKernel>,
@@ -168,13 +172,15 @@ impl Catalogue {
         self.0.iter().find(|entry| entry.technique.name == name)
     }
 
-    /// Returns how far, in texels, lookups go with these settings: [`CataloguedTechnique::kernel_reach`].
+    /// Returns how far, in texels, lookups go with these settings:
+    /// [`CataloguedTechnique::kernel_reach`].
     pub fn kernel_reach(&self, preset: &TechniquePreset) -> Option<f32> {
         let entry = self.find(preset.name())?;
         (entry.kernel_reach)(preset)
     }
 
-    /// Returns what is measured of a recipe's kernel: by the catalogue's own techniques, or by a built-in one.
+    /// Returns what is measured of a recipe's kernel: by the catalogue's own techniques, or by a
+    /// built-in one.
     pub fn kernel<'a>(&self, recipe: &'a Recipe) -> &'a dyn CataloguedKernel {
         let kernel = &*recipe.receive.kernel;
         let known = self
@@ -183,7 +189,8 @@ impl Catalogue {
         known.unwrap_or(&UnknownKernel)
     }
 
-    /// Returns how many texels a filter loads for each that it makes: by the catalogue's own techniques, or by a built-in one.
+    /// Returns how many texels a filter loads for each that it makes: by the catalogue's own
+    /// techniques, or by a built-in one.
     pub fn filter_loads(&self, filter: &dyn FilterKernel) -> u32 {
         let known = self
             .all_and_built_in()
@@ -219,7 +226,8 @@ impl Catalogue {
     /// Reads a preset of one of these techniques from TOML.
     ///
     /// # Errors
-    /// Errors if the text is not TOML, names none of these techniques, or has a field that the technique doesn't have.
+    /// Errors if the text is not TOML, names none of these techniques, or has a field that the
+    /// technique doesn't have.
     pub fn preset_from_toml(&self, text: &str) -> Result<TechniquePreset, Invalid> {
         let entries: Vec<TechniqueEntry> = self.0.iter().map(|entry| entry.technique).collect();
         TechniquePreset::read(text, &entries)

@@ -37,9 +37,11 @@ impl CataloguedKernel for ExactKernel {
     }
 }
 
-/// A lookup takes at least as long as the square root of the casters over 30 taps: the more casters, the more of the lists comes from far
-/// memory. And at least as long as a tap for each caster of its list. In six frames with 164 thousand to 2.4 million casters, the greater of the two
-/// is within a factor of 1.45 of what lookups take on the CPU and on lavapipe, but for `valley` on the CPU, where it is 1.7 times too dear.
+/// A lookup takes at least as long as the square root of the casters over 30 taps: the more
+/// casters, the more of the lists comes from far memory. And at least as long as a tap for each
+/// caster of its list. In six frames with 164 thousand to 2.4 million casters, the greater of the
+/// two is within a factor of 1.45 of what lookups take on the CPU and on lavapipe, but for `valley`
+/// on the CPU, where it is 1.7 times too dear.
 const CASTERS_A_TAP: f32 = 30.0;
 
 /// Returns the taps of a lookup whose lists come from far memory.

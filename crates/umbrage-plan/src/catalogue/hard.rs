@@ -62,7 +62,8 @@ impl CataloguedTechnique for MapTechnique<Hard> {
 }
 
 impl CataloguedKernel for HardKernel {
-    // It reaches no farther than the receiver's own texel, also where a technique that does falls back on it.
+    // It reaches no farther than the receiver's own texel, also where a technique that does falls
+    // back on it.
     fn reach(&self, _: Vec3, _: Vec3) -> Option<f32> {
         Some(0.0)
     }

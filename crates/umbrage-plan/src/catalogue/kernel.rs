@@ -7,8 +7,8 @@ use umbrage_core::{ReceiveKernel, Receivers, glam::Vec3};
 ///
 /// Each item has a default: a kernel of which nothing is known costs one tap.
 pub trait CataloguedKernel: Sync {
-    /// Returns what it does for one receiver, at most: for [`Work`](crate::cost::Work), which the price of a technique is made
-    /// of.
+    /// Returns what it does for one receiver, at most: for [`Work`](crate::cost::Work), which the
+    /// price of a technique is made of.
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::default()
     }
@@ -19,29 +19,32 @@ pub trait CataloguedKernel: Sync {
         self.cost_per_receiver()
     }
 
-    /// Returns how many triangles its tables were made of, each as often as it stands in them: tables that follow the light or
-    /// the casters are rebuilt with them. That costs about as much as drawing as many triangles.
+    /// Returns how many triangles its tables were made of, each as often as it stands in them:
+    /// tables that follow the light or the casters are rebuilt with them. That costs about as much
+    /// as drawing as many triangles.
     fn triangles_listed(&self) -> u64 {
         0
     }
 
-    /// Returns by how much its answer may be wrong where nothing casts, 0..=1, if it answers the share of a light with an extent
-    /// that the receiver's own tangent plane leaves. `None` of kernels that take the light for its middle, or query single points
-    /// of it.
+    /// Returns by how much its answer may be wrong where nothing casts, 0..=1, if it answers the
+    /// share of a light with an extent that the receiver's own tangent plane leaves. `None` of
+    /// kernels that take the light for its middle, or query single points of it.
     fn horizon_error(&self) -> Option<f32> {
         None
     }
 
-    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond the
-    /// point of the map on which it falls, if that differs from one receiver to the next. `None`: as far as
+    /// Returns how far, in texels, the lookup of a receiver at `position` (world space) with the
+    /// unit `normal` goes beyond the point of the map on which it falls, if that differs from one
+    /// receiver to the next. `None`: as far as
     /// [`CataloguedTechnique::kernel_reach`](super::CataloguedTechnique::kernel_reach) returns.
     fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         let _ = (position, normal);
         None
     }
 
-    /// Returns the layer of its map in which a receiver at `position` (world space) is looked up, if there are several. `None`:
-    /// the layers are the faces of a cube, and it is that of the face in which the receiver lies.
+    /// Returns the layer of its map in which a receiver at `position` (world space) is looked up,
+    /// if there are several. `None`: the layers are the faces of a cube, and it is that of the face
+    /// in which the receiver lies.
     fn layer(&self, position: Vec3) -> Option<u32> {
         let _ = position;
         None

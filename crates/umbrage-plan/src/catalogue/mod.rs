@@ -1,8 +1,8 @@
 //! What is measured of each technique: a row a technique.
 //!
-//! A technique implements [`CataloguedTechnique`] in a file of its own, which says what is compared,
-//! planned and tested. [`CatalogueEntry::of`] makes a row of it, and a [`Catalogue`] is a list of
-//! rows: of the built-in techniques, and of a program's own.
+//! A technique implements [`CataloguedTechnique`] in a file of its own, which says what is
+//! compared, planned and tested. [`CatalogueEntry::of`] makes a row of it, and a [`Catalogue`] is a
+//! list of rows: of the built-in techniques, and of a program's own.
 
 mod entry;
 mod evsm;
@@ -65,7 +65,8 @@ use umbrage_techniques::{ListedTechnique, ShadowMap};
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
 pub trait CataloguedTechnique: ListedTechnique {
-    /// The settings worth comparing, for maps with these sides (texels) and this fit. Techniques without a map ignore both.
+    /// The settings worth comparing, for maps with these sides (texels) and this fit. Techniques
+    /// without a map ignore both.
     ///
     /// By default the default settings, on maps of all sizes.
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
@@ -76,7 +77,8 @@ pub trait CataloguedTechnique: ListedTechnique {
         sweeps::sweep(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
     }
 
-    /// The few settings that stand for it where frames of real size are compared: those that a program would begin with.
+    /// The few settings that stand for it where frames of real size are compared: those that a
+    /// program would begin with.
     ///
     /// By default the default settings, on the middle map.
     fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
@@ -87,9 +89,9 @@ pub trait CataloguedTechnique: ListedTechnique {
         sweeps::middle(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
     }
 
-    /// The most triangles of a scene with which `compare` runs it, where all scenes are compared: larger
-    /// ones take minutes. It runs if such a scene is named, or all settings are compared. `None` for no
-    /// bound.
+    /// The most triangles of a scene with which `compare` runs it, where all scenes are compared:
+    /// larger ones take minutes. It runs if such a scene is named, or all settings are compared.
+    /// `None` for no bound.
     const MAX_COMPARED_TRIANGLES: Option<usize> = None;
 
     /// Every setting that differs in code path, on maps of one small side (texels), for tests.
@@ -103,8 +105,8 @@ pub trait CataloguedTechnique: ListedTechnique {
         sweeps::every_bias(map_size, |map| default.clone().with_map(map))
     }
 
-    /// The settings that a planner tries under `light`. It puts those with a map on maps of all sides, and searches their
-    /// bias; `map` says all else of the map.
+    /// The settings that a planner tries under `light`. It puts those with a map on maps of all
+    /// sides, and searches their bias; `map` says all else of the map.
     ///
     /// By default the default settings.
     fn candidates(map: ShadowMap, light: &Light) -> Vec<Candidate<Self>> {
@@ -115,15 +117,16 @@ pub trait CataloguedTechnique: ListedTechnique {
     /// Which biases a planner may give to its maps.
     const PLANNED_BIASES: PlannedBiases = PlannedBiases::All;
 
-    /// Why a planner chose these settings, in a few words for people, where there is more to say than what was measured.
-    /// `error` is the estimated RMSE, and `recipe` what is executed. Only called for techniques without a map.
+    /// Why a planner chose these settings, in a few words for people, where there is more to say
+    /// than what was measured. `error` is the estimated RMSE, and `recipe` what is executed. Only
+    /// called for techniques without a map.
     fn why_chosen(&self, error: f64, recipe: &Recipe) -> Option<String> {
         let _ = (error, recipe);
         None
     }
 
-    /// What the closed forms of ideal lights demand of it at single points, with `map`; `None` if it can't be queried
-    /// for single points, or doesn't meet them.
+    /// What the closed forms of ideal lights demand of it at single points, with `map`; `None` if
+    /// it can't be queried for single points, or doesn't meet them.
     ///
     /// By default the default settings are right where no edge is within
     /// [`kernel_reach`](Self::kernel_reach); techniques without a map have no demand.
@@ -134,10 +137,11 @@ pub trait CataloguedTechnique: ListedTechnique {
         Some(ClosedFormDemand::new(technique, reach))
     }
 
-    /// Returns how far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one
-    /// texel, 1 for the 3 x 3 around it. If it differs from one receiver to the next, this is the narrowest, and
-    /// [`CataloguedKernel::reach`] returns each. `None` if no map of what the light sees is looked up, or it isn't known: reports
-    /// then say nothing of its maps.
+    /// Returns how far, in texels, lookups go beyond the point of a map on which a receiver falls,
+    /// along each axis: 0 for one texel, 1 for the 3 x 3 around it. If it differs from one receiver
+    /// to the next, this is the narrowest, and [`CataloguedKernel::reach`] returns each. `None` if
+    /// no map of what the light sees is looked up, or it isn't known: reports then say nothing of
+    /// its maps.
     fn kernel_reach(&self) -> Option<f32> {
         None
     }
@@ -148,8 +152,8 @@ pub trait CataloguedTechnique: ListedTechnique {
         None
     }
 
-    /// Returns how many texels a filter loads for each that it makes, if recipes of this technique have it and it loads more than
-    /// one. One is part of the price of any filter.
+    /// Returns how many texels a filter loads for each that it makes, if recipes of this technique
+    /// have it and it loads more than one. One is part of the price of any filter.
     fn filter_loads(filter: &dyn FilterKernel) -> Option<u32> {
         let _ = filter;
         None
@@ -170,8 +174,8 @@ pub trait CataloguedTechnique: ListedTechnique {
         Self::default().with_map(map)
     }
 
-    /// Whether quick comparisons of all techniques run it. They leave out what takes long and seldom wins.
-    /// A technique that is named always runs.
+    /// Whether quick comparisons of all techniques run it. They leave out what takes long and
+    /// seldom wins. A technique that is named always runs.
     const IS_PREVIEWED: bool = true;
 }
 
@@ -218,15 +222,16 @@ pub enum PlannedBiases {
     Own,
 }
 
-/// What closed forms demand of a technique: at points farther from all edges than its kernel reaches, its answer must be
-/// the formula's.
+/// What closed forms demand of a technique: at points farther from all edges than its kernel
+/// reaches, its answer must be the formula's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosedFormDemand<T> {
     /// The technique, with its settings.
     pub technique: T,
     /// How far its kernel reaches beyond the receiver's own texel, texels.
     pub reach: f32,
-    /// How far its answer may be from the formula's: 0 for comparisons, which know light and dark alone.
+    /// How far its answer may be from the formula's: 0 for comparisons, which know light and dark
+    /// alone.
     pub tolerance: f32,
     /// Whether it serves closed bodies alone, and neither sheets nor rooms without an outside.
     pub closed_bodies: bool,
@@ -251,7 +256,8 @@ pub enum RandomParameter {
     Count(Range<u32>),
     /// A length.
     Length(Range<f32>),
-    /// The place of a [`Pattern`](umbrage_techniques::Pattern) in [`Pattern::ALL`](umbrage_techniques::Pattern::ALL).
+    /// The place of a [`Pattern`](umbrage_techniques::Pattern) in
+    /// [`Pattern::ALL`](umbrage_techniques::Pattern::ALL).
     Pattern,
     /// 0 or 1.
     Switch,

@@ -5,8 +5,8 @@ use std::any::Any;
 use umbrage_core::FilterKernel;
 use umbrage_techniques::{BoxBlurKernel, HalveKernel, HalveUniforms, MomentPrecision, ShadowMap};
 
-/// How far from light or darkness a bound may be where a formula knows either: what is mixed into moments, the least variance, and the
-/// variance of curved surfaces leave a little of both.
+/// How far from light or darkness a bound may be where a formula knows either: what is mixed into
+/// moments, the least variance, and the variance of curved surfaces leave a little of both.
 const CLOSED_FORM_TOLERANCE: f32 = 0.05;
 
 /// The precisions and counts of mipmaps that differ in code path, besides the default ones.

@@ -86,6 +86,7 @@ impl CataloguedKernel for PcfKernel {
     }
 }
 
-/// Taps that lie side by side in a row take as long as one tap elsewhere, at most: from 3x3 to 7x7, a tap takes .10 ns more on the CPU and 1.2 ns on
-/// lavapipe, in the disc of `pcf_disc` .75 and 2.6 ns (`recorded.csv`).
+/// Taps that lie side by side in a row take as long as one tap elsewhere, at most: from 3x3 to 7x7,
+/// a tap takes .10 ns more on the CPU and 1.2 ns on lavapipe, in the disc of `pcf_disc` .75 and 2.6
+/// ns (`recorded.csv`).
 const NEIGHBOURS_A_TAP: u32 = 3;

@@ -54,8 +54,8 @@ impl CataloguedTechnique for MapTechnique<PcfHardware> {
     }
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
-        // The default leaves samples up to 6 % grey on a faceted sphere, where a facet meets a flatter one:
-        // `shaders/shadow_map/bias.rs` says why.
+        // The default leaves samples up to 6 % grey on a faceted sphere, where a facet meets a
+        // flatter one: `shaders/shadow_map/bias.rs` says why.
         let map = ShadowMap {
             bias: Bias::RECEIVER_PLANE,
             ..map

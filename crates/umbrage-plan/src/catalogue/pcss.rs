@@ -105,7 +105,8 @@ impl CataloguedTechnique for MapTechnique<Pcss> {
 }
 
 impl CataloguedKernel for PcssKernel {
-    /// Second comparisons at a tap are left out: they are few, and as many receivers need no search.
+    /// Second comparisons at a tap are left out: they are few, and as many receivers need no
+    /// search.
     fn cost_per_receiver(&self) -> KernelCost {
         KernelCost::taps(1 + self.uniforms.blocker_taps + self.uniforms.filter_taps)
     }

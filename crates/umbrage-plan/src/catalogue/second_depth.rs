@@ -39,7 +39,8 @@ impl CataloguedTechnique for MapTechnique<SecondDepth> {
             bias: Bias::FRONT_CULL,
             ..map
         };
-        // It shows nothing but the far sides of bodies: sheets, and rooms without an outside, have none.
+        // It shows nothing but the far sides of bodies: sheets, and rooms without an outside, have
+        // none.
         Some(ClosedFormDemand {
             closed_bodies: true,
             ..ClosedFormDemand::new(SecondDepth { radius: 0 }.on(map), 0.0)

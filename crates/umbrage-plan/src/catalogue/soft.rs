@@ -59,7 +59,8 @@ impl CataloguedTechnique for Soft {
 
     fn random(_: ShadowMap, numbers: &[f32]) -> Self {
         let [least, greatest] = SOFT_ERRORS;
-        // As many rows as the number says, about: the inverse of what `shaders/techniques/soft/lattice.rs` has for discs.
+        // As many rows as the number says, about: the inverse of what
+        // `shaders/techniques/soft/lattice.rs` has for discs.
         let error = 0.42 * numbers[0].powf(-1.5);
         Self {
             error: error.clamp(least, greatest),
@@ -79,8 +80,9 @@ impl CataloguedKernel for SoftKernel {
     }
 }
 
-/// A walk through a shaft costs about as much as so many rays: with [`ROWS_A_RAY`], in `nave-soft`, `dancer-soft` and `valley-soft` within
-/// a factor of 4 on the CPU and on wgpu. The finer the casters, the more of them lie in a shaft.
+/// A walk through a shaft costs about as much as so many rays: with [`ROWS_A_RAY`], in `nave-soft`,
+/// `dancer-soft` and `valley-soft` within a factor of 4 on the CPU and on wgpu. The finer the
+/// casters, the more of them lie in a shaft.
 const WALK_IN_RAYS: u32 = 4;
 
 /// So many rows of points cost about as much as a ray.

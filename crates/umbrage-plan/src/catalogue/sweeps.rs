@@ -3,8 +3,8 @@
 use umbrage_core::{Cascades, Fit, Layout, Split};
 use umbrage_techniques::{BeyondFar, Bias, Border, MapFormat, ShadowMap, Surface};
 
-/// Returns biases for kernels that reach `reach` texels beyond the receiver's own, and need more for it; the textbooks' slope bias is
-/// theirs for 3x3.
+/// Returns biases for kernels that reach `reach` texels beyond the receiver's own, and need more
+/// for it; the textbooks' slope bias is theirs for 3x3.
 pub fn wide_biases(reach: f32) -> [Bias; 4] {
     [
         Bias::ADAPTIVE,
@@ -19,8 +19,9 @@ pub fn two_biases(reach: f32) -> [Bias; 2] {
     [Bias::ADAPTIVE, Bias::polygon_offset(reach)]
 }
 
-/// Returns a technique with its first bias over maps of all sides (`sizes`, texels), and with the others at the middle one: what a size
-/// does and what a bias does are seen apart, in far fewer settings than all pairs would be.
+/// Returns a technique with its first bias over maps of all sides (`sizes`, texels), and with the
+/// others at the middle one: what a size does and what a bias does are seen apart, in far fewer
+/// settings than all pairs would be.
 pub fn sweep<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     let (first, others) = biases.split_at(biases.len().min(1));
     let mut out = maps(sizes, fit, first, &make);
@@ -55,14 +56,15 @@ pub fn maps<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap
     out
 }
 
-/// Blur of moment maps that are compared on maps of all sides, texels to each side: that of 3x3, which errs least in most frames of real
-/// size.
+/// Blur of moment maps that are compared on maps of all sides, texels to each side: that of 3x3,
+/// which errs least in most frames of real size.
 const NARROW_BLUR: u32 = 1;
 /// Blur of what is compared at the middle side alone.
 const WIDE_BLUR: u32 = 3;
 
-/// Returns a technique that blurs its map, with both blurs and the default bias; with the narrow blur alone where there is one side only,
-/// for a quick look, as on software drivers a wide blur takes as long as ten other techniques.
+/// Returns a technique that blurs its map, with both blurs and the default bias; with the narrow
+/// blur alone where there is one side only, for a quick look, as on software drivers a wide blur
+/// takes as long as ten other techniques.
 pub fn blurs<T>(sizes: &[u32], fit: Fit, make: impl Fn(ShadowMap, u32) -> T) -> Vec<T> {
     let bias = [Bias::ADAPTIVE];
     let mut out = sweep(sizes, fit, &bias, |map| make(map, NARROW_BLUR));
@@ -72,8 +74,8 @@ pub fn blurs<T>(sizes: &[u32], fit: Fit, make: impl Fn(ShadowMap, u32) -> T) -> 
     out
 }
 
-/// Returns a technique with four cascades of half the middle map side, which take the memory of one map of that side; nothing for fits
-/// that don't follow the camera.
+/// Returns a technique with four cascades of half the middle map side, which take the memory of one
+/// map of that side; nothing for fits that don't follow the camera.
 pub fn cascades<T>(sizes: &[u32], fit: Fit, bias: Bias, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     if matches!(fit, Fit::Whole | Fit::Manual { .. }) {
         return Vec::new();
@@ -103,7 +105,8 @@ pub fn every_bias<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     maps(&[size], Fit::Tight, &biases, make)
 }
 
-/// Returns a technique with two biases: for kernels that treat depth as another setting of theirs does.
+/// Returns a technique with two biases: for kernels that treat depth as another setting of theirs
+/// does.
 pub fn slope_and_adaptive<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     maps(&[size], Fit::Tight, &[Bias::SLOPE, Bias::ADAPTIVE], make)
 }

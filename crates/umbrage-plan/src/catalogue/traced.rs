@@ -7,13 +7,14 @@ use super::{
 use umbrage_core::{Fit, Light, ReceiveKernel, Recipe};
 use umbrage_techniques::{ShadowMap, Traced, TracedKernel};
 
-/// Rays a receiver that a planner tries, each a fifth or so more than the one before (or one more), as each costs so much
-/// more.
+/// Rays a receiver that a planner tries, each a fifth or so more than the one before (or one more),
+/// as each costs so much more.
 const PLANNED_SAMPLES: [u32; 23] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 33, 40, 49, 60, 74, 91, 112, 170, 256,
 ];
 
-/// Twice the rays divide the error by at most 2 (the samples are stratified), and no step is more than from one to two.
+/// Twice the rays divide the error by at most 2 (the samples are stratified), and no step is more
+/// than from one to two.
 const GAIN_OF_RAYS: f64 = 2.0;
 
 impl CataloguedTechnique for Traced {

@@ -9,7 +9,8 @@ impl CataloguedTechnique for ShadowVolumes {
         Some("volumes have exact edges".to_owned())
     }
 
-    // Of 2.4 million triangles, a plan takes 7 seconds, and a software driver draws the volumes in 11.
+    // Of 2.4 million triangles, a plan takes 7 seconds, and a software driver draws the volumes in
+    // 11.
     const MAX_COMPARED_TRIANGLES: Option<usize> = Some(1_000_000);
 
     const RANDOM_WEIGHT: u32 = 2;

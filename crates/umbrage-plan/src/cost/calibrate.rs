@@ -25,7 +25,8 @@ pub struct CostSample {
 }
 
 impl CostSample {
-    /// Returns the samples of a recipe's two parts from its whole work; of its lookup alone if it draws nothing.
+    /// Returns the samples of a recipe's two parts from its whole work; of its lookup alone if it
+    /// draws nothing.
     pub fn of_parts(label: &str, work: &Work, draw_ms: f64, lookup_ms: f64) -> Vec<Self> {
         let lookup = Self {
             label: format!("{label}, lookup"),
@@ -57,7 +58,8 @@ pub struct Calibration {
     pub factor_of_nine_in_ten: f64,
 }
 
-/// Plays scenes with settings on a backend, and returns their work and times. Settings that can't serve a scene are left out.
+/// Plays scenes with settings on a backend, and returns their work and times. Settings that can't
+/// serve a scene are left out.
 ///
 /// # Errors
 /// Errors if a scene or a setting is not valid, or the backend fails.
@@ -91,7 +93,8 @@ pub fn time_work(
     Ok(samples)
 }
 
-/// Plays a technique and times its parts; none where it isn't supported or too large for the backend.
+/// Plays a technique and times its parts; none where it isn't supported or too large for the
+/// backend.
 fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -110,7 +113,8 @@ fn measure(
     let mut least_lookup = f64::INFINITY;
     let mut first_timed = None;
     for run in 0..=runs.max(1) {
-        // A card reads masks back for longer than it renders them. Its first runs bring it to its full clock.
+        // A card reads masks back for longer than it renders them. Its first runs bring it to its
+        // full clock.
         let spent = first_timed.map_or(Duration::ZERO, |start: Instant| start.elapsed());
         let is_enough = spent > LONG || (spent > ENOUGH && run > MIN_RUNS);
         if is_enough && run > 1 {
@@ -150,12 +154,14 @@ fn milliseconds(time: Duration) -> f64 {
 /// Rounds in which the fit comes nearer to the least sum of squared logarithms.
 const ROUNDS: usize = 12;
 
-/// Fits prices to measurements, so that the sum of the squared logarithms of predicted over measured time is least: a factor of two
-/// matters as much at a tenth of a millisecond as at a hundred, and half the time as much as twice the time. By Gauss and Newton's
-/// method: around the last prediction p, log p is a line, whose least squares are solved for.
+/// Fits prices to measurements, so that the sum of the squared logarithms of predicted over
+/// measured time is least: a factor of two matters as much at a tenth of a millisecond as at a
+/// hundred, and half the time as much as twice the time. By Gauss and Newton's method: around the
+/// last prediction p, log p is a line, whose least squares are solved for.
 pub fn fit(samples: Vec<CostSample>) -> Calibration {
-    // A row is what each kind of work adds to the predicted time for a price of 1 ns, relative to the measured time. The sum of
-    // price times row is then predicted over measured time, which is to be 1.
+    // A row is what each kind of work adds to the predicted time for a price of 1 ns, relative to
+    // the measured time. The sum of price times row is then predicted over measured time, which is
+    // to be 1.
     let mut rows = Vec::with_capacity(samples.len());
     for sample in &samples {
         let measured = sample.milliseconds.max(MIN_MILLISECONDS);
@@ -168,7 +174,8 @@ pub fn fit(samples: Vec<CostSample>) -> Calibration {
         for row in &rows {
             let products = row.iter().zip(nanoseconds).map(|(r, price)| r * price);
             let predicted = products.sum::<f64>().max(MIN_RATIO);
-            // log q = log p + (q - p) / p is to be 0: q / p is to be 1 - log p. Far above, a step stays within the prices' signs.
+            // log q = log p + (q - p) / p is to be 0: q / p is to be 1 - log p. Far above, a step
+            // stays within the prices' signs.
             targets.push((1.0 - predicted.ln()).max(MIN_TARGET));
             scaled.push(row.map(|r| r / predicted));
         }
@@ -198,7 +205,8 @@ const MIN_RATIO: f64 = 1e-3;
 /// The least share of a prediction that one round aims at.
 const MIN_TARGET: f64 = 0.05;
 
-/// A setting that has been timed for so long and [`MIN_RUNS`] times is not timed again, so that some 600 settings take about a minute on a card.
+/// A setting that has been timed for so long and [`MIN_RUNS`] times is not timed again, so that
+/// some 600 settings take about a minute on a card.
 const ENOUGH: Duration = Duration::from_millis(40);
 
 /// Timed runs of a setting, of which the quickest counts.

@@ -1,7 +1,8 @@
 //! Least squares whose unknowns are not negative.
 
-/// Returns the x >= 0 with the least sum of squares of `rows` x - `targets`. Solves for one unknown after the other (coordinate
-/// descent) until nothing changes any more. Unknowns that no row mentions are 0.
+/// Returns the x >= 0 with the least sum of squares of `rows` x - `targets`. Solves for one unknown
+/// after the other (coordinate descent) until nothing changes any more. Unknowns that no row
+/// mentions are 0.
 pub(super) fn solve<const N: usize>(rows: &[[f64; N]], targets: &[f64]) -> [f64; N] {
     let mut x = [0.0; N];
     // `rows` x - `targets`, which starts from x = 0.
@@ -10,7 +11,8 @@ pub(super) fn solve<const N: usize>(rows: &[[f64; N]], targets: &[f64]) -> [f64;
     for _ in 0..MAX_ROUNDS {
         let mut max_change = 0.0_f64;
         for k in (0..N).filter(|&k| squares[k] > 0.0) {
-            // Along x[k] the sum of squares is a parabola; half its slope is this, half its curvature `squares[k]`.
+            // Along x[k] the sum of squares is a parabola; half its slope is this, half its
+            // curvature `squares[k]`.
             let slope: f64 = rows
                 .iter()
                 .zip(&residuals)
@@ -32,7 +34,8 @@ pub(super) fn solve<const N: usize>(rows: &[[f64; N]], targets: &[f64]) -> [f64;
     x
 }
 
-/// Rounds over all unknowns: correlated ones approach each other slowly, but thousands of rounds take milliseconds.
+/// Rounds over all unknowns: correlated ones approach each other slowly, but thousands of rounds
+/// take milliseconds.
 const MAX_ROUNDS: usize = 100_000;
 /// A round that changes sums by less than this ends it: far below what times are worth.
 const CONVERGED: f64 = 1e-9;

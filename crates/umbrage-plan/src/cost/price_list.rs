@@ -1,4 +1,5 @@
-//! Prices of all kinds of backend as a file, so that plans and comparisons count with those of the user's machine.
+//! Prices of all kinds of backend as a file, so that plans and comparisons count with those of the
+//! user's machine.
 
 use super::{CostModel, KINDS};
 use serde::{Deserialize, Serialize};
@@ -38,7 +39,8 @@ impl PriceList {
     /// Reads prices from TOML.
     ///
     /// # Errors
-    /// Errors if the text isn't TOML, a price is missing or unknown, or one is negative or not finite.
+    /// Errors if the text isn't TOML, a price is missing or unknown, or one is negative or not
+    /// finite.
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         let list: Self = toml::from_str(text).map_err(|e| {
             let help = "write it anew with `bench --costs --write FILE`";

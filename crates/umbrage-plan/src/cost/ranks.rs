@@ -1,8 +1,9 @@
 //! How well one order of rows agrees with another.
 
-/// Returns Spearman's rank correlation of two lists of the same length (Spearman 1904, "The proof and measurement of association
-/// between two things"): 1 if both rise together, -1 if one falls as the other rises. Equal numbers share the mean of their
-/// ranks. None with fewer than three pairs, or where all numbers of a list are equal.
+/// Returns Spearman's rank correlation of two lists of the same length (Spearman 1904, "The proof
+/// and measurement of association between two things"): 1 if both rise together, -1 if one falls as
+/// the other rises. Equal numbers share the mean of their ranks. None with fewer than three pairs,
+/// or where all numbers of a list are equal.
 pub fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
     if pairs.len() < 3 {
         return None;

@@ -1,8 +1,9 @@
 //! The built-in prices, and the times that they are fitted to.
 //!
-//! `recorded.csv` has lines of the `work.csv` of one whole `cargo xtask compare` on the machine that [`CostModel::CPU`] names, with nothing
-//! beside it, each with the least times of its runs: all rows of the frames of real size, and a seventh of those of small scenes with
-//! 100 triangles or more. `record.sh` makes such lines of one or several files `work.csv`.
+//! `recorded.csv` has lines of the `work.csv` of one whole `cargo xtask compare` on the machine
+//! that [`CostModel::CPU`] names, with nothing beside it, each with the least times of its runs:
+//! all rows of the frames of real size, and a seventh of those of small scenes with 100 triangles
+//! or more. `record.sh` makes such lines of one or several files `work.csv`.
 
 use super::{
     CostModel, KIND_NAMES,
@@ -18,10 +19,11 @@ const RECORDED: &str = include_str!("recorded.csv");
 /// The least rank correlation of counted cost and time over the rows of a frame of real size.
 const LEAST: f64 = 0.9;
 
-/// Frames whose rows are ranked worse, each with a bound of its own. Rays, and the points of `soft`, have one price a level of the
-/// hierarchy: in `valley`, where rays graze hills, `traced` takes longer than its counted cost, and in `leaf-cards`, where leaves end
-/// shafts early, `soft` takes half. In `forest-soft` 2.4 million triangles are most of every map's time, so that many rows lie close
-/// together.
+/// Frames whose rows are ranked worse, each with a bound of its own. Rays, and the points of
+/// `soft`, have one price a level of the hierarchy: in `valley`, where rays graze hills, `traced`
+/// takes longer than its counted cost, and in `leaf-cards`, where leaves end shafts early, `soft`
+/// takes half. In `forest-soft` 2.4 million triangles are most of every map's time, so that many
+/// rows lie close together.
 const RANKED_WORSE: [(&str, &str, f64); 3] = [
     ("valley", "cpu", 0.83),
     ("leaf-cards", "cpu", 0.87),

@@ -19,11 +19,14 @@ type ClipPolygon = Polygon<DVec4, 9>;
 pub struct Work {
     /// Passes: casts, filters, receive.
     pub passes: u64,
-    /// Triangles that casts of depth draw, those outside their view included; half of them where one side is left out.
+    /// Triangles that casts of depth draw, those outside their view included; half of them where
+    /// one side is left out.
     pub triangles: u64,
-    /// Texels that these triangles cover, each as often as it is covered: their area within the view, rounded.
+    /// Texels that these triangles cover, each as often as it is covered: their area within the
+    /// view, rounded.
     pub covered: u64,
-    /// Those of the covered texels that triangles with holes cover: each asks an alpha texture whether there is a hole.
+    /// Those of the covered texels that triangles with holes cover: each asks an alpha texture
+    /// whether there is a hole.
     #[serde(default)]
     pub cut_out: u64,
     /// Faces that casts of [`CastMode::StencilDepthFail`] draw, those outside their view included.
@@ -32,7 +35,8 @@ pub struct Work {
     /// Texels that these faces cover, as [`covered`](Self::covered): each reads and writes a count.
     #[serde(default)]
     pub counted: u64,
-    /// Triangles that the receive kernel's tables were made of ([`CataloguedKernel::triangles_listed`](crate::catalogue::CataloguedKernel::triangles_listed)):
+    /// Triangles that the receive kernel's tables were made of
+    /// ([`CataloguedKernel::triangles_listed`](crate::catalogue::CataloguedKernel::triangles_listed)):
     /// work of the recipe's maker, not of the backend that plays it.
     #[serde(default)]
     pub listed: u64,
@@ -58,7 +62,8 @@ pub struct Work {
 }
 
 impl Work {
-    /// Returns the work of a recipe for the view that it was made for. `catalogue` knows what its kernels cost.
+    /// Returns the work of a recipe for the view that it was made for. `catalogue` knows what its
+    /// kernels cost.
     ///
     /// Without
     pub fn of(view: &View<'_>, recipe: &Recipe, catalogue: &Catalogue) -> Self {
@@ -89,7 +94,8 @@ impl Work {
                 covered,
                 cut_out,
             } = drawn(view.geometry, cast, size);
-            // Closed casters turn about half of their faces to the light, and a face that is left out takes next to nothing.
+            // Closed casters turn about half of their faces to the light, and a face that is left
+            // out takes next to nothing.
             let sides = if cast.cull == Cull::None { 1 } else { 2 };
             let triangles = triangles / sides;
             match cast.mode {
@@ -207,8 +213,8 @@ fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> Drawn {
     }
 }
 
-/// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` gives a vertex' homogeneous world
-/// position.
+/// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` gives a
+/// vertex' homogeneous world position.
 fn total_area(
     triangles: &[[u32; 3]],
     clip_from_world: DMat4,
@@ -247,11 +253,11 @@ const PLANES: [DVec4; 6] = [
     DVec4::new(0.0, 0.0, -1.0, 1.0),
 ];
 
-/// Returns the area, in the view of 2 x 2 clip units, of the part of a clip-space triangle within the six planes; positive for
-/// counter-clockwise (y up).
+/// Returns the area, in the view of 2 x 2 clip units, of the part of a clip-space triangle within
+/// the six planes; positive for counter-clockwise (y up).
 fn signed_area(corners: [DVec4; 3]) -> f64 {
-    // Most triangles lie wholly within the view or beyond one of its planes, where clipping would change nothing or leave
-    // nothing: these are told apart first, with the same bits.
+    // Most triangles lie wholly within the view or beyond one of its planes, where clipping would
+    // change nothing or leave nothing: these are told apart first, with the same bits.
     let distances = PLANES.map(|plane| corners.map(|corner| corner.dot(plane)));
     if distances.iter().any(|d| d.iter().all(|&d| d < 0.0)) {
         return 0.0;
@@ -268,8 +274,8 @@ fn signed_area(corners: [DVec4; 3]) -> f64 {
     fan_area(polygon.corners())
 }
 
-/// Returns the area of a convex polygon in clip space, as a fan of triangles around its first corner; 0 with fewer than three
-/// corners, positive for counter-clockwise (y up).
+/// Returns the area of a convex polygon in clip space, as a fan of triangles around its first
+/// corner; 0 with fewer than three corners, positive for counter-clockwise (y up).
 fn fan_area(corners: &[DVec4]) -> f64 {
     let point = |i: usize| DVec2::new(corners[i].x, corners[i].y) / corners[i].w;
     (1..corners.len().max(2) - 1)
@@ -277,12 +283,13 @@ fn fan_area(corners: &[DVec4]) -> f64 {
         .sum()
 }
 
-/// Returns the point at which the edge from `a` to `b` crosses a plane, given the signed distances of both; none unless it
-/// has an end on either side.
+/// Returns the point at which the edge from `a` to `b` crosses a plane, given the signed distances
+/// of both; none unless it has an end on either side.
 ///
-/// It differs from [`edge_crossing`](umbrage_core::geometry::clip_polygon::edge_crossing) on purpose: an end on the plane is no
-/// crossing, since it would be a second corner in the same place, off by a rounding; and the formula stays the one by which
-/// areas were always counted, since these are rounded to whole texels, and counts are compared exactly.
+/// It differs from [`edge_crossing`](umbrage_core::geometry::clip_polygon::edge_crossing) on
+/// purpose: an end on the plane is no crossing, since it would be a second corner in the same
+/// place, off by a rounding; and the formula stays the one by which areas were always counted,
+/// since these are rounded to whole texels, and counts are compared exactly.
 fn strict_edge_crossing(a: DVec4, b: DVec4, distance_a: f64, distance_b: f64) -> Option<DVec4> {
     let leaves = distance_a > 0.0 && distance_b < 0.0;
     let enters = distance_a < 0.0 && distance_b > 0.0;
@@ -309,7 +316,8 @@ mod tests {
         assert!((area(triangle, Cull::Back) - 2.0).abs() < 1e-12);
     }
 
-    /// Triangles within, across and beside the view have the area that clipping by all planes gives, bit by bit.
+    /// Triangles within, across and beside the view have the area that clipping by all planes
+    /// gives, bit by bit.
     #[test]
     fn what_needs_no_clipping_has_the_same_bits() {
         let random = |i: u32| f64::from(umbrage_core::light_sample::hash(i)) / f64::from(u32::MAX);
@@ -349,7 +357,8 @@ mod tests {
             DVec4::new(0.0, 3.0, -1.0, -1.0),
         ];
         let area = area(triangle, Cull::None);
-        // Its sides leave the view before they reach the plane of depth 0, which they meet at the top.
+        // Its sides leave the view before they reach the plane of depth 0, which they meet at the
+        // top.
         assert!((area - 4.0).abs() < 1e-12, "{area}");
         let point = [DVec4::ZERO; 3];
         assert_eq!(super::area(point, Cull::None), 0.0);

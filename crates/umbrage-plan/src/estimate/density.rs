@@ -1,5 +1,5 @@
-//! Chooses where in the image samples are drawn: where visibility varies, by a pilot of few rays, and where techniques may fail,
-//! by maps that differ from the pilot.
+//! Chooses where in the image samples are drawn: where visibility varies, by a pilot of few rays,
+//! and where techniques may fail, by maps that differ from the pilot.
 
 use super::scene::PlanScene;
 use crate::error::MeasureError;
@@ -7,12 +7,13 @@ use glam::UVec2;
 use umbrage_core::RecipeError;
 use umbrage_techniques::{Bias, Hard, MapFilter as _, ShadowMap, TechniquePreset, Traced};
 
-/// The share of the sample that is spread evenly over all lit receivers, to meet errors that the pilot doesn't show.
+/// The share of the sample that is spread evenly over all lit receivers, to meet errors that the
+/// pilot doesn't show.
 const EVEN_SHARE: f64 = 0.3;
 /// How far from a change of the pilot's visibility techniques are most often wrong, pixels.
 const RADIUS: usize = 2;
-/// The weight of a difference between a map and the pilot; a change within the pilot has 1. Some differences are errors of this
-/// map alone.
+/// The weight of a difference between a map and the pilot; a change within the pilot has 1. Some
+/// differences are errors of this map alone.
 const MAP_DIFFERENCE_WEIGHT: f64 = 0.5;
 
 /// The result of a few rays from every receiver.
@@ -43,8 +44,9 @@ impl Pilot {
     }
 }
 
-/// Returns how densely samples are to be drawn at each pixel: shares that add up to 1, 0 beside the [lit](PlanScene::lit)
-/// receivers. What is unlit counts in no error, and under a spot it may be most of the image.
+/// Returns how densely samples are to be drawn at each pixel: shares that add up to 1, 0 beside the
+/// [lit](PlanScene::lit) receivers. What is unlit counts in no error, and under a spot it may be
+/// most of the image.
 pub(crate) fn density(
     scene: &mut PlanScene<'_>,
     pilot: Option<&Pilot>,
@@ -90,8 +92,8 @@ fn mask(
     }
 }
 
-/// Turns interest into shares that add up to 1: [`EVEN_SHARE`] is spread evenly over all lit receivers, the rest in proportion
-/// to their interest.
+/// Turns interest into shares that add up to 1: [`EVEN_SHARE`] is spread evenly over all lit
+/// receivers, the rest in proportion to their interest.
 pub(crate) fn normalized(mut interest: Vec<f64>, lit: &[bool]) -> Vec<f64> {
     for (interest, lit) in interest.iter_mut().zip(lit) {
         if !lit {
@@ -114,8 +116,8 @@ pub(crate) fn normalized(mut interest: Vec<f64>, lit: &[bool]) -> Vec<f64> {
     density
 }
 
-/// Returns for each pixel the range of visibility over the lit receivers within [`RADIUS`] pixels along both axes, 0..=1. Rows
-/// are reduced first, then columns.
+/// Returns for each pixel the range of visibility over the lit receivers within [`RADIUS`] pixels
+/// along both axes, 0..=1. Rows are reduced first, then columns.
 fn local_range(size: UVec2, mask: &[f32], lit: &[bool]) -> Vec<f32> {
     let width = size.x as usize;
     let height = size.y as usize;

@@ -5,29 +5,31 @@ use crate::truth::PixelTruth;
 use serde::{Deserialize, Serialize};
 use umbrage_core::metrics::Pixel;
 
-/// One in twenty errors lies above [`Estimate::high`], and one in twenty below [`Estimate::low`]: this many standard
-/// errors of a normal distribution.
+/// One in twenty errors lies above [`Estimate::high`], and one in twenty below [`Estimate::low`]:
+/// this many standard errors of a normal distribution.
 pub(crate) const ONE_IN_TWENTY: f64 = 1.645;
 
 /// A setting's errors, as the sample tells them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// Root mean square of mask - truth over the pixels that count, 0..=1: [`Errors::rmse`](umbrage_core::metrics::Errors::rmse),
-    /// or [weighted](crate::Weighting).
+    /// Root mean square of mask - truth over the pixels that count, 0..=1:
+    /// [`Errors::rmse`](umbrage_core::metrics::Errors::rmse), or [weighted](crate::Weighting).
     pub error: f64,
     /// The whole image's lies below this with a chance of one in twenty ..
     pub low: f64,
     /// .. and above this likewise.
     pub high: f64,
-    /// The part of `error` where the mask is darker than truth (acne, blur): squares of both parts add up to its square.
+    /// The part of `error` where the mask is darker than truth (acne, blur): squares of both parts
+    /// add up to its square.
     pub too_dark: f64,
     /// The part where it is lighter (detached shadows, leaks, blur).
     pub too_light: f64,
 }
 
-/// Compares a mask at the sampled pixels with truth there. The mean over the pixels that count is a ratio of two sums;
-/// its variance is that of Hájek 1964, "Asymptotic theory of rejective sampling with varying probabilities from a finite
-/// population": pixels that were sure to be drawn add none. Of a mask without a fault it knows no uncertainty: see
+/// Compares a mask at the sampled pixels with truth there. The mean over the pixels that count is a
+/// ratio of two sums; its variance is that of Hájek 1964, "Asymptotic theory of rejective sampling
+/// with varying probabilities from a finite population": pixels that were sure to be drawn add
+/// none. Of a mask without a fault it knows no uncertainty: see
 /// [`Verifier`](super::verify::Verifier).
 pub(crate) fn estimate(sample: &PixelSample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
     let compared = Compared {
@@ -49,8 +51,8 @@ pub(crate) fn estimate(sample: &PixelSample, truth: &[PixelTruth], mask: &[f32])
 pub(crate) struct Part {
     /// The number of pixels of the whole image that count.
     pub(crate) all: CountedPixels,
-    /// The greatest weight over chance of the part's pixels that need not have been drawn: what one that was missed adds to a sum, at
-    /// most. 0 if all were sure to be drawn.
+    /// The greatest weight over chance of the part's pixels that need not have been drawn: what one
+    /// that was missed adds to a sum, at most. 0 if all were sure to be drawn.
     pub(crate) greatest_share: f64,
     /// What is wrong beside the part adds at most so much to the mean square.
     pub(crate) unseen: f64,
@@ -58,8 +60,8 @@ pub(crate) struct Part {
 
 /// As [`estimate`] where the sample is of those pixels alone at which anything can be wrong.
 ///
-/// Many of these may be ambiguous, so that few of those drawn are wrong, or none. The margin is then no normal distribution's: see
-/// [`upper_limit_of_sum`].
+/// Many of these may be ambiguous, so that few of those drawn are wrong, or none. The margin is
+/// then no normal distribution's: see [`upper_limit_of_sum`].
 pub(crate) fn estimate_of_part(
     sample: &PixelSample,
     truth: &[PixelTruth],
@@ -82,7 +84,8 @@ pub(crate) fn estimate_of_part(
     Estimate::new(squares, margin_of_count.hypot(margin_of_sum), part.unseen)
 }
 
-/// The number of an image's pixels that count, each by its weight, estimated from a sample of its receivers.
+/// The number of an image's pixels that count, each by its weight, estimated from a sample of its
+/// receivers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct CountedPixels {
     pub(crate) count: f64,
@@ -91,8 +94,9 @@ pub(crate) struct CountedPixels {
 }
 
 impl CountedPixels {
-    /// Estimates the number from the receivers drawn out of those that weigh `receivers` in all: of each its chance to be drawn, its
-    /// weight and whether it counts. The share that counts is a ratio of two sums, as in [`estimate`].
+    /// Estimates the number from the receivers drawn out of those that weigh `receivers` in all: of
+    /// each its chance to be drawn, its weight and whether it counts. The share that counts is a
+    /// ratio of two sums, as in [`estimate`].
     pub(crate) fn estimate(
         receivers: f64,
         drawn: impl Iterator<Item = (f64, f64, bool)> + Clone,
@@ -124,13 +128,15 @@ impl CountedPixels {
     }
 }
 
-/// Returns the upper limit, with 95 % confidence, of the mean of a weighted sum of numbers that each follow a Poisson distribution.
-/// The sum itself, its variance (each number times its weight's square) and the greatest weight are given. It is the quantile of a
-/// gamma distribution with the mean and the variance of the sum in which one more was seen, where that weighs most (Fay and Feuer
-/// 1997, "Confidence intervals for directly standardized rates: a method based on the gamma distribution"): 3 weights if nothing was
-/// seen ("rule of three"), and nearly [`ONE_IN_TWENTY`] standard errors above the sum if much was. Where all weigh alike it is the
-/// exact limit of Poisson's distribution. The quantile is within a hundredth (Wilson and Hilferty 1931, "The distribution of
-/// chi-square").
+/// Returns the upper limit, with 95 % confidence, of the mean of a weighted sum of numbers that
+/// each follow a Poisson distribution. The sum itself, its variance (each number times its weight's
+/// square) and the greatest weight are given. It is the quantile of a gamma distribution with the
+/// mean and the variance of the sum in which one more was seen, where that weighs most (Fay and
+/// Feuer 1997, "Confidence intervals for directly standardized rates: a method based on the gamma
+/// distribution"): 3 weights if nothing was seen ("rule of three"), and nearly [`ONE_IN_TWENTY`]
+/// standard errors above the sum if much was. Where all weigh alike it is the exact limit of
+/// Poisson's distribution. The quantile is within a hundredth (Wilson and Hilferty 1931, "The
+/// distribution of chi-square").
 pub(crate) fn upper_limit_of_sum(sum: f64, variance: f64, greatest: f64) -> f64 {
     let mean = sum + greatest;
     let variance = variance + greatest.powi(2);
@@ -141,12 +147,13 @@ pub(crate) fn upper_limit_of_sum(sum: f64, variance: f64, greatest: f64) -> f64 
     mean * (1.0 - 1.0 / (9.0 * shape) + ONE_IN_TWENTY / (3.0 * shape.sqrt())).powi(3)
 }
 
-/// A bound is decided by up to three samples, one after the other: each may be wrong in one case of sixty alone, so that all
-/// are in one of twenty (Bonferroni). In standard errors.
+/// A bound is decided by up to three samples, one after the other: each may be wrong in one case of
+/// sixty alone, so that all are in one of twenty (Bonferroni). In standard errors.
 const ONE_IN_SIXTY: f64 = 2.128;
 
 impl Estimate {
-    /// From mean squares, the margin of their sum either way, and what may have been missed besides.
+    /// From mean squares, the margin of their sum either way, and what may have been missed
+    /// besides.
     fn new(squares: Squares, margin: f64, unseen: f64) -> Self {
         let square = squares.sum();
         Self {
@@ -169,15 +176,16 @@ impl Estimate {
         }
     }
 
-    /// Whether the whole image's error lies within `bound`, however many samples were drawn. Margins are widened as those of a normal
-    /// distribution. If a sample has met no error, one case in 46 is wrong then, not in 60.
+    /// Whether the whole image's error lies within `bound`, however many samples were drawn.
+    /// Margins are widened as those of a normal distribution. If a sample has met no error, one
+    /// case in 46 is wrong then, not in 60.
     pub(crate) fn is_surely_within(&self, bound: f64) -> bool {
         let square = self.error.powi(2);
         square + ONE_IN_SIXTY / ONE_IN_TWENTY * (self.high.powi(2) - square) <= bound.powi(2)
     }
 
-    /// Whether the whole image's error lies above `bound` but for one case in some thousand: twice as far as
-    /// [`Estimate::low`] reaches, in squares.
+    /// Whether the whole image's error lies above `bound` but for one case in some thousand: twice
+    /// as far as [`Estimate::low`] reaches, in squares.
     pub(crate) fn is_surely_above(&self, bound: f64) -> bool {
         let square = self.error.powi(2);
         square - 2.0 * (self.high.powi(2) - square) > bound.powi(2)
@@ -242,8 +250,9 @@ impl Compared<'_> {
         ONE_IN_TWENTY * self.variance(mean).sqrt()
     }
 
-    /// As [`Compared::margin`] of a mean square of 0, but also where few of the sample are wrong, or none. Draws without
-    /// replacement scatter less than Poisson's numbers, so the limit is above what is needed, if anything.
+    /// As [`Compared::margin`] of a mean square of 0, but also where few of the sample are wrong,
+    /// or none. Draws without replacement scatter less than Poisson's numbers, so the limit is
+    /// above what is needed, if anything.
     fn margin_of_few(&self, greatest_share: f64) -> f64 {
         let sum = self.squares().sum();
         // Differences are at most 1, and so are their squares.
@@ -293,7 +302,8 @@ mod tests {
         estimate(sample, &truth, &mask)
     }
 
-    /// Samples that prefer one side of the image estimate the same mean square, and their bounds hold as often as they say.
+    /// Samples that prefer one side of the image estimate the same mean square, and their bounds
+    /// hold as often as they say.
     #[test]
     fn estimates_are_unbiased_and_know_their_error() {
         let (truth, mask) = image();
@@ -309,7 +319,8 @@ mod tests {
             .map(|s| of_sample(&PixelSample::draw(SIZE, &density, 400, s), &truth, &mask))
             .collect();
         let squares = estimates.iter().map(|e| e.error * e.error).sum::<f64>() / 500.0;
-        // The standard error of one sample is about a tenth of the mean square; 500 of them have a twentieth of that.
+        // The standard error of one sample is about a tenth of the mean square; 500 of them have a
+        // twentieth of that.
         assert!(
             (squares / whole.error.powi(2) - 1.0).abs() < 0.015,
             "{squares}"
@@ -333,8 +344,8 @@ mod tests {
         assert!(bad.too_dark > good.too_dark);
     }
 
-    /// Of 4,096 pixels that may be wrong few are, and most samples meet one of them or none: limits hold as often as they say, and
-    /// none says that there is surely no error.
+    /// Of 4,096 pixels that may be wrong few are, and most samples meet one of them or none: limits
+    /// hold as often as they say, and none says that there is surely no error.
     #[test]
     fn samples_that_meet_no_error_know_that_there_may_be_some() {
         let truth = vec![

@@ -1,13 +1,16 @@
 //! Grain: noise within penumbrae, which a blur would remove and an artist would refuse.
 //!
-//! Over a sample of penumbra pixels, mask - truth is taken in the 3 x 3 pixels around each, and the difference of two Laplacians of
-//! it, `[1 -2 1; -2 4 -2; 1 -2 1]`, whose answer to noise of standard deviation s has one of 6 s, and which is 0 for anything that
-//! is linear along rows or along columns: ramps, and edges along either (Immerkær 1996, "Fast noise variance estimation"). So a
-//! penumbra that is too wide is an error and not grain; the stairs of a coarse map in a soft penumbra are both. Only places count where
-//! truth is smooth, since edges sharper than a pixel are never in their place by less than that.
+//! Over a sample of penumbra pixels, mask - truth is taken in the 3 x 3 pixels around each, and the
+//! difference of two Laplacians of it, `[1 -2 1; -2 4 -2; 1 -2 1]`, whose answer to noise of
+//! standard deviation s has one of 6 s, and which is 0 for anything that is linear along rows or
+//! along columns: ramps, and edges along either (Immerkær 1996, "Fast noise variance estimation").
+//! So a penumbra that is too wide is an error and not grain; the stairs of a coarse map in a soft
+//! penumbra are both. Only places count where truth is smooth, since edges sharper than a pixel are
+//! never in their place by less than that.
 //!
-//! Measured on `rising-boxes`, `rising-boxes-disc` and `teapot-lamp`: 4 rays a pixel have a grain of .11 to .12, 6 of .10, 64 of .01;
-//! `pcf` with 7 x 7 taps .02 to .05, `pcss` .03, dithered taps .10 to .15, one tap .16 to .19.
+//! Measured on `rising-boxes`, `rising-boxes-disc` and `teapot-lamp`: 4 rays a pixel have a grain
+//! of .11 to .12, 6 of .10, 64 of .01; `pcf` with 7 x 7 taps .02 to .05, `pcss` .03, dithered taps
+//! .10 to .15, one tap .16 to .19.
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
@@ -16,7 +19,8 @@ use crate::{
 };
 use umbrage_core::{BackendError, Recipe, math::dot3};
 
-/// Penumbra pixels that are looked at: the standard error of a root mean square over so many is a twentieth of it.
+/// Penumbra pixels that are looked at: the standard error of a root mean square over so many is a
+/// twentieth of it.
 const PLACES: usize = 200;
 /// The visibility at their middle. Near either end noise has little room.
 const MIDDLE: std::ops::RangeInclusive<f32> = 0.1..=0.9;
@@ -89,7 +93,8 @@ impl GrainProbe {
         Ok(out)
     }
 
-    /// Returns the standard deviation of the noise of a recipe's mask in penumbrae, 0..=1; none where too few are seen.
+    /// Returns the standard deviation of the noise of a recipe's mask in penumbrae, 0..=1; none
+    /// where too few are seen.
     pub(crate) fn grain(
         &self,
         scene: &mut PlanScene<'_>,
@@ -118,7 +123,8 @@ fn noise(places: &[f64]) -> f64 {
     (squares.sum::<f64>() / count).sqrt()
 }
 
-/// Returns the 3 x 3 pixels around one; none at the image's border or where they do not show one surface.
+/// Returns the 3 x 3 pixels around one; none at the image's border or where they do not show one
+/// surface.
 fn around(scene: &PlanScene<'_>, pixel: u32) -> Option<[u32; 9]> {
     let receivers = &scene.receivers;
     let [width, height] = receivers.size.to_array();

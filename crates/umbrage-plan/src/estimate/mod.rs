@@ -1,8 +1,10 @@
 //! Estimates the errors of settings from a sample of the image.
 //!
 //! * [`scene`]: what the camera sees, and how techniques are tried on it.
-//! * [`density`]: where in the image there is something to learn. [`sample`]: the pixels drawn accordingly.
-//! * [`sampled_truth`]: a sample and the truth there. [`error`]: the error of the whole image, estimated from it.
+//! * [`density`]: where in the image there is something to learn. [`sample`]: the pixels drawn
+//!   accordingly.
+//! * [`sampled_truth`]: a sample and the truth there. [`error`]: the error of the whole image,
+//!   estimated from it.
 //! * [`verify`]: the error once more, from a second sample that is a setting's own.
 //! * [`weighting`]: how much each pixel's error counts.
 //! * [`grain`]: noise that a blur would remove. [`shimmer`]: what changes as the camera moves.

@@ -1,4 +1,5 @@
-//! Measures the widths of penumbrae: where truth lies between dark and lit, how fast it changes along the surface.
+//! Measures the widths of penumbrae: where truth lies between dark and lit, how fast it changes
+//! along the surface.
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
@@ -16,7 +17,8 @@ use umbrage_core::{
 const POINTS: usize = 64;
 /// The visibility in the middle of a penumbra, where it changes evenly.
 const MIDDLE: std::ops::RangeInclusive<f32> = 0.2..=0.8;
-/// How far to each side of a point truth is traced again, pixels. Narrower penumbrae are taken to be this wide.
+/// How far to each side of a point truth is traced again, pixels. Narrower penumbrae are taken to
+/// be this wide.
 const STEP: f32 = 2.0;
 
 /// A penumbra at a point, extrapolated from how visibility changes there.
@@ -28,8 +30,8 @@ pub(crate) struct Penumbra {
 }
 
 impl Penumbra {
-    /// Returns its width on a map of `size` texels that lies in the first of these spaces which holds its center; none where none
-    /// does.
+    /// Returns its width on a map of `size` texels that lies in the first of these spaces which
+    /// holds its center; none where none does.
     fn texels(&self, spaces: &[LightSpace], size: u32) -> Option<f64> {
         spaces.iter().find_map(|space| self.texels_in(space, size))
     }
@@ -47,7 +49,8 @@ impl Penumbra {
     }
 }
 
-/// Returns where a point lies in a light space, x and y in -1..=1 on the map; none behind the light.
+/// Returns where a point lies in a light space, x and y in -1..=1 on the map; none behind the
+/// light.
 fn ndc(space: &LightSpace, p: Vec3) -> Option<DVec2> {
     let clip: DVec4 = space.clip_from_world().as_dmat4() * p.as_dvec3().extend(1.0);
     let ndc = DVec2::new(clip.x, clip.y) / clip.w;
@@ -80,7 +83,8 @@ pub(crate) fn find(
     Ok(out)
 }
 
-/// Returns the penumbra between four points on a surface, two opposite ones after two; none where visibility does not change.
+/// Returns the penumbra between four points on a surface, two opposite ones after two; none where
+/// visibility does not change.
 fn at(points: &[ReceiverPoint; 4], seen: &[PointTruth; 4]) -> Option<Penumbra> {
     let u = points[1].position - points[0].position;
     let v = points[3].position - points[2].position;
@@ -95,7 +99,8 @@ fn at(points: &[ReceiverPoint; 4], seen: &[PointTruth; 4]) -> Option<Penumbra> {
     across.is_finite().then_some(Penumbra { position, across })
 }
 
-/// Returns the points a step (metres) to each side of a receiver along its surface: two opposite ones, then two across.
+/// Returns the points a step (metres) to each side of a receiver along its surface: two opposite
+/// ones, then two across.
 fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [ReceiverPoint; 4] {
     let position = scene.receivers.position(i);
     let normal = scene.receivers.normal(i);
@@ -107,8 +112,8 @@ fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [ReceiverPoint; 4] {
     })
 }
 
-/// Returns the widths than which a tenth of the penumbrae is narrower and a tenth is wider, texels on a map of `size` texels in
-/// these spaces; none without penumbrae.
+/// Returns the widths than which a tenth of the penumbrae is narrower and a tenth is wider, texels
+/// on a map of `size` texels in these spaces; none without penumbrae.
 pub(crate) fn texels(penumbrae: &[Penumbra], spaces: &[LightSpace], size: u32) -> Option<[f64; 2]> {
     let widths = penumbrae.iter().filter_map(|p| p.texels(spaces, size));
     let widths = Sorted::new(widths.collect());

@@ -1,9 +1,10 @@
 //! Draws samples of pixels from which sums over the whole image can be estimated.
 //!
-//! Each pixel has its own chance to be drawn, in proportion to a density, and counts as the inverse of its chance: sums over the sample are then unbiased estimates of sums over the image, whatever the chances (Horvitz
-//! and Thompson 1952, "A generalization of sampling without replacement from a finite universe"). The draw is systematic
-//! (Madow 1949, "On the theory of systematic sampling, II") along a curve that fills the image, so the sample is spread
-//! evenly, too.
+//! Each pixel has its own chance to be drawn, in proportion to a density, and counts as the inverse
+//! of its chance: sums over the sample are then unbiased estimates of sums over the image, whatever
+//! the chances (Horvitz and Thompson 1952, "A generalization of sampling without replacement from a
+//! finite universe"). The draw is systematic (Madow 1949, "On the theory of systematic sampling,
+//! II") along a curve that fills the image, so the sample is spread evenly, too.
 
 use glam::UVec2;
 use umbrage_core::light_sample::hash;
@@ -15,18 +16,19 @@ pub(crate) struct PixelSample {
     pub(crate) pixels: Vec<u32>,
     /// The chance with which each was drawn, above 0 up to 1.
     pub(crate) chances: Vec<f64>,
-    /// How much each one's error counts, 0 or more: [`PlanScene::weights`](super::scene::PlanScene::weights).
+    /// How much each one's error counts, 0 or more:
+    /// [`PlanScene::weights`](super::scene::PlanScene::weights).
     pub(crate) weights: Vec<f64>,
 }
 
 impl PixelSample {
-    /// Draws about `count` pixels of an image with chances in proportion to `density` (0 or more; 0 is never drawn), each
-    /// at most once.
+    /// Draws about `count` pixels of an image with chances in proportion to `density` (0 or more; 0
+    /// is never drawn), each at most once.
     pub(crate) fn draw(size: UVec2, density: &[f64], count: usize, seed: u32) -> Self {
         let scale = scale(density, count);
         let mut out = Self::default();
-        // Chances are added up along the curve. A pixel is drawn where the sum passes a whole number. The random start decides where
-        // in each interval of length 1 that is.
+        // Chances are added up along the curve. A pixel is drawn where the sum passes a whole
+        // number. The random start decides where in each interval of length 1 that is.
         let mut sum = f64::from(hash(seed)) / f64::from(u32::MAX);
         for i in along_curve(size) {
             if density[i as usize] <= 0.0 {
@@ -60,7 +62,8 @@ impl PixelSample {
     }
 }
 
-/// Returns the factor that turns densities into chances that add up to `count`, none above 1; infinite if all are sure to be drawn.
+/// Returns the factor that turns densities into chances that add up to `count`, none above 1;
+/// infinite if all are sure to be drawn.
 fn scale(density: &[f64], count: usize) -> f64 {
     let mut sorted: Vec<f64> = density.iter().copied().filter(|d| *d > 0.0).collect();
     sorted.sort_by(|a, b| b.total_cmp(a));
@@ -79,8 +82,8 @@ fn scale(density: &[f64], count: usize) -> f64 {
     f64::INFINITY
 }
 
-/// Returns all pixels in Z-order, so that neighbors are close to each other (Morton 1966, "A computer oriented geodetic data
-/// base").
+/// Returns all pixels in Z-order, so that neighbors are close to each other (Morton 1966, "A
+/// computer oriented geodetic data base").
 fn along_curve(size: UVec2) -> Vec<u32> {
     let mut pixels: Vec<u32> = (0..size.x * size.y).collect();
     pixels.sort_by_cached_key(|i| {

@@ -23,7 +23,8 @@ pub(crate) struct Sampling {
 }
 
 impl Sampling {
-    /// Returns the sampling of second samples: with another seed, so that what was chosen by the first is judged without favour.
+    /// Returns the sampling of second samples: with another seed, so that what was chosen by the
+    /// first is judged without favour.
     pub(crate) fn second(&self) -> Self {
         Self {
             seed: self.seed.wrapping_add(0x9e37_79b9),
@@ -38,7 +39,8 @@ pub(crate) struct SampledTruth {
     pub(crate) sample: PixelSample,
     /// In the order of the sample's pixels.
     pub(crate) truth: Vec<PixelTruth>,
-    /// How many pixels of the whole image count, by their weights; 0 if the sample is of a part of the image alone.
+    /// How many pixels of the whole image count, by their weights; 0 if the sample is of a part of
+    /// the image alone.
     pub(crate) counted: CountedPixels,
     /// How many of the image's pixels are of which class.
     pub(crate) coverage: Coverage,
@@ -55,7 +57,8 @@ pub struct Coverage {
     pub certain: u64,
     /// One in twenty counts of `certain` differs by more than this.
     pub certain_margin: u64,
-    /// Those whose truth depends on how a program rounds ([`Pixel::Ambiguous`]): the plan promises nothing there.
+    /// Those whose truth depends on how a program rounds ([`Pixel::Ambiguous`]): the plan promises
+    /// nothing there.
     pub ambiguous: u64,
     /// Those that face away from the light or lie outside its cone, where no technique is asked.
     pub unlit: u64,
@@ -98,8 +101,8 @@ impl SampledTruth {
         }
     }
 
-    /// Draws a sample of all [lit](PlanScene::lit) receivers in proportion to `density` (one a pixel; above 0 at each of them, and
-    /// 0 elsewhere), and traces its truth.
+    /// Draws a sample of all [lit](PlanScene::lit) receivers in proportion to `density` (one a
+    /// pixel; above 0 at each of them, and 0 elsewhere), and traces its truth.
     pub(crate) fn draw(
         scene: &mut PlanScene<'_>,
         density: &[f64],
@@ -137,7 +140,8 @@ impl SampledTruth {
     }
 }
 
-/// Returns how many of an image's pixels are of which class, estimated from a sample of its `lit` receivers and the truth there.
+/// Returns how many of an image's pixels are of which class, estimated from a sample of its `lit`
+/// receivers and the truth there.
 fn coverage(
     receivers: &Receivers,
     lit: usize,

@@ -34,18 +34,20 @@ pub(crate) struct PlanScene<'a> {
     pub(crate) truth: HashMap<u32, PixelTruth>,
 }
 
-/// What the program that plays a plan has when it makes recipes. Plans are made for recipes as that program will make them: what is
-/// not known can't be fitted to, and techniques that need it are no candidates.
+/// What the program that plays a plan has when it makes recipes. Plans are made for recipes as that
+/// program will make them: what is not known can't be fitted to, and techniques that need it are no
+/// candidates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RendererData {
-    /// Triangles on the CPU, and the points that the camera sees: few programs read these back from the GPU.
+    /// Triangles on the CPU, and the points that the camera sees: few programs read these back from
+    /// the GPU.
     SeenPoints,
     /// Triangles on the CPU: [`View::new`].
     #[default]
     Triangles,
-    /// A box around the casters; the triangles are on the GPU alone. Techniques that make faces or hierarchies of triangles
-    /// (planar shadows, volumes, rays) can't be played.
+    /// A box around the casters; the triangles are on the GPU alone. Techniques that make faces or
+    /// hierarchies of triangles (planar shadows, volumes, rays) can't be played.
     CasterBox,
 }
 
@@ -200,8 +202,8 @@ impl<'a> PlanScene<'a> {
         self.cpu.render_pixels(&view, recipe, pixels)
     }
 
-    /// Returns for each pixel whether it shows a receiver that the light may reach: where truth is not
-    /// [`Pixel::Unlit`](umbrage_core::metrics::Pixel::Unlit). Nothing else counts in an error.
+    /// Returns for each pixel whether it shows a receiver that the light may reach: where truth is
+    /// not [`Pixel::Unlit`](umbrage_core::metrics::Pixel::Unlit). Nothing else counts in an error.
     pub(crate) fn lit(&self, options: &TruthOptions) -> Result<Vec<bool>, MeasureError> {
         let receives = &self.receivers.receives;
         let all: Vec<u32> = (0..receives.len() as u32).collect();
@@ -216,7 +218,8 @@ impl<'a> PlanScene<'a> {
         Ok(lit.map(|(receives, unlit)| *receives && !unlit).collect())
     }
 
-    /// Returns truth at some pixels. Pixels that were traced before are not traced again, so `options` must always be the same.
+    /// Returns truth at some pixels. Pixels that were traced before are not traced again, so
+    /// `options` must always be the same.
     pub(crate) fn truth_at(
         &mut self,
         pixels: &[u32],

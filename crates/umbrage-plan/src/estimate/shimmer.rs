@@ -1,7 +1,9 @@
-//! Shimmer: what a setting changes at points that stand still, from frame to frame of a pan. Truth changes nothing there.
+//! Shimmer: what a setting changes at points that stand still, from frame to frame of a pan. Truth
+//! changes nothing there.
 //!
-//! It is the mean of |V_t - V_(t-1)|, as the stability matrix measures it, over the sampled points that all frames see. As there,
-//! points are asked one pixel further to the right in each frame, so that patterns and noise that follow the pixel count.
+//! It is the mean of |V_t - V_(t-1)|, as the stability matrix measures it, over the sampled points
+//! that all frames see. As there, points are asked one pixel further to the right in each frame, so
+//! that patterns and noise that follow the pixel count.
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
@@ -14,8 +16,9 @@ use umbrage_techniques::TechniquePreset;
 /// Frames of the pan.
 const FRAMES: u32 = 4;
 
-/// Returns the mean change of a preset's visibility from frame to frame of a pan, 0..=1; none for techniques that draw into the
-/// camera's own picture, which can't be asked about points of another frame, and where they are not supported.
+/// Returns the mean change of a preset's visibility from frame to frame of a pan, 0..=1; none for
+/// techniques that draw into the camera's own picture, which can't be asked about points of another
+/// frame, and where they are not supported.
 pub(crate) fn shimmer(
     scene: &mut PlanScene<'_>,
     sampled: &SampledTruth,
@@ -66,7 +69,8 @@ fn sees(camera: &Camera, point: glam::Vec3) -> bool {
     clip.w > 0.0 && clip.x.abs() < clip.w && clip.y.abs() < clip.w
 }
 
-/// Returns an estimate of the mean of |after - before| over the pixels of the image of which the places are a sample.
+/// Returns an estimate of the mean of |after - before| over the pixels of the image of which the
+/// places are a sample.
 fn mean_change(sampled: &SampledTruth, places: &[usize], before: &[f32], after: &[f32]) -> f64 {
     let mut change = 0.0;
     let mut pixels = 0.0;

@@ -1,13 +1,15 @@
-//! A second estimate of a setting that is about to be chosen, of what the first sample may have missed.
+//! A second estimate of a setting that is about to be chosen, of what the first sample may have
+//! missed.
 //!
-//! The first sample is shared by all settings: what but a few of them do wrong, in places that the pilot did not suspect,
-//! it may hardly meet. The second is a setting's own: most of it is drawn where the whole image's mask differs from the
-//! pilot.
+//! The first sample is shared by all settings: what but a few of them do wrong, in places that the
+//! pilot did not suspect, it may hardly meet. The second is a setting's own: most of it is drawn
+//! where the whole image's mask differs from the pilot.
 //!
-//! Under ideal lights the pilot is truth, and nowhere else can anything be wrong. Under others its few rays are noise; where
-//! a mask's error is 0 on the whole sample, that only says that few rays have missed what many would find: if `count` of
-//! all n rays did find a fault, at most `poisson_upper_limit(count) / n` of the light may be wrong on average, but for one case
-//! in twenty.
+//! Under ideal lights the pilot is truth, and nowhere else can anything be wrong. Under others its
+//! few rays are noise; where a mask's error is 0 on the whole sample, that only says that few rays
+//! have missed what many would find: if `count` of all n rays did find a fault, at most
+//! `poisson_upper_limit(count) / n` of the light may be wrong on average, but for one case in
+//! twenty.
 
 use super::{
     density::{Pilot, normalized},
@@ -22,8 +24,8 @@ use crate::{
 };
 use umbrage_core::Recipe;
 
-/// The sizes of second samples, as multiples of the first sample's. They are drawn one after the other, as long as a bound is
-/// not decided: each halves the uncertainty.
+/// The sizes of second samples, as multiples of the first sample's. They are drawn one after the
+/// other, as long as a bound is not decided: each halves the uncertainty.
 const SIZES: [usize; 3] = [1, 4, 16];
 
 /// Draws second samples.
@@ -46,8 +48,8 @@ pub(crate) struct Contender<'a> {
 }
 
 impl Verifier {
-    /// Estimates the error of a contender from samples of its own: from the first of [`SIZES`], and from the others as long as
-    /// the bound is not decided.
+    /// Estimates the error of a contender from samples of its own: from the first of [`SIZES`], and
+    /// from the others as long as the bound is not decided.
     pub(crate) fn estimate(
         &self,
         scene: &mut PlanScene<'_>,
@@ -116,8 +118,8 @@ impl Verifier {
         Ok(found)
     }
 
-    /// Returns by how much the weight of one pixel exceeds the mean weight of those that count, at most: 1 if all weigh alike.
-    /// What hides anywhere may hide where it weighs most.
+    /// Returns by how much the weight of one pixel exceeds the mean weight of those that count, at
+    /// most: 1 if all weigh alike. What hides anywhere may hide where it weighs most.
     fn greatest_weight_over_mean(&self, scene: &PlanScene<'_>, counted: CountedPixels) -> f64 {
         let greatest = scene.weights.iter().copied().fold(0.0, f64::max);
         let lit = self.lit.iter().filter(|lit| **lit).count();
@@ -143,8 +145,9 @@ impl Verifier {
     }
 }
 
-/// Returns |mask - pilot| at each pixel; 0 beside the lit receivers, since nothing else counts: what techniques answer where
-/// no light goes may well differ from the pilot everywhere, and would take the sample's place.
+/// Returns |mask - pilot| at each pixel; 0 beside the lit receivers, since nothing else counts:
+/// what techniques answer where no light goes may well differ from the pilot everywhere, and would
+/// take the sample's place.
 fn differences(mask: &[f32], pilot: &[f32], lit: &[bool]) -> Vec<f32> {
     (0..mask.len())
         .map(|i| {
@@ -165,8 +168,8 @@ fn greatest_share(sample: &PixelSample, density: &[f64], weights: &[f64]) -> f64
     greatest_weight / least_chance
 }
 
-/// Returns the greatest mean square error that the pilot's rays may have missed where they agree with the mask; 0 if they are
-/// exact.
+/// Returns the greatest mean square error that the pilot's rays may have missed where they agree
+/// with the mask; 0 if they are exact.
 fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Coverage) -> f64 {
     let pixels = coverage.certain + coverage.certain_margin;
     let rays = f64::from(pilot.rays) * pixels as f64;
@@ -181,8 +184,8 @@ fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Co
     poisson_upper_limit(faults) / rays
 }
 
-/// Returns the estimate without a pilot: the first sample's. Where that has met no error, the upper limit is as if all that is
-/// wrong had the least chance to be drawn.
+/// Returns the estimate without a pilot: the first sample's. Where that has met no error, the upper
+/// limit is as if all that is wrong had the least chance to be drawn.
 fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
     let min_chance = known.sample.chances.iter().copied().fold(1.0, f64::min);
     let all = known.coverage.certain as f64;
@@ -195,8 +198,9 @@ fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
     }
 }
 
-/// Returns the upper limit of the mean of a Poisson distribution of which `count` was seen, with 95 % confidence: 3 for none ("rule
-/// of three"). It is within a hundredth of the exact limit (Byar's approximation: Breslow and Day 1987, "Statistical methods in cancer research", volume 2).
+/// Returns the upper limit of the mean of a Poisson distribution of which `count` was seen, with 95
+/// % confidence: 3 for none ("rule of three"). It is within a hundredth of the exact limit (Byar's
+/// approximation: Breslow and Day 1987, "Statistical methods in cancer research", volume 2).
 fn poisson_upper_limit(count: f64) -> f64 {
     upper_limit_of_sum(count, count, 1.0)
 }

@@ -10,14 +10,16 @@ pub enum Weighting {
     /// All alike.
     #[default]
     Even,
-    /// By the square of the light's irradiance, which shading multiplies the mask by: the error is then the root mean square of
-    /// the light that arrives too much or too little, over that of all the light that arrives where nothing casts. A wrong edge
-    /// counts little where light grazes or has come far.
+    /// By the square of the light's irradiance, which shading multiplies the mask by: the error is
+    /// then the root mean square of the light that arrives too much or too little, over that of all
+    /// the light that arrives where nothing casts. A wrong edge counts little where light grazes or
+    /// has come far.
     Irradiance,
 }
 
 impl Weighting {
-    /// Returns each pixel's weight, 0 or more, 1 on average over what receives; 1 everywhere if nothing is lit.
+    /// Returns each pixel's weight, 0 or more, 1 on average over what receives; 1 everywhere if
+    /// nothing is lit.
     pub(crate) fn weights(self, light: &Light, receivers: &Receivers) -> Vec<f64> {
         let even = vec![1.0; receivers.len()];
         if self == Self::Even {
@@ -39,9 +41,10 @@ impl Weighting {
     }
 }
 
-/// Returns the irradiance of a receiver by the light's middle, in units of the light's own: the cosine between its normal and the
-/// light's direction, over the squared distance for lamps, times the cosine at the lamp if that is flat (Lambert's law). A spot's
-/// falls off between its angles linearly in the cosine, as [`umbrage_techniques::BlinnPhong`] shades it.
+/// Returns the irradiance of a receiver by the light's middle, in units of the light's own: the
+/// cosine between its normal and the light's direction, over the squared distance for lamps, times
+/// the cosine at the lamp if that is flat (Lambert's law). A spot's falls off between its angles
+/// linearly in the cosine, as [`umbrage_techniques::BlinnPhong`] shades it.
 fn irradiance(light: &Light, receivers: &Receivers, i: usize) -> f64 {
     let position = receivers.position(i);
     let to_light = light.direction_from(position);

@@ -1,4 +1,5 @@
-//! What is said to be unused is held against the kernels themselves: texels that no lookup touches may hold anything.
+//! What is said to be unused is held against the kernels themselves: texels that no lookup touches
+//! may hold anything.
 
 use super::*;
 use umbrage_core::{Backend as _, Geometry, Image, Inputs, Scene, ShadowTechnique as _, Simd};
@@ -71,7 +72,8 @@ fn asked(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
         .collect()
 }
 
-/// Whatever a texel held, something at the light now casts on all that look it up, if `chosen` says so of its lookups.
+/// Whatever a texel held, something at the light now casts on all that look it up, if `chosen` says
+/// so of its lookups.
 fn spoilt(
     recipe: &Recipe,
     images: &[Image],

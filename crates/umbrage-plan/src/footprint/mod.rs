@@ -1,4 +1,5 @@
-//! How much of its maps a recipe uses: the texels that no lookup touches, and how large the others are on screen.
+//! How much of its maps a recipe uses: the texels that no lookup touches, and how large the others
+//! are on screen.
 
 #[cfg(test)]
 mod lookup_tests;
@@ -16,8 +17,8 @@ use umbrage_core::{
 };
 use umbrage_techniques::TechniquePreset;
 
-/// The share of receivers that face the light of which [`MapUse::texels`] and [`MapUse::side`] speak: the light grazes a few,
-/// and no map is fine enough for them.
+/// The share of receivers that face the light of which [`MapUse::texels`] and [`MapUse::side`]
+/// speak: the light grazes a few, and no map is fine enough for them.
 pub const QUANTILE: f32 = 0.9;
 
 /// The use of a recipe's maps.
@@ -34,8 +35,9 @@ pub struct RecipeFootprint {
 pub struct MapUse {
     /// Share of all texels that no lookup touches, 0..=1; 0 without maps.
     pub unused: f64,
-    /// Least, median and greatest number of texels in a pixel, in the direction in which there are the fewest, over the
-    /// seen receivers that face the light and fall on a map (see [`texels_per_pixel_in`]); none if there are none.
+    /// Least, median and greatest number of texels in a pixel, in the direction in which there are
+    /// the fewest, over the seen receivers that face the light and fall on a map (see
+    /// [`texels_per_pixel_in`]); none if there are none.
     pub texels_per_pixel: Option<[f32; 3]>,
     /// How many texels a pixel spans at least for a share [`QUANTILE`] of them.
     pub texels: Option<f32>,
@@ -50,7 +52,8 @@ impl MapUse {
     }
 }
 
-/// The use of one map, or from the least to the most of several, for people, in one line; none of no maps.
+/// The use of one map, or from the least to the most of several, for people, in one line; none of
+/// no maps.
 pub fn words(maps: &[MapUse]) -> Option<String> {
     let unused = range(maps.iter().map(|m| 100.0 * m.unused), 0)?;
     let texels = range(maps.iter().filter_map(|m| m.texels.map(f64::from)), 2);
@@ -95,8 +98,8 @@ pub struct CastFootprint {
     pub unused: f64,
 }
 
-/// Returns the use of a technique's maps in a recipe that it made for `view`; `None` if it looks up no maps. `catalogue` knows
-/// how far it looks, and `receivers` are what the view's camera sees.
+/// Returns the use of a technique's maps in a recipe that it made for `view`; `None` if it looks up
+/// no maps. `catalogue` knows how far it looks, and `receivers` are what the view's camera sees.
 pub fn of(
     preset: &TechniquePreset,
     view: &View<'_>,
@@ -114,11 +117,12 @@ pub fn of(
     ))
 }
 
-/// Measures the use of a recipe's maps. `receivers` are what the view's camera sees; `reach` is how far, in texels, the
-/// recipe's kernel reaches beyond the texel that a receiver falls on, if it doesn't
-/// [say so of each](CataloguedKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups count as the whole
-/// square within reach, whether each of its texels is tapped or not. That a bias may move receivers along their normals is
-/// neglected. Peeled layers are left out, since they are looked up as their first ones are.
+/// Measures the use of a recipe's maps. `receivers` are what the view's camera sees; `reach` is how
+/// far, in texels, the recipe's kernel reaches beyond the texel that a receiver falls on, if it
+/// doesn't [say so of each](CataloguedKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups
+/// count as the whole square within reach, whether each of its texels is tapped or not. That a bias
+/// may move receivers along their normals is neglected. Peeled layers are left out, since they are
+/// looked up as their first ones are.
 pub fn measure(
     view: &View<'_>,
     recipe: &Recipe,
@@ -160,7 +164,8 @@ pub fn measure(
 pub struct Heat {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// How many receivers' lookups touch the texels of each pixel, rows from the top; [`Heat::GAP`] between maps.
+    /// How many receivers' lookups touch the texels of each pixel, rows from the top; [`Heat::GAP`]
+    /// between maps.
     pub lookups: Vec<u32>,
 }
 
@@ -285,8 +290,8 @@ impl<'a> MapPlaces<'a> {
         })
     }
 
-    /// Returns where a receiver at `position` (world space) falls; none behind the light or beside its map. That a bias may move
-    /// receivers along their normals is neglected.
+    /// Returns where a receiver at `position` (world space) falls; none behind the light or beside
+    /// its map. That a bias may move receivers along their normals is neglected.
     pub fn at(&self, position: Vec3) -> Option<MapPlace> {
         let layer = layer_at(&self.layers, self.kernel, position)?;
         let texel = texel_at(layer.clip_from_world, self.size, position)?;
@@ -298,7 +303,8 @@ impl<'a> MapPlaces<'a> {
     }
 }
 
-/// Returns where a point falls on a map of this size, texels from the top left corner; none behind the light.
+/// Returns where a point falls on a map of this size, texels from the top left corner; none behind
+/// the light.
 fn texel_at(clip_from_world: Mat4, size: Vec2, position: Vec3) -> Option<Vec2> {
     let clip = transform(clip_from_world, position);
     if clip.w <= 0.0 {
@@ -327,8 +333,8 @@ impl Layer {
     }
 }
 
-/// Returns the layer in which a receiver is looked up: the one that the recipe's kernel names, or that along whose view the receiver
-/// is farthest, as with a cube; none if nothing was drawn there.
+/// Returns the layer in which a receiver is looked up: the one that the recipe's kernel names, or
+/// that along whose view the receiver is farthest, as with a cube; none if nothing was drawn there.
 fn layer_at<'a>(
     layers: &'a [Layer],
     kernel: &dyn CataloguedKernel,
@@ -389,7 +395,8 @@ fn of_cast(
     out
 }
 
-/// Returns the columns and the rows of a map that the lookup of receiver `i` touches; `None` if it is looked up elsewhere.
+/// Returns the columns and the rows of a map that the lookup of receiver `i` touches; `None` if it
+/// is looked up elsewhere.
 fn touched_texels(
     cast: &Cast,
     recipe: &Recipe,
@@ -419,7 +426,8 @@ struct TexelSpan {
 }
 
 impl TexelSpan {
-    /// The texels of a map with `side` texels along the axis that lie within `reach` of a coordinate, both in texels.
+    /// The texels of a map with `side` texels along the axis that lie within `reach` of a
+    /// coordinate, both in texels.
     fn around(coordinate: f32, reach: f32, side: u32) -> Self {
         let side = side as usize;
         let first = (coordinate - reach).floor();
@@ -434,8 +442,9 @@ impl TexelSpan {
     }
 }
 
-/// How many rectangles cover each texel. Rectangles are added by their corners to a table of differences, one texel larger
-/// than the map each way, whose sums are the counts (Crow 1984, "Summed-area tables for texture mapping").
+/// How many rectangles cover each texel. Rectangles are added by their corners to a table of
+/// differences, one texel larger than the map each way, whose sums are the counts (Crow 1984,
+/// "Summed-area tables for texture mapping").
 struct LookupCounts {
     size: UVec2,
     differences: Vec<i32>,

@@ -1,4 +1,5 @@
-//! A level plane under a camera and a sun that both look straight down, so that every figure is known.
+//! A level plane under a camera and a sun that both look straight down, so that every figure is
+//! known.
 
 use super::*;
 use umbrage_core::footprint::texels_per_pixel;
@@ -140,8 +141,8 @@ fn nothing_seen_is_no_use() {
     assert_eq!((f.total.unused, f.total.texels_per_pixel), (1.0, None));
 }
 
-/// A texel of the map is as large as a pixel at the side N with 8 m / N = 2 half / 32. With light at an angle, the map is
-/// as long as before along the slope, but the plane is seen foreshortened.
+/// A texel of the map is as large as a pixel at the side N with 8 m / N = 2 half / 32. With light
+/// at an angle, the map is as long as before along the slope, but the plane is seen foreshortened.
 #[test]
 fn the_side_that_pixels_ask_for() {
     let geometry = plane();
@@ -165,8 +166,8 @@ fn the_side_that_pixels_ask_for() {
     );
 }
 
-/// Under light at 60 degrees from the vertical, a pixel's step along the slope spans half as much of the map: the side
-/// doubles.
+/// Under light at 60 degrees from the vertical, a pixel's step along the slope spans half as much
+/// of the map: the side doubles.
 #[test]
 fn slanting_light_asks_for_more() {
     let (camera, geometry) = (camera(2.0), plane());

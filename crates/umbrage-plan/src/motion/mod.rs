@@ -13,11 +13,12 @@ use umbrage_core::{Camera, Cast, Geometry, Recipe, ShadowTechnique, Source, Tabl
 pub enum FrameMotion {
     /// Nothing: maps are kept, and each frame looks them up.
     Still,
-    /// The camera: what is drawn for the camera is drawn again, after the recipe is made again. Maps that do not follow the camera
-    /// are kept.
+    /// The camera: what is drawn for the camera is drawn again, after the recipe is made again.
+    /// Maps that do not follow the camera are kept.
     #[default]
     CameraMoves,
-    /// Casters, lights and camera: everything is made again, with the hierarchies over the triangles.
+    /// Casters, lights and camera: everything is made again, with the hierarchies over the
+    /// triangles.
     AllMoves,
 }
 
@@ -63,8 +64,8 @@ pub fn follows_camera(technique: &dyn ShadowTechnique, recipe: &Recipe, view: &V
     })
 }
 
-/// Returns the view of another camera that knows no receivers. The box around the casters stays, since fits go by it: a light set has a larger
-/// one than the casters need.
+/// Returns the view of another camera that knows no receivers. The box around the casters stays,
+/// since fits go by it: a light set has a larger one than the casters need.
 fn around_same_casters<'a>(
     view: &View<'a>,
     camera: &'a Camera,
@@ -78,7 +79,8 @@ fn around_same_casters<'a>(
 
 /// A motion of a camera.
 struct CameraMotion {
-    /// How far it moves to the right, up by half of that, and forward, as a share of the scene's diagonal.
+    /// How far it moves to the right, up by half of that, and forward, as a share of the scene's
+    /// diagonal.
     step: f32,
     /// How far it turns about its own y axis, radians.
     turn: f32,
@@ -108,7 +110,8 @@ impl CameraMotion {
     }
 }
 
-/// Returns the cameras of some frames of a pan, the given one first: each has moved and turned a little against the one before.
+/// Returns the cameras of some frames of a pan, the given one first: each has moved and turned a
+/// little against the one before.
 pub fn pan(camera: &Camera, geometry: &Geometry, frames: u32) -> Vec<Camera> {
     let mut cameras = vec![*camera];
     for _ in 1..frames {
@@ -118,7 +121,8 @@ pub fn pan(camera: &Camera, geometry: &Geometry, frames: u32) -> Vec<Camera> {
     cameras
 }
 
-/// Whether a recipe casts into an image of the camera's size: then it has visibilities at that camera's pixels alone.
+/// Whether a recipe casts into an image of the camera's size: then it has visibilities at that
+/// camera's pixels alone.
 pub fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
     recipe
         .casts

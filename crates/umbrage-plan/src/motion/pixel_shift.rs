@@ -1,9 +1,10 @@
-//! Points asked at other pixels than those that show them: what follows the pixel (a dither pattern, turned taps, random rays)
-//! then changes, and nothing else does.
+//! Points asked at other pixels than those that show them: what follows the pixel (a dither
+//! pattern, turned taps, random rays) then changes, and nothing else does.
 
 use umbrage_core::Receivers;
 
-/// Returns the receivers with each row moved to the right by this many pixels; what leaves on the right enters on the left.
+/// Returns the receivers with each row moved to the right by this many pixels; what leaves on the
+/// right enters on the left.
 pub fn to_the_right(receivers: &Receivers, pixels: usize) -> Receivers {
     let mut out = receivers.clone();
     let width = receivers.size.x;

@@ -14,7 +14,8 @@ pub enum BiasKind {
     NormalOffset,
     /// [`Bias::ADAPTIVE`], and the receiver moves along its normal besides, texels.
     Adaptive,
-    /// Casters move away by their own slope: [`RasterBias::slope`], the depth that a surface gains over so many texels.
+    /// Casters move away by their own slope: [`RasterBias::slope`], the depth that a surface gains
+    /// over so many texels.
     PolygonOffset,
     /// The technique's own bias; there is nothing to search.
     Own,
@@ -74,8 +75,8 @@ impl BiasAmounts {
     }
 }
 
-/// Returns the kinds of bias worth trying with a technique whose lookups reach so far (texels), with amounts around the one that
-/// frees a plane of acne.
+/// Returns the kinds of bias worth trying with a technique whose lookups reach so far (texels),
+/// with amounts around the one that frees a plane of acne.
 pub(super) fn bias_amounts(kernel_reach: Option<f32>, planned: PlannedBiases) -> Vec<BiasAmounts> {
     let Some(reach) = kernel_reach.filter(|_| planned != PlannedBiases::Own) else {
         return vec![BiasAmounts {
@@ -89,8 +90,8 @@ pub(super) fn bias_amounts(kernel_reach: Option<f32>, planned: PlannedBiases) ->
         amounts: vec![0.0, 0.25, 0.5, 1.0, 2.0],
         first_index: 0,
     }];
-    // These two are those of `Bias::normal_offset` and `Bias::polygon_offset`: they free every plane of acne and are often too
-    // much.
+    // These two are those of `Bias::normal_offset` and `Bias::polygon_offset`: they free every
+    // plane of acne and are often too much.
     let sure_offset = (reach + 0.5) * SQRT_2;
     let sure_slope = 2.0 * reach + 1.0;
     let offsets = [0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0];

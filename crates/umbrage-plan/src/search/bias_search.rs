@@ -8,14 +8,15 @@ use super::{
 };
 use crate::error::MeasureError;
 
-/// Greatest ratio of the error of the best kind's first amount to the error aimed at. Beyond it, no other amount of any kind is
-/// tried, since none would help.
+/// Greatest ratio of the error of the best kind's first amount to the error aimed at. Beyond it, no
+/// other amount of any kind is tried, since none would help.
 const MAX_FIRST_ERROR_RATIO: f64 = 1.7;
-/// The same ratio for each other kind. Beyond it, no other amount of that kind, or of a kind whose first amount is worse, is
-/// tried.
+/// The same ratio for each other kind. Beyond it, no other amount of that kind, or of a kind whose
+/// first amount is worse, is tried.
 const MAX_FIRST_ERROR_RATIO_OF_OTHERS: f64 = 1.3;
 
-/// Returns the setting with the best bias for a candidate, an index into [`Family::candidates`]; none if nothing is supported.
+/// Returns the setting with the best bias for a candidate, an index into [`Family::candidates`];
+/// none if nothing is supported.
 ///
 /// Tries the first amount of each kind of bias.
 /// Then, from the best kind on, tries other amounts of each kind: see [`line_search`].
@@ -110,8 +111,8 @@ pub(super) struct Biased {
 
 /// Tries every amount of every kind of bias for a candidate, an index into [`Family::candidates`].
 ///
-/// The planner calls it for the setting that it chose: to show that no other bias is better, and for
-/// [`Plan::curve`](crate::Plan::curve).
+/// The planner calls it for the setting that it chose: to show that no other bias is better, and
+/// for [`Plan::curve`](crate::Plan::curve).
 pub(super) fn all_biases(
     trials: &mut Trials<'_>,
     family: &Family,

@@ -1,18 +1,19 @@
-//! Bounds of a plan: error, grain, shimmer, time and memory, and what the program that plays it has.
+//! Bounds of a plan: error, grain, shimmer, time and memory, and what the program that plays it
+//! has.
 
 use crate::estimate::scene::RendererData;
 use serde::{Deserialize, Serialize};
 use umbrage_core::Invalid;
 
-/// The greatest error, time and memory that shadows may have. Bounds that are not given bound nothing; of those of error, time and
-/// memory at least one must be given.
+/// The greatest error, time and memory that shadows may have. Bounds that are not given bound
+/// nothing; of those of error, time and memory at least one must be given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bounds {
     /// Greatest root mean square of mask - truth over the pixels that count, 0..=1.
     pub max_error: Option<f64>,
-    /// Greatest root mean square of mask - truth over that of no shadow at all, 0..=1: a bound that knows how much shadow there
-    /// is to get wrong. With several cameras each has its own.
+    /// Greatest root mean square of mask - truth over that of no shadow at all, 0..=1: a bound that
+    /// knows how much shadow there is to get wrong. With several cameras each has its own.
     pub max_relative_error: Option<f64>,
     /// Greatest predicted time of a frame's shadows, milliseconds: of what the
     /// [motion](super::PlanOptions::motion) makes each frame do.
@@ -21,18 +22,20 @@ pub struct Bounds {
     pub max_bytes: Option<u64>,
     /// Greatest [grain](crate::Setting::grain) in penumbrae, 0..=1.
     pub max_grain: Option<f64>,
-    /// Greatest [shimmer](crate::Setting::shimmer), 0..=1. Stable fits are candidates only where it is given.
+    /// Greatest [shimmer](crate::Setting::shimmer), 0..=1. Stable fits are candidates only where it
+    /// is given.
     pub max_shimmer: Option<f64>,
     /// What the program has that makes the recipes.
     pub renderer: RendererData,
 }
 
-/// The grain that [`Bounds::error`] and the commands allow. Rays with 16 samples a pixel and maps with smooth kernels stay below
-/// it, 4 to 6 rays a pixel do not (`search/tests.rs` measures both).
+/// The grain that [`Bounds::error`] and the commands allow. Rays with 16 samples a pixel and maps
+/// with smooth kernels stay below it, 4 to 6 rays a pixel do not (`search/tests.rs` measures both).
 pub const MAX_GRAIN: f64 = 0.06;
 
 impl Bounds {
-    /// Returns a bound of the error and the usual one of the grain ([`MAX_GRAIN`]); the cheapest technique within both is planned.
+    /// Returns a bound of the error and the usual one of the grain ([`MAX_GRAIN`]); the cheapest
+    /// technique within both is planned.
     pub fn error(max_error: f64) -> Self {
         Self {
             max_error: Some(max_error),
@@ -41,8 +44,8 @@ impl Bounds {
         }
     }
 
-    /// Returns a bound of the error relative to the shadow that is there, and the usual one of the grain ([`MAX_GRAIN`]); the
-    /// cheapest technique within both is planned.
+    /// Returns a bound of the error relative to the shadow that is there, and the usual one of the
+    /// grain ([`MAX_GRAIN`]); the cheapest technique within both is planned.
     pub fn relative_error(max_relative_error: f64) -> Self {
         Self {
             max_relative_error: Some(max_relative_error),
@@ -78,7 +81,8 @@ impl Bounds {
         self.max_error.is_some() || self.max_relative_error.is_some()
     }
 
-    /// Whether a setting is within the bounds of grain and shimmer. What was not measured is within.
+    /// Whether a setting is within the bounds of grain and shimmer. What was not measured is
+    /// within.
     pub fn endures(&self, grain: Option<f64>, shimmer: Option<f64>) -> bool {
         let is_within = |figure: Option<f64>, max: Option<f64>| match (figure, max) {
             (Some(figure), Some(max)) => figure <= max,
@@ -90,8 +94,8 @@ impl Bounds {
     /// Checks that there are bounds, and that they can be met.
     ///
     /// # Errors
-    /// Errors if no bound of error, time or memory is given, one is NaN or negative, or a bound of an error, the grain or the
-    /// shimmer is over 1.
+    /// Errors if no bound of error, time or memory is given, one is NaN or negative, or a bound of
+    /// an error, the grain or the shimmer is over 1.
     pub fn validate(&self) -> Result<(), Invalid> {
         if !self.has_error() && self.max_ms.is_none() && self.max_bytes.is_none() {
             return Err(Invalid::new(

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use umbrage_core::ShadowTechnique as _;
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
 
-/// A map from presets to values. Floats can't be hashed, so presets of one technique are compared in turn. That is cheap
-/// compared with trying one. A preset with NaN is never found.
+/// A map from presets to values. Floats can't be hashed, so presets of one technique are compared
+/// in turn. That is cheap compared with trying one. A preset with NaN is never found.
 #[derive(Debug)]
 pub(super) struct ByPreset<V>(HashMap<&'static str, Vec<(TechniquePreset, V)>>);
 

@@ -12,10 +12,11 @@ const ENOUGH: (u32, f64) = (5, 4.0);
 /// Rounds after which what is slow has, if so many seconds have gone.
 const ENOUGH_OF_SLOW: (u32, f64) = (2, 15.0);
 
-/// Rounds after which what can no longer be the quickest by [`HOPELESS`] is played no more; before, by [`HOPELESS_AT_FIRST`].
+/// Rounds after which what can no longer be the quickest by [`HOPELESS`] is played no more; before,
+/// by [`HOPELESS_AT_FIRST`].
 const ROUNDS_BEFORE_DROPPING: u32 = 2;
-/// What took more than 1.5 times the least so far, in the best of [`ROUNDS_BEFORE_DROPPING`], can no longer be the quickest: what else
-/// runs on a machine seldom holds up each of two runs by half.
+/// What took more than 1.5 times the least so far, in the best of [`ROUNDS_BEFORE_DROPPING`], can
+/// no longer be the quickest: what else runs on a machine seldom holds up each of two runs by half.
 const HOPELESS: Hopeless = Hopeless {
     factor: 1.5,
     more_ms: 0.0,
@@ -44,8 +45,8 @@ pub(super) struct Race {
 }
 
 impl Race {
-    /// Whether a setting may still be the quickest, or is watched. `best_ms` holds the least times so far, of which `hopeless` says
-    /// what is too much.
+    /// Whether a setting may still be the quickest, or is watched. `best_ms` holds the least times
+    /// so far, of which `hopeless` says what is too much.
     fn needs(&self, setting: usize, best_ms: &[f64], hopeless: Hopeless) -> bool {
         if self.watched == Some(setting) {
             return true;
@@ -84,10 +85,11 @@ impl Runner {
     }
 }
 
-/// Returns the time of a frame of each preset, milliseconds: the least of some rounds, since what else runs on the machine only ever
-/// adds to it. None for a preset that is not supported or that the backend can't hold. `is_kept` says of each whether what it draws
-/// is kept from frame to frame. With `races`, what no race needs any more is played in the first rounds alone, so that its time is less
-/// exact; without any, all are played in all rounds.
+/// Returns the time of a frame of each preset, milliseconds: the least of some rounds, since what
+/// else runs on the machine only ever adds to it. None for a preset that is not supported or that
+/// the backend can't hold. `is_kept` says of each whether what it draws is kept from frame to
+/// frame. With `races`, what no race needs any more is played in the first rounds alone, so that
+/// its time is less exact; without any, all are played in all rounds.
 ///
 /// # Errors
 /// Errors if the backend fails.
@@ -190,7 +192,8 @@ fn first_play(
     }))
 }
 
-/// Returns how long a preset takes to make its recipe, milliseconds; without a memory of fits, which no program has across frames.
+/// Returns how long a preset takes to make its recipe, milliseconds; without a memory of fits,
+/// which no program has across frames.
 fn time_of_recipe(scene: &PlanScene<'_>, preset: &TechniquePreset) -> f64 {
     let view = View {
         fits: None,
@@ -204,7 +207,8 @@ fn time_of_recipe(scene: &PlanScene<'_>, preset: &TechniquePreset) -> f64 {
     milliseconds(elapsed)
 }
 
-/// Returns by how many milliseconds the first recipe for fresh triangles takes longer than a later one: hierarchies, welded edges.
+/// Returns by how many milliseconds the first recipe for fresh triangles takes longer than a later
+/// one: hierarchies, welded edges.
 fn time_of_scene(scene: &PlanScene<'_>, preset: &TechniquePreset) -> f64 {
     let fresh: Geometry = scene.geometry.without_hierarchies();
     let unfitted = View {

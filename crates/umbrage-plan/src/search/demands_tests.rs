@@ -1,4 +1,5 @@
-//! What is asked of plans beside a small error: other bounds, several cameras, what moves, the clock.
+//! What is asked of plans beside a small error: other bounds, several cameras, what moves, the
+//! clock.
 
 use super::{
     tests::{planned, scene, small, with_planner},
@@ -17,7 +18,8 @@ use umbrage_techniques::{
     Hard, MapFilter as _, MapTechnique, Pcf, ShadowMap, TechniquePreset, Traced,
 };
 
-/// The grain of 4 to 6 rays a pixel is refused by the usual bound, that of many rays and of a smooth kernel is not.
+/// The grain of 4 to 6 rays a pixel is refused by the usual bound, that of many rays and of a
+/// smooth kernel is not.
 #[test]
 fn few_rays_are_grainy_and_smooth_kernels_are_not() {
     for name in ["rising-boxes", "rising-boxes-disc", "teapot-lamp"] {
@@ -69,7 +71,8 @@ fn only_fits_that_follow_the_camera_shimmer() {
     });
 }
 
-/// A plan for two cameras keeps its bound at both; for half of them at the easier one, and for less.
+/// A plan for two cameras keeps its bound at both; for half of them at the easier one, and for
+/// less.
 #[test]
 fn a_plan_holds_for_all_cameras_or_for_a_share() {
     let scene = scene("cubes");

@@ -11,15 +11,18 @@ use crate::{
 use umbrage_core::{Cascades, Fit, Layout, Light, math::transform};
 use umbrage_techniques::{MapFormat, ShadowMap, TechniquePreset};
 
-/// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
+/// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as
+/// much.
 pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
 /// Sides that differ by no more than this share count as the same.
 const SAME_SIDE_TOLERANCE: f64 = 0.1;
-/// Doubling a map's side halves the area that is wrong along edges, and so divides the error by the root of 2. It does
-/// more only where acne or whole casters vanish: not more than this, as sweeps show (2.5 was too little).
+/// Doubling a map's side halves the area that is wrong along edges, and so divides the error by the
+/// root of 2. It does more only where acne or whole casters vanish: not more than this, as sweeps
+/// show (2.5 was too little).
 const MAX_GAIN_OF_MAPS: f64 = 4.0;
 
-/// A technique and kernel without a choice of bias, on maps from coarse to fine or with ever more rays.
+/// A technique and kernel without a choice of bias, on maps from coarse to fine or with ever more
+/// rays.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Family {
     /// Rising in cost.
@@ -55,7 +58,8 @@ impl Family {
         bias_amounts(self.kernel_reach, self.planned_biases)
     }
 
-    /// Returns the family with one map more, of `side` texels a side, unless it has one of about that side or has no maps.
+    /// Returns the family with one map more, of `side` texels a side, unless it has one of about
+    /// that side or has no maps.
     fn with_side(mut self, side: u32) -> Self {
         let preset = self.preset().clone();
         if preset.map().is_none() {
@@ -74,7 +78,8 @@ impl Family {
         self
     }
 
-    /// Returns the same family of maps with a stable fit up to a distance, metres; none without maps of a tight fit.
+    /// Returns the same family of maps with a stable fit up to a distance, metres; none without
+    /// maps of a tight fit.
     fn stable(&self, range: f32) -> Option<Self> {
         let has_tight_map =
             |preset: &TechniquePreset| preset.map().is_some_and(|map| map.fit == Fit::Tight);
@@ -92,7 +97,8 @@ impl Family {
         })
     }
 
-    /// Returns the same family of maps as cascades, each map that much smaller that they take no more memory; none without maps.
+    /// Returns the same family of maps as cascades, each map that much smaller that they take no
+    /// more memory; none without maps.
     fn cascaded(&self, cascades: Cascades) -> Option<Self> {
         let sides = &SIZES[..SIZES.len() - 1];
         let first = self.preset();
@@ -108,8 +114,8 @@ impl Family {
         })
     }
 
-    /// Whether a candidate's error over that of the candidate two before it shows what finer maps are worth: its map has at
-    /// least four times the side. False for rays, which always gain.
+    /// Whether a candidate's error over that of the candidate two before it shows what finer maps
+    /// are worth: its map has at least four times the side. False for rays, which always gain.
     pub(super) fn saturates(&self, candidate: usize) -> bool {
         let Some(two_before) = candidate.checked_sub(2) else {
             return false;
@@ -181,15 +187,16 @@ fn seen_distances(scene: &PlanScene<'_>) -> Vec<f32> {
     distances
 }
 
-/// Returns how far along the camera's view shadows are wanted, metres: a little farther than nearly all that it sees.
+/// Returns how far along the camera's view shadows are wanted, metres: a little farther than nearly
+/// all that it sees.
 fn farthest_seen(rising_distances: &[f32]) -> f32 {
     let nearly_all = rising_distances.len() * 99 / 100;
     let farthest = rising_distances.get(nearly_all).copied().unwrap_or(1.0);
     STABLE_MARGIN * farthest.max(f32::MIN_POSITIVE)
 }
 
-/// How many times as far as the nearest the farthest receivers must be for cascades to be tried: the texels of one map are then that
-/// many times larger nearby, in pixels, than they need to be.
+/// How many times as far as the nearest the farthest receivers must be for cascades to be tried:
+/// the texels of one map are then that many times larger nearby, in pixels, than they need to be.
 const LEAST_RANGE_OF_CASCADES: f32 = 8.0;
 
 /// Returns cascades for a view; none where what is seen is about equally far.
@@ -209,8 +216,8 @@ fn two_digits(value: f32) -> f32 {
     ((f64::from(value) / unit).floor() * unit) as f32
 }
 
-/// Returns all candidates for a view: those for its light, each family of maps with one more of the side that the view's
-/// pixels ask for.
+/// Returns all candidates for a view: those for its light, each family of maps with one more of the
+/// side that the view's pixels ask for.
 pub(super) fn families_for(
     catalogue: &Catalogue,
     scene: &PlanScene<'_>,
@@ -242,8 +249,9 @@ pub(super) fn families_for(
     families
 }
 
-/// Returns all candidates for a light, in the order in which equally cheap ones are tried: single settings without a map,
-/// maps, then series without a map. `small` asks for maps of 16 bits, too, which take half the memory.
+/// Returns all candidates for a light, in the order in which equally cheap ones are tried: single
+/// settings without a map, maps, then series without a map. `small` asks for maps of 16 bits, too,
+/// which take half the memory.
 pub(super) fn families(catalogue: &Catalogue, light: &Light, small: bool) -> Vec<Family> {
     let without_map = families_of(catalogue, light, MapFormat::Depth32, false);
     let (single, series): (Vec<Family>, Vec<Family>) = without_map

@@ -10,7 +10,8 @@ pub enum Hold {
     /// For all: the worst one decides.
     #[default]
     Worst,
-    /// For this share of them at least, above 0 up to 1; the others may be worse. Of fewer than 20 cameras a share of .95 is all.
+    /// For this share of them at least, above 0 up to 1; the others may be worse. Of fewer than 20
+    /// cameras a share of .95 is all.
     Share(f64),
 }
 
@@ -30,13 +31,15 @@ impl Hold {
         }
     }
 
-    /// Returns the figure that enough of the cameras do not exceed: the least one of theirs for which that is so; 0 of none.
+    /// Returns the figure that enough of the cameras do not exceed: the least one of theirs for
+    /// which that is so; 0 of none.
     pub(super) fn of(self, mut figures: Vec<f64>) -> f64 {
         figures.sort_by(f64::total_cmp);
         let count = figures.len();
         let needed = match self {
             Self::Worst => count,
-            // A little less, so that a share that is a whole number of cameras is not rounded up to the next.
+            // A little less, so that a share that is a whole number of cameras is not rounded up to
+            // the next.
             Self::Share(share) => (share * count as f64 - 1e-9).ceil() as usize,
         };
         figures

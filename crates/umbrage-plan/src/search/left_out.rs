@@ -1,5 +1,6 @@
-//! What more could be left out beside a cheaper technique: shadows that nobody sees, casters that are seen less than a pixel wide, and
-//! drawing again what has not changed. Each is played, and told with what it saves and what it costs in error.
+//! What more could be left out beside a cheaper technique: shadows that nobody sees, casters that
+//! are seen less than a pixel wide, and drawing again what has not changed. Each is played, and
+//! told with what it saves and what it costs in error.
 
 use super::{
     lights::{LightPlan, LightsPlan},
@@ -65,7 +66,8 @@ fn update_of(motion: FrameMotion, setting: &Setting) -> Update {
 }
 
 impl LightsPlan {
-    /// Returns the preset of one of its lights, with when its images are drawn again; none if nothing is within the budget.
+    /// Returns the preset of one of its lights, with when its images are drawn again; none if
+    /// nothing is within the budget.
     pub fn light_preset(&self, light: &LightPlan) -> Option<LightPreset> {
         let chosen = light.chosen.as_ref()?;
         Some(LightPreset {
@@ -91,8 +93,8 @@ fn redrawing(plan: &Plan) -> Option<LeftOut> {
     })
 }
 
-/// Casters that all cameras see less than [`SMALL_PIXELS`] wide, played without them; none where there are none, or where nothing is
-/// drawn or traced.
+/// Casters that all cameras see less than [`SMALL_PIXELS`] wide, played without them; none where
+/// there are none, or where nothing is drawn or traced.
 fn small_casters(
     scene: &Scene,
     cameras: &[Camera],
@@ -167,7 +169,8 @@ fn bounds(scene: &Scene, instance: &Instance) -> Aabb {
     Aabb::around(scene.meshes[instance.mesh].positions.iter().map(place))
 }
 
-/// Returns how wide a camera sees the sphere around a box, pixels; infinite for one that it stands in.
+/// Returns how wide a camera sees the sphere around a box, pixels; infinite for one that it stands
+/// in.
 fn width(camera: &Camera, bounds: &Aabb) -> f32 {
     if bounds.is_empty() {
         return 0.0;

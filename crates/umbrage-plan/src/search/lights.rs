@@ -1,9 +1,11 @@
 //! All lights of a scene under one budget.
 //!
-//! Each light has a front of settings, from no shadow at all to the most accurate, which nothing else of that light beats in both
-//! time and error. One setting of each is to be picked (the multiple-choice knapsack problem). The pairs of (sum of times, sum of
-//! squared errors) that no other pair beats are found by adding one light after the other (Nemhauser and Ullmann 1969, "Discrete
-//! dynamic programming and capital allocation"); the answer is exact, since any part of a best choice is a best choice itself.
+//! Each light has a front of settings, from no shadow at all to the most accurate, which nothing
+//! else of that light beats in both time and error. One setting of each is to be picked (the
+//! multiple-choice knapsack problem). The pairs of (sum of times, sum of squared errors) that no
+//! other pair beats are found by adding one light after the other (Nemhauser and Ullmann 1969,
+//! "Discrete dynamic programming and capital allocation"); the answer is exact, since any part of a
+//! best choice is a best choice itself.
 
 use super::{
     bounds::Bounds,
@@ -90,17 +92,19 @@ pub struct LightPlan {
     pub coverage: Coverage,
 }
 
-/// Errors that a light's front is searched for, as shares of that of no shadow at all: each takes about the root of two less, by
-/// which a map of twice the side errs less.
+/// Errors that a light's front is searched for, as shares of that of no shadow at all: each takes
+/// about the root of two less, by which a map of twice the side errs less.
 const RUNGS: [f64; 11] = [
     0.9, 0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.045, 0.03,
 ];
 
-/// Plans all lights of a scene under one budget. `limits` are bounds of each light beside it, such as those of grain and memory; their
-/// bounds of error and time are not asked. With a backend, fronts are played and timed in turn.
+/// Plans all lights of a scene under one budget. `limits` are bounds of each light beside it, such
+/// as those of grain and memory; their bounds of error and time are not asked. With a backend,
+/// fronts are played and timed in turn.
 ///
 /// # Errors
-/// Errors if the scene has no camera or light or is not valid, if the budget or the limits are not valid, or if a backend fails.
+/// Errors if the scene has no camera or light or is not valid, if the budget or the limits are not
+/// valid, or if a backend fails.
 pub fn plan_lights(
     scene: &Scene,
     budget: LightsBudget,
@@ -185,7 +189,8 @@ struct Picks {
     places: Vec<usize>,
 }
 
-/// Returns all picks of one item of each list that no other pick beats in both sums, by rising time. Items are (time, squared error).
+/// Returns all picks of one item of each list that no other pick beats in both sums, by rising
+/// time. Items are (time, squared error).
 fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
     let mut best = vec![Picks {
         milliseconds: 0.0,
@@ -275,8 +280,8 @@ impl LightsPlan {
 }
 
 impl Planner<'_> {
-    /// Returns settings from no shadow at all to the most accurate, verified, of which each keeps a smaller error than the one before for
-    /// the least time. `limits` as in [`plan_lights`].
+    /// Returns settings from no shadow at all to the most accurate, verified, of which each keeps a
+    /// smaller error than the one before for the least time. `limits` as in [`plan_lights`].
     pub(super) fn front(&mut self, limits: &Bounds) -> Result<Vec<Setting>, MeasureError> {
         let of_error = |error: f64| Bounds {
             max_error: Some(error),

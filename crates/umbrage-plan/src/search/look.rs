@@ -1,4 +1,5 @@
-//! What settings look like: truth and masks at an even grid of the image's pixels, for pictures beside a plan.
+//! What settings look like: truth and masks at an even grid of the image's pixels, for pictures
+//! beside a plan.
 
 use super::options::PlanOptions;
 use crate::{
@@ -16,7 +17,8 @@ const RAYS: u32 = 64;
 /// Rays a pixel for finding out what is ambiguous.
 const PROBE_RAYS: u32 = 8;
 
-/// Truth and masks for pictures. Pixels are every so many-th of the image's rows and columns, as they are: nothing is averaged.
+/// Truth and masks for pictures. Pixels are every so many-th of the image's rows and columns, as
+/// they are: nothing is averaged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     /// Width and height, pixels of the grid.
@@ -29,7 +31,8 @@ pub struct Look {
     pub masks: Vec<Option<Vec<f32>>>,
 }
 
-/// Renders presets for the first camera of the options (or the scene) and its light, at a grid at most `max_width` pixels wide.
+/// Renders presets for the first camera of the options (or the scene) and its light, at a grid at
+/// most `max_width` pixels wide.
 ///
 /// # Errors
 /// Errors if the scene has no camera or light, or is not valid.

@@ -3,13 +3,16 @@
 //! * [`planner`]: samples the scene, searches, and writes down the plan.
 //! * [`strategy`]: the order in which candidates are tried.
 //! * [`bias_search`]: the best bias of one candidate.
-//! * [`trials`]: settings tried on the samples of all cameras, each once, kept in [`by_preset`]. [`hold`]: for how many cameras a figure must hold.
+//! * [`trials`]: settings tried on the samples of all cameras, each once, kept in [`by_preset`].
+//!   [`hold`]: for how many cameras a figure must hold.
 //! * [`clock`]: finalists played in turn and timed.
 //!
-//! Candidates come from [`families`], with amounts of [`bias`] and the map's side that the screen asks for ([`resolution`]).
+//! Candidates come from [`families`], with amounts of [`bias`] and the map's side that the screen
+//! asks for ([`resolution`]).
 //! [`left_out`]: what more may be left out.
 //! [`lights`]: all lights of a scene under one budget. [`look`]: pictures of settings.
-//! [`outcome`] and [`reasons`] are the answer; [`regret`] checks it against a sweep of all candidates.
+//! [`outcome`] and [`reasons`] are the answer; [`regret`] checks it against a sweep of all
+//! candidates.
 
 mod bias;
 mod bias_search;
@@ -45,11 +48,12 @@ pub use setting::{CameraFigures, Setting};
 use crate::{error::MeasureError, progress::OnStep};
 use umbrage_core::{Backend, Geometry, Scene};
 
-/// The plan for one light of a scene, seen by the cameras of the options, or else by the scene's first.
+/// The plan for one light of a scene, seen by the cameras of the options, or else by the scene's
+/// first.
 ///
 /// # Errors
-/// Errors if the scene has no camera or light or is not valid, or if bounds are missing or not valid. That no candidate is within the bounds is
-/// no error: see [`Plan::preset`].
+/// Errors if the scene has no camera or light or is not valid, or if bounds are missing or not
+/// valid. That no candidate is within the bounds is no error: see [`Plan::preset`].
 pub fn plan(
     scene: &Scene,
     bounds: &Bounds,
@@ -59,7 +63,8 @@ pub fn plan(
     plan_by_clock(scene, bounds, options, None, on_step)
 }
 
-/// As [`plan`]; with a backend, what counted costs can't tell apart is timed on it: [`Planner::plan_by_clock`].
+/// As [`plan`]; with a backend, what counted costs can't tell apart is timed on it:
+/// [`Planner::plan_by_clock`].
 ///
 /// # Errors
 /// As those of [`plan`], and if the backend fails.

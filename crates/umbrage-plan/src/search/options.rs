@@ -13,8 +13,8 @@ use umbrage_core::{Camera, Invalid, Light, Scene};
 pub struct PlanOptions {
     /// The techniques that are tried.
     pub catalogue: Catalogue,
-    /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each. Several
-    /// cameras share them, down to a quarter of them each.
+    /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose
+    /// truth takes one ray each. Several cameras share them, down to a quarter of them each.
     pub samples: u32,
     /// Which sample: the same seed gives the same plan.
     pub seed: u32,
@@ -40,7 +40,8 @@ pub struct PlanOptions {
 
 impl Default for PlanOptions {
     fn default() -> Self {
-        // A quarter of a comparison's rays: their noise of about .005 is far below the errors that are told apart.
+        // A quarter of a comparison's rays: their noise of about .005 is far below the errors that
+        // are told apart.
         let truth = TruthOptions {
             samples: 256,
             ..TruthOptions::default()

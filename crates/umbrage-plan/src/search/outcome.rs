@@ -25,13 +25,15 @@ pub struct Plan {
     pub motion: FrameMotion,
     /// The bounds that it keeps.
     pub bounds: Bounds,
-    /// The cheapest setting within the bounds (without a bound of the error, the most accurate); none if nothing is.
+    /// The cheapest setting within the bounds (without a bound of the error, the most accurate);
+    /// none if nothing is.
     pub chosen: Option<Setting>,
     /// If nothing is within the bounds: which bound fails, and by how much.
     pub miss: Option<Miss>,
     /// Other settings tried, that nothing else tried beats at both cost and error; by rising cost.
     pub runners_up: Vec<Setting>,
-    /// Cheaper settings that come nearest to the bounds and break one: two at most, of different techniques, the better first.
+    /// Cheaper settings that come nearest to the bounds and break one: two at most, of different
+    /// techniques, the better first.
     pub failing: Vec<Setting>,
     /// What was timed by the clock, the quickest first; empty if nothing was.
     pub timed: Vec<Setting>,
@@ -72,7 +74,8 @@ impl Plan {
         })
     }
 
-    /// Returns what of its light's work may be left out: the rules of its [`LightPreset`](umbrage_techniques::LightPreset).
+    /// Returns what of its light's work may be left out: the rules of its
+    /// [`LightPreset`](umbrage_techniques::LightPreset).
     pub fn frame_rules(&self) -> FrameRules {
         let mut rules = FrameRules::default();
         for left_out in self.left_out.iter().filter(|left_out| left_out.is_taken) {
@@ -179,7 +182,8 @@ pub struct Miss {
 pub struct Sampled {
     /// Receivers sampled that count.
     pub receivers: usize,
-    /// Receivers whose truth was traced in all: second looks at what was about to be chosen take more.
+    /// Receivers whose truth was traced in all: second looks at what was about to be chosen take
+    /// more.
     pub traced: usize,
     /// Settings tried on them.
     pub settings: usize,

@@ -79,8 +79,8 @@ impl<'a> Planner<'a> {
         )
     }
 
-    /// Samples the receivers that each of some cameras sees and traces their truth. Plans hold for as many of them as
-    /// [`PlanOptions::hold`] says.
+    /// Samples the receivers that each of some cameras sees and traces their truth. Plans hold for
+    /// as many of them as [`PlanOptions::hold`] says.
     ///
     /// # Errors
     /// Errors if there is no camera, or a camera or the light is not valid.
@@ -124,8 +124,9 @@ impl<'a> Planner<'a> {
         })
     }
 
-    /// Finds the cheapest setting within the bounds; without a bound of the error, the most accurate. Costs are counted and priced,
-    /// so that the same scene has the same plan on every run.
+    /// Finds the cheapest setting within the bounds; without a bound of the error, the most
+    /// accurate. Costs are counted and priced, so that the same scene has the same plan on every
+    /// run.
     ///
     /// # Errors
     /// Errors if bounds are missing or bad.
@@ -133,9 +134,9 @@ impl<'a> Planner<'a> {
         self.plan_by_clock(bounds, None)
     }
 
-    /// As [`Planner::plan`]; with a backend, what counted costs can't tell apart is played on it and timed in turn, with the first camera,
-    /// and the least by the clock is chosen. Without a bound of the error, the most accurate whose time by the clock is within the
-    /// bounds.
+    /// As [`Planner::plan`]; with a backend, what counted costs can't tell apart is played on it
+    /// and timed in turn, with the first camera, and the least by the clock is chosen. Without a
+    /// bound of the error, the most accurate whose time by the clock is within the bounds.
     ///
     /// # Errors
     /// Errors if bounds are missing or bad, or the backend fails.
@@ -213,8 +214,8 @@ impl<'a> Planner<'a> {
         })
     }
 
-    /// Searches for what is within the bounds. Returns with it the bound of the error of the strictest camera. `spread` as in
-    /// [`Planner::cheapest`].
+    /// Searches for what is within the bounds. Returns with it the bound of the error of the
+    /// strictest camera. `spread` as in [`Planner::cheapest`].
     fn searched(
         &mut self,
         bounds: &Bounds,
@@ -241,7 +242,8 @@ impl<'a> Planner<'a> {
         Ok(found)
     }
 
-    /// Returns the settings with their times by the clock; those that the backend can't play are left out.
+    /// Returns the settings with their times by the clock; those that the backend can't play are
+    /// left out.
     pub(super) fn timed(
         &mut self,
         settings: Vec<Setting>,
@@ -272,7 +274,8 @@ impl<'a> Planner<'a> {
         Ok(timed)
     }
 
-    /// Times finalists in turn. Returns the one that is best by the clock, and all of them with their times, the quickest first.
+    /// Times finalists in turn. Returns the one that is best by the clock, and all of them with
+    /// their times, the quickest first.
     fn quickest(
         &mut self,
         finalists: Vec<(Place, Setting)>,
@@ -316,8 +319,9 @@ impl<'a> Planner<'a> {
         Ok((Found::Missed(Box::new(Miss { reason, best })), all))
     }
 
-    /// Returns the two cheaper settings that come nearest to the bounds and break one, the better first; one of each technique. Where
-    /// frames cost the same, those are cheaper that take less to draw.
+    /// Returns the two cheaper settings that come nearest to the bounds and break one, the better
+    /// first; one of each technique. Where frames cost the same, those are cheaper that take less
+    /// to draw.
     fn failing(
         &self,
         chosen: Option<&Setting>,
@@ -400,7 +404,8 @@ impl<'a> Planner<'a> {
         Ok((best_setting, curve))
     }
 
-    /// Of each technique and map the best bias; of these the front of cost and error, nearest to the chosen one.
+    /// Of each technique and map the best bias; of these the front of cost and error, nearest to
+    /// the chosen one.
     fn runners_up(&self, chosen: Option<&Setting>) -> Vec<Setting> {
         let mut best: Vec<(TechniquePreset, &Setting)> = Vec::new();
         for setting in self
@@ -462,7 +467,8 @@ fn sampled_view<'a>(
     Ok(SampledView::new(scene, sampled, verifier))
 }
 
-/// By how many times one setting costs more or less than another: the logarithm of the ratio, 0 for the same cost.
+/// By how many times one setting costs more or less than another: the logarithm of the ratio, 0 for
+/// the same cost.
 fn cost_distance(setting: &Setting, chosen: &Setting) -> f64 {
     let ratio = setting.milliseconds / chosen.milliseconds.max(1e-9);
     ratio.ln().abs()

@@ -216,7 +216,8 @@ fn cheaper_line(setting: &Setting, bounds: &Bounds) -> String {
     line
 }
 
-/// What a greater error would save: of the settings that take at most [`WORTHWHILE`] of the time, the one with the least error.
+/// What a greater error would save: of the settings that take at most [`WORTHWHILE`] of the time,
+/// the one with the least error.
 fn next_bound(all: &[&Setting], chosen: &Setting) -> Option<String> {
     let cheaper = all
         .iter()

@@ -1,4 +1,5 @@
-//! Compares plans with an exhaustive sweep of the same candidates over the whole image, by counted costs and by the clock.
+//! Compares plans with an exhaustive sweep of the same candidates over the whole image, by counted
+//! costs and by the clock.
 
 use super::{
     bias_search::best_bias,
@@ -37,7 +38,8 @@ pub struct Regret {
     pub chosen: Option<Setting>,
     /// Its error over the whole image; NaN without a choice.
     pub error: f64,
-    /// The cheapest that meets the bound on the whole image, of all candidates with all biases; none if none does.
+    /// The cheapest that meets the bound on the whole image, of all candidates with all biases;
+    /// none if none does.
     pub cheapest: Option<String>,
     /// What that costs, milliseconds.
     #[serde(rename = "least_milliseconds")]
@@ -97,19 +99,22 @@ impl Regret {
         })
     }
 
-    /// Whether the plan is wrong: it breaks the bound, or costs more than [`MAX_REGRET`] times the least.
+    /// Whether the plan is wrong: it breaks the bound, or costs more than [`MAX_REGRET`] times the
+    /// least.
     pub fn misses(&self) -> bool {
         !self.keeps() || self.ratio().is_some_and(|ratio| ratio > MAX_REGRET)
     }
 }
 
-/// Plans for each error bound, each as if it were the first, and sweeps all candidates by rising cost until the least bound
-/// is met. With a backend, plans are made by the clock, and all candidates that keep a bound are played and timed in turn.
+/// Plans for each error bound, each as if it were the first, and sweeps all candidates by rising
+/// cost until the least bound is met. With a backend, plans are made by the clock, and all
+/// candidates that keep a bound are played and timed in turn.
 ///
-/// Under ideal lights, whose truth takes one ray a pixel, the whole image is judged: hard shadows err at few pixels, and a plan may
-/// come within a thousandth of its bound, which no sample of the image tells. Under lights with an extent the image is judged at one
-/// pixel of each block ([`TruthOptions::block_side`](crate::truth::TruthOptions::block_side)). If blocks are larger than a pixel,
-/// candidates are swept with their best bias each, not with all of them.
+/// Under ideal lights, whose truth takes one ray a pixel, the whole image is judged: hard shadows
+/// err at few pixels, and a plan may come within a thousandth of its bound, which no sample of the
+/// image tells. Under lights with an extent the image is judged at one pixel of each block
+/// ([`TruthOptions::block_side`](crate::truth::TruthOptions::block_side)). If blocks are larger
+/// than a pixel, candidates are swept with their best bias each, not with all of them.
 ///
 /// # Errors
 /// Errors if the scene has no camera or light, or is not valid, or if a backend fails.
@@ -161,11 +166,12 @@ pub fn regret(
     Ok(out)
 }
 
-/// How many times the error of one in twenty estimates is out of the question: nearly five standard errors, not once in a million.
+/// How many times the error of one in twenty estimates is out of the question: nearly five standard
+/// errors, not once in a million.
 const FAR: f64 = 3.0;
 
-/// Rays a pixel at most where one pixel of each block is judged, under lights with an extent: they err by .5 % in a penumbra with one
-/// straight edge, which adds nothing to errors of some percent.
+/// Rays a pixel at most where one pixel of each block is judged, under lights with an extent: they
+/// err by .5 % in a penumbra with one straight edge, which adds nothing to errors of some percent.
 const JUDGED_SAMPLES: u32 = 256;
 
 /// The candidates' errors over the whole image.
@@ -222,8 +228,8 @@ impl<'a> Sweep<'a> {
         Ok(errors.rmse)
     }
 
-    /// Returns a candidate's error over the judged pixels; none if its images are larger than the backend can hold, or if it has more
-    /// grain than plans for errors allow.
+    /// Returns a candidate's error over the judged pixels; none if its images are larger than the
+    /// backend can hold, or if it has more grain than plans for errors allow.
     fn error_of_candidate(&mut self, setting: &Setting) -> Result<Option<f64>, MeasureError> {
         let error = match self.error(&setting.preset) {
             Ok(error) => error,
@@ -236,7 +242,8 @@ impl<'a> Sweep<'a> {
         Ok(is_fine.then_some(error))
     }
 
-    /// Tries every candidate with its best bias. Those that keep a bound are timed, if there is a backend.
+    /// Tries every candidate with its best bias. Those that keep a bound are timed, if there is a
+    /// backend.
     fn run_with_best_biases(
         &mut self,
         regrets: &mut [Regret],
@@ -345,8 +352,8 @@ impl<'a> Sweep<'a> {
         clock::times(backend, scene, motion, &presets, races)
     }
 
-    /// Returns every candidate with every size and bias, by rising cost. A bias changes the cost only by a rounding of the map's
-    /// fit, so the first one is priced.
+    /// Returns every candidate with every size and bias, by rising cost. A bias changes the cost
+    /// only by a rounding of the map's fit, so the first one is priced.
     fn candidates(&mut self) -> Result<Vec<TechniquePreset>, MeasureError> {
         let mut priced: Vec<(f64, Vec<TechniquePreset>)> = Vec::new();
         let scene = &self.planner.trials.views[0].scene;
@@ -405,7 +412,8 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// Returns the race of all settings that keep a bound; what was planned for it is watched. `settings` come with their errors.
+/// Returns the race of all settings that keep a bound; what was planned for it is watched.
+/// `settings` come with their errors.
 fn race(regret: &Regret, settings: &[(Setting, f64)]) -> Race {
     let keeping = (0..settings.len()).filter(|&i| settings[i].1 <= regret.bound);
     let is_chosen = |(setting, _): &(Setting, f64)| {
@@ -417,8 +425,9 @@ fn race(regret: &Regret, settings: &[(Setting, f64)]) -> Race {
     }
 }
 
-/// Whether the sample alone shows that a setting meets none of the bounds that are still open: its mean square error is above
-/// them by more than [`FAR`] times the uncertainty. This avoids most renderings of the whole image.
+/// Whether the sample alone shows that a setting meets none of the bounds that are still open: its
+/// mean square error is above them by more than [`FAR`] times the uncertainty. This avoids most
+/// renderings of the whole image.
 fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
     let error = setting.estimate.error;
     let high = setting.estimate.high;

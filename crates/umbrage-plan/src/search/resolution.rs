@@ -3,8 +3,8 @@
 use crate::{estimate::scene::PlanScene, footprint::QUANTILE};
 use umbrage_techniques::ShadowMap;
 
-/// The side of a map of default fit on which, for nine in ten of the receivers that face the light, no texel is larger
-/// than a pixel; none where the light has no map.
+/// The side of a map of default fit on which, for nine in ten of the receivers that face the light,
+/// no texel is larger than a pixel; none where the light has no map.
 pub(super) fn side(scene: &PlanScene<'_>) -> Option<u32> {
     ShadowMap::default()
         .sized_for(&scene.view(), &scene.receivers, QUANTILE)
@@ -60,7 +60,8 @@ mod tests {
         })
     }
 
-    /// The more pixels, the finer the map; never coarser than the coarsest nor finer than the finest.
+    /// The more pixels, the finer the map; never coarser than the coarsest nor finer than the
+    /// finest.
     #[test]
     fn the_side_that_pixels_ask_for_is_a_candidate() {
         // Another size could ask for a side close to one that is there.

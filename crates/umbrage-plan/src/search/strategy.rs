@@ -1,5 +1,5 @@
-//! The order in which candidates are tried: from the cheapest up until one keeps the bound of the error, or the finest ones
-//! that can be afforded.
+//! The order in which candidates are tried: from the cheapest up until one keeps the bound of the
+//! error, or the finest ones that can be afforded.
 
 use super::{
     bias_search::best_bias, bounds::Bounds, outcome::Miss, planner::Planner, setting::Setting,
@@ -21,7 +21,8 @@ pub(super) enum Found {
     Missed(Box<Miss>),
 }
 
-/// Settings whose verified errors are compared by the clock, at most, where the most accurate is wanted.
+/// Settings whose verified errors are compared by the clock, at most, where the most accurate is
+/// wanted.
 const MOST_ACCURATE: usize = 4;
 
 /// The next candidate of a family.
@@ -37,14 +38,16 @@ struct Candidate {
 
 /// Verified biases of one kernel and map, at most.
 const MAX_BIASES: usize = 3;
-/// A kernel on maps whose error has fallen by less than this over two doublings is limited by its width, not by the map.
+/// A kernel on maps whose error has fallen by less than this over two doublings is limited by its
+/// width, not by the map.
 const SATURATED: f64 = 0.95;
 /// Of each family so many of its finest candidates are tried for accuracy.
 const FINEST: usize = 2;
 
 impl Planner<'_> {
-    /// Finds the cheapest candidate whose error is surely within its bound, and that is within the others. After it, those of other
-    /// families that cost up to `spread` times as much: 1 or more, by how much prices may be wrong.
+    /// Finds the cheapest candidate whose error is surely within its bound, and that is within the
+    /// others. After it, those of other families that cost up to `spread` times as much: 1 or more,
+    /// by how much prices may be wrong.
     pub(super) fn cheapest(
         &mut self,
         bounds: &Bounds,
@@ -109,8 +112,8 @@ impl Planner<'_> {
         Ok(Found::Chosen(found))
     }
 
-    /// Verifies a setting; if it does not keep the bound, returns the first of those that differ in bias alone that does. Of
-    /// some that err alike, a shared sample may well prefer the wrong one.
+    /// Verifies a setting; if it does not keep the bound, returns the first of those that differ in
+    /// bias alone that does. Of some that err alike, a shared sample may well prefer the wrong one.
     fn verified(&mut self, setting: Setting, max_error: f64) -> Result<Setting, MeasureError> {
         let mut others = self
             .trials
@@ -138,7 +141,8 @@ impl Planner<'_> {
         })
     }
 
-    /// Finds the most accurate candidate within the bounds of time and memory: of each family the finest two that are.
+    /// Finds the most accurate candidate within the bounds of time and memory: of each family the
+    /// finest two that are.
     pub(super) fn most_accurate(&mut self, bounds: &Bounds) -> Result<Found, MeasureError> {
         let mut affordable = Vec::new();
         for family in 0..self.families.len() {
@@ -177,9 +181,9 @@ impl Planner<'_> {
         Ok(Found::Missed(Box::new(self.miss(bounds, 0.0, None, None))))
     }
 
-    /// Returns the candidates with the least errors after they were verified, the best first: as many are verified as may be better
-    /// than the best, and [`MOST_ACCURATE`] at least if there are. Those that are not within the bounds of grain and shimmer are
-    /// left out.
+    /// Returns the candidates with the least errors after they were verified, the best first: as
+    /// many are verified as may be better than the best, and [`MOST_ACCURATE`] at least if there
+    /// are. Those that are not within the bounds of grain and shimmer are left out.
     fn best_of(
         &mut self,
         mut left: Vec<(Place, Setting)>,
@@ -205,12 +209,14 @@ impl Planner<'_> {
         Ok(best)
     }
 
-    /// How many of the most accurate candidates are wanted: one, unless the clock is to choose between them.
+    /// How many of the most accurate candidates are wanted: one, unless the clock is to choose
+    /// between them.
     fn most_accurate_wanted(&self) -> usize {
         if self.is_timed { MOST_ACCURATE } else { 1 }
     }
 
-    /// Tries a candidate with its best bias; none if it isn't supported. `error_limit` as in [`best_bias`].
+    /// Tries a candidate with its best bias; none if it isn't supported. `error_limit` as in
+    /// [`best_bias`].
     fn try_out(
         &mut self,
         place: Place,
@@ -223,8 +229,8 @@ impl Planner<'_> {
         best_bias(&mut self.trials, family, place.candidate, error_limit)
     }
 
-    /// Returns the first of a family's candidates from `place` on that is supported. `last_errors` are those of the two
-    /// candidates before, the finer one first.
+    /// Returns the first of a family's candidates from `place` on that is supported. `last_errors`
+    /// are those of the two candidates before, the finer one first.
     fn supported_from(
         &mut self,
         place: Place,
@@ -257,7 +263,8 @@ impl Planner<'_> {
         }))
     }
 
-    /// Returns the next candidate of a family that may be within the bound, if any, after one that errs by `error`.
+    /// Returns the next candidate of a family that may be within the bound, if any, after one that
+    /// errs by `error`.
     fn finer(
         &mut self,
         candidate: &Candidate,
@@ -274,7 +281,8 @@ impl Planner<'_> {
         if stalls && family.saturates(at) && error > 1.3 * max_error {
             return Ok(None);
         }
-        // The least error that the next candidate can have. Those whose least error is above the bound are skipped.
+        // The least error that the next candidate can have. Those whose least error is above the
+        // bound are skipped.
         let mut next = at + 1;
         let mut reachable = error / family.max_gain;
         while error.is_finite() && reachable > max_error && next + 1 < family.candidates.len() {
@@ -294,8 +302,8 @@ impl Planner<'_> {
         self.supported_from(place, last_errors)
     }
 
-    /// Says which bound fails, and by how much. `max_error` is the bound of the error of the strictest camera; `refused` is within
-    /// all bounds but those of grain and shimmer.
+    /// Says which bound fails, and by how much. `max_error` is the bound of the error of the
+    /// strictest camera; `refused` is within all bounds but those of grain and shimmer.
     fn miss(
         &self,
         bounds: &Bounds,

@@ -63,7 +63,8 @@ fn where_nothing_casts_there_is_no_shadow_to_make() {
     }
 }
 
-/// On flat receivers under an ideal light several techniques are exact, and the cheapest of them wins.
+/// On flat receivers under an ideal light several techniques are exact, and the cheapest of them
+/// wins.
 #[test]
 fn exact_techniques_are_told_apart_by_cost() {
     let exact = |plan: Plan| plan.chosen.expect("rays are exact");
@@ -121,7 +122,8 @@ fn a_soft_lamp_needs_soft_shadows() {
     });
 }
 
-/// What a sample says of a whole image holds for it: within twice the bounds of nine in ten, on every scene and setting.
+/// What a sample says of a whole image holds for it: within twice the bounds of nine in ten, on
+/// every scene and setting.
 #[test]
 fn samples_tell_of_whole_images() {
     for name in ["cubes", "c4-edge-square", "low-sun-5", "lamp-in-room"] {
@@ -167,7 +169,8 @@ fn sized(size: u32) -> Vec<TechniquePreset> {
     TechniquePreset::defaults().into_iter().map(at).collect()
 }
 
-/// No sampled receiver need show a shadow that hides between the samples: the pilot, which has rays of all, does.
+/// No sampled receiver need show a shadow that hides between the samples: the pilot, which has rays
+/// of all, does.
 #[test]
 fn what_no_sample_shows_a_second_look_does() {
     for name in ["cubes", "rising-boxes"] {
@@ -197,8 +200,8 @@ fn what_no_sample_shows_a_second_look_does() {
     }
 }
 
-/// Second looks know whole images better than the first sample does: their bounds hold as often as they say, and under ideal
-/// lights all that they don't know is how many pixels count.
+/// Second looks know whole images better than the first sample does: their bounds hold as often as
+/// they say, and under ideal lights all that they don't know is how many pixels count.
 #[test]
 fn second_looks_tell_of_whole_images() {
     let (mut compared, mut within) = (0, 0);
@@ -246,14 +249,16 @@ fn second_looks_tell_of_whole_images() {
             }
         });
     }
-    // Nine in ten are expected. Settings of one scene share a sample and err together, so a fifth may lie outside.
+    // Nine in ten are expected. Settings of one scene share a sample and err together, so a fifth
+    // may lie outside.
     assert!(
         compared > 40 && within * 5 >= compared * 4,
         "{within} of {compared}"
     );
 }
 
-/// A second look that is taken again, even with the last of all seeds, says the same: it forgets nothing of the first sample.
+/// A second look that is taken again, even with the last of all seeds, says the same: it forgets
+/// nothing of the first sample.
 #[test]
 fn second_looks_can_be_repeated() {
     with_planner("rising-boxes", |mut planner| {
@@ -319,7 +324,8 @@ fn without_a_pilot_the_first_sample_must_do() {
     });
 }
 
-/// Where nothing casts, few rays can't tell that nothing does: all of a pilot's can, within three of their number.
+/// Where nothing casts, few rays can't tell that nothing does: all of a pilot's can, within three
+/// of their number.
 #[test]
 fn none_of_n_rays_is_not_never() {
     let lamp = Light::Disc {
@@ -344,7 +350,8 @@ fn none_of_n_rays_is_not_never() {
     assert!(least <= high && high <= 3.0_f64.sqrt() * least, "{high}");
 }
 
-/// Truth is what decides: where it is spoilt to be next to lit everywhere, for second looks, too, no shadow is needed.
+/// Truth is what decides: where it is spoilt to be next to lit everywhere, for second looks, too,
+/// no shadow is needed.
 #[test]
 fn spoilt_truth_changes_the_choice() {
     with_planner("cubes", |mut planner| {
@@ -430,7 +437,8 @@ fn within_a_time_the_most_accurate_is_chosen() {
     );
 }
 
-/// Asked alone, a receiver gets the same answer, bit by bit, as within the whole image, whatever patterns hang on its place.
+/// Asked alone, a receiver gets the same answer, bit by bit, as within the whole image, whatever
+/// patterns hang on its place.
 #[test]
 fn receivers_asked_alone_answer_the_same() {
     for name in ["cubes", "rising-boxes-disc", "lamp-in-room"] {
@@ -543,8 +551,9 @@ fn biases_are_those_of_their_kinds() {
     }
 }
 
-/// What is unlit is no part of a sample: under a spot that lights a tenth of the image, where techniques answer otherwise than rays
-/// outside of the cone, second looks see the errors within it.
+/// What is unlit is no part of a sample: under a spot that lights a tenth of the image, where
+/// techniques answer otherwise than rays outside of the cone, second looks see the errors within
+/// it.
 #[test]
 fn second_looks_under_a_spot_see_what_it_lights() {
     let scene = scene("night-room");

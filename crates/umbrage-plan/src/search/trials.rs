@@ -30,7 +30,8 @@ pub(super) struct SampledView<'a> {
     pub(super) scene: PlanScene<'a>,
     pub(super) sampled: SampledTruth,
     pub(super) verifier: Verifier,
-    /// By what errors are multiplied, so that one bound serves all cameras: 1, unless cameras have bounds of their own.
+    /// By what errors are multiplied, so that one bound serves all cameras: 1, unless cameras have
+    /// bounds of their own.
     pub(super) scale: f64,
     /// Where grain is measured; none as long as nobody asked.
     grain: Option<GrainProbe>,
@@ -116,8 +117,9 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Makes ready for bounds: what recipes are made from, and cameras' own bounds of the error. Returns the bound that serves all of
-    /// them; none without one. What was tried for other ones is forgotten.
+    /// Makes ready for bounds: what recipes are made from, and cameras' own bounds of the error.
+    /// Returns the bound that serves all of them; none without one. What was tried for other ones
+    /// is forgotten.
     pub(super) fn prepare(&mut self, bounds: &Bounds) -> Result<Option<f64>, MeasureError> {
         let mut is_new = false;
         for view in &mut self.views {
@@ -140,14 +142,15 @@ impl<'a> Trials<'a> {
         Ok(strictest)
     }
 
-    /// Returns the bound of the error at each camera, all or none of them. Where no shadow at all would be no error, a bound that is
-    /// relative to it bounds by 0.
+    /// Returns the bound of the error at each camera, all or none of them. Where no shadow at all
+    /// would be no error, a bound that is relative to it bounds by 0.
     fn limits(&mut self, bounds: &Bounds) -> Result<Vec<Option<f64>>, MeasureError> {
         let mut limits = Vec::new();
         for view in &mut self.views {
             let mut limit = bounds.max_error;
             if let Some(relative) = bounds.max_relative_error {
-                // By the lower limit, so that what is within it is within the bound but for one case in twenty.
+                // By the lower limit, so that what is within it is within the bound but for one
+                // case in twenty.
                 let least = relative * error_of_no_shadow(view)?.low;
                 limit = Some(limit.map_or(least, |error| error.min(least)));
             }
@@ -220,8 +223,9 @@ impl<'a> Trials<'a> {
         others
     }
 
-    /// Returns what a preset costs; none if it isn't supported at one of the cameras. A bias changes the cost only by a rounding of
-    /// the map's fit, so settings that differ in it alone have one price.
+    /// Returns what a preset costs; none if it isn't supported at one of the cameras. A bias
+    /// changes the cost only by a rounding of the map's fit, so settings that differ in it alone
+    /// have one price.
     pub(super) fn price(
         &mut self,
         preset: &TechniquePreset,
@@ -286,7 +290,8 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Whether what a preset draws is kept as the camera moves: a question of its technique, fit and layout alone.
+    /// Whether what a preset draws is kept as the camera moves: a question of its technique, fit
+    /// and layout alone.
     fn is_kept(&mut self, preset: &TechniquePreset, recipe: &Recipe) -> bool {
         let fit_and_layout = preset.map().map(|map| (map.fit, map.layout));
         let place = (preset.name(), fit_and_layout);
@@ -369,8 +374,8 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Estimates the error of a setting that was tried from second samples, until a bound of the error is decided, if there is
-    /// one. What was tried remembers the new estimate.
+    /// Estimates the error of a setting that was tried from second samples, until a bound of the
+    /// error is decided, if there is one. What was tried remembers the new estimate.
     pub(super) fn verify(
         &mut self,
         setting: &Setting,
@@ -410,7 +415,8 @@ impl<'a> Trials<'a> {
         Ok(verified)
     }
 
-    /// Measures the grain and the shimmer of a setting, those that have bounds; of several cameras the greatest.
+    /// Measures the grain and the shimmer of a setting, those that have bounds; of several cameras
+    /// the greatest.
     pub(super) fn endured(
         &mut self,
         mut setting: Setting,
@@ -433,8 +439,9 @@ impl<'a> Trials<'a> {
         Ok(setting)
     }
 
-    /// Plays a preset on other scenes that the same cameras see, such as with fewer casters, against the same samples. Returns its error, and
-    /// what drawing and looking up cost, milliseconds; none if it isn't supported there.
+    /// Plays a preset on other scenes that the same cameras see, such as with fewer casters,
+    /// against the same samples. Returns its error, and what drawing and looking up cost,
+    /// milliseconds; none if it isn't supported there.
     pub(super) fn play_elsewhere(
         &self,
         scenes: &mut [PlanScene<'_>],

@@ -1,20 +1,24 @@
 //! Finds the pixels at which truth depends on rounding.
 //!
-//! Masks are compared with truth where every correct program must agree, however it rounds. So a pixel is ambiguous if its
-//! visibility changes within the rounding of:
+//! Masks are compared with truth where every correct program must agree, however it rounds. So a
+//! pixel is ambiguous if its visibility changes within the rounding of:
 //!
-//! * **Where the pixel lies.** Rasterisers place corners on grids of 1/256 or 1/16 pixel and round projections before
-//!   that: the image, and each triangle's by itself, may move by [`NUDGE`] in any direction.
+//! * **Where the pixel lies.** Rasterisers place corners on grids of 1/256 or 1/16 pixel and round
+//!   projections before that: the image, and each triangle's by itself, may move by [`NUDGE`] in
+//!   any direction.
 //! * **Where the ray starts.** Its origin is rounded, and lifted off the surface by
-//!   [`origin_offset`](umbrage_core::light_sample::origin_offset): it may lie anywhere from the surface to twice that above it, and as much aside as
-//!   that. The triangle test of 32 bits moves its triangles by no more (`hit.rs`).
-//! * **What is seen**, where two surfaces are as far away as each other within a depth buffer's rounding. Such pixels show
-//!   the wrong one; moving the image shows it.
+//!   [`origin_offset`](umbrage_core::light_sample::origin_offset): it may lie anywhere from the
+//!   surface to twice that above it, and as much aside as that. The triangle test of 32 bits moves
+//!   its triangles by no more (`hit.rs`).
+//! * **What is seen**, where two surfaces are as far away as each other within a depth buffer's
+//!   rounding. Such pixels show the wrong one; moving the image shows it.
 //!
-//! For ideal lights, shadows around a seen point are computed as polygons (`vicinity.rs`): the pixel is ambiguous if the point's
-//! surroundings hold both light and shadow, however thin either is. Moved images alone would miss what lies between them, such as
-//! the shadow of a wire. A fourfold offset alone misses what happens between the surface and the offset, and finds shadows that
-//! are farther away than any rounding. Moved images show what happens where another surface is seen.
+//! For ideal lights, shadows around a seen point are computed as polygons (`vicinity.rs`): the
+//! pixel is ambiguous if the point's surroundings hold both light and shadow, however thin either
+//! is. Moved images alone would miss what lies between them, such as the shadow of a wire. A
+//! fourfold offset alone misses what happens between the surface and the offset, and finds shadows
+//! that are farther away than any rounding. Moved images show what happens where another surface is
+//! seen.
 
 use super::{
     options::{FindReceivers, TruthOptions},
@@ -50,11 +54,13 @@ impl Nudge {
 /// By how much the rays' offset is multiplied, for lights with an extent.
 const LIFT: f32 = 4.0;
 
-/// Images traced: as it is, with a greater offset (or the surroundings of its points), and moved in four directions.
+/// Images traced: as it is, with a greater offset (or the surroundings of its points), and moved in
+/// four directions.
 pub const PROBES: usize = 6;
 
-/// Returns for each pixel whether its visibility changes within rounding: the fraction of the light seen, 0 where unlit and 1
-/// where nothing receives. For lights with an extent it must change by more than [`TruthOptions::ambiguous_change`].
+/// Returns for each pixel whether its visibility changes within rounding: the fraction of the light
+/// seen, 0 where unlit and 1 where nothing receives. For lights with an extent it must change by
+/// more than [`TruthOptions::ambiguous_change`].
 pub(super) fn find(
     asked: &TruthRequest<'_>,
     light: &Light,
@@ -112,7 +118,8 @@ fn mark_changes(out: &mut [bool], base: &[PointTruth], nudged: &[PointTruth], ch
     }
 }
 
-/// Returns for each pixel whether both light and shadow lie around the point that it shows, and matter there.
+/// Returns for each pixel whether both light and shadow lie around the point that it shows, and
+/// matter there.
 fn light_and_shadow(asked: &TruthRequest<'_>, light: &Light, base: &[PointTruth]) -> Vec<bool> {
     let vicinity = Vicinity::new(asked.camera, asked.geometry, light, f64::from(NUDGE));
     asked

@@ -1,4 +1,5 @@
-//! What truth says and what it calls ambiguous, against an oracle in 64 bits that asks every triangle.
+//! What truth says and what it calls ambiguous, against an oracle in 64 bits that asks every
+//! triangle.
 
 use super::super::{oracle::Oracle, *};
 use glam::{Affine3A, EulerRot, Quat, Vec3};
@@ -96,7 +97,8 @@ fn wires() -> Vec<[Vec3; 3]> {
     out
 }
 
-/// Boxes that stand on the floor, and plates from a ten-millionth of a metre to a centimetre above it.
+/// Boxes that stand on the floor, and plates from a ten-millionth of a metre to a centimetre above
+/// it.
 fn contacts() -> Vec<[Vec3; 3]> {
     let mut out = floor(4.0);
     for i in 0..10 {
@@ -245,7 +247,8 @@ fn truth_of(case: &Case) -> (Geometry, Truth) {
 /// A pixel, the triangle that it shows, and truth's answer.
 type TruthRequest = ([u32; 2], Option<u32>, f64);
 
-/// Of the pixels that are marked, or of those that aren't: how many the oracle contradicts, and how many there are.
+/// Of the pixels that are marked, or of those that aren't: how many the oracle contradicts, and how
+/// many there are.
 fn contradicted(
     case: &Case,
     marked: bool,
@@ -276,7 +279,8 @@ fn contradicted(
     [pixels.par_iter().filter(is_wrong).count(), pixels.len()]
 }
 
-/// What isn't marked is what the oracle says, and stays so wherever rounding may move it on the surface that is seen.
+/// What isn't marked is what the oracle says, and stays so wherever rounding may move it on the
+/// surface that is seen.
 #[test]
 fn answers_that_are_not_ambiguous_are_right() {
     for case in cases() {
@@ -293,8 +297,8 @@ fn answers_that_are_not_ambiguous_are_right() {
     }
 }
 
-/// Far away a camera's matrix is rounded so that images lie some pixels aside, the same ones in all backends. Of the
-/// triangles that are shown, the answers are right.
+/// Far away a camera's matrix is rounded so that images lie some pixels aside, the same ones in all
+/// backends. Of the triangles that are shown, the answers are right.
 #[test]
 fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     for (metres, least) in [(1e3, 6_000), (1e4, 5_000), (1e5, 3_000), (1e6, 1_000)] {
@@ -309,8 +313,8 @@ fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     }
 }
 
-/// What is marked does change within what rounding may move, or just beyond: the corners of what it may are too small for
-/// samples.
+/// What is marked does change within what rounding may move, or just beyond: the corners of what it
+/// may are too small for samples.
 #[test]
 fn ambiguous_answers_change_within_rounding() {
     let mut marked = 0;

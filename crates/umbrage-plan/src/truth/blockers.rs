@@ -9,8 +9,8 @@ use umbrage_core::{
     metrics::CONTACT,
 };
 
-/// Returns the distance from each receiver to the blocker nearest to the light, on the way to the light's center, metres; infinite
-/// where there is none, or where the whole light is seen.
+/// Returns the distance from each receiver to the blocker nearest to the light, on the way to the
+/// light's center, metres; infinite where there is none, or where the whole light is seen.
 pub(super) fn find(
     light: &Light,
     geometry: &Geometry,
@@ -33,8 +33,8 @@ pub(super) fn find(
         .collect()
 }
 
-/// Returns the distance from receiver `i`, metres; infinite without a blocker. `reach` is the length of rays to directional
-/// lights, metres.
+/// Returns the distance from receiver `i`, metres; infinite without a blocker. `reach` is the
+/// length of rays to directional lights, metres.
 fn distance(
     light: &LightSampler,
     geometry: &Geometry,

@@ -1,9 +1,10 @@
 //! Ray-traced truth: the unweighted fraction of the light that each seen point sees.
 //!
-//! Surfaces are opaque and two-sided. A receiver's normal is turned to the camera; light points below its tangent plane
-//! are not seen. Rays start a few units in the last place above the surface, in proportion to the lengths in play (so the
-//! same scene at another scale gives the same mask), skip the receiver's own triangle, and end 2^-14 of their length
-//! before the light (a lamp's own mesh doesn't hide it). The samples are those of [`umbrage_core::light_sample`].
+//! Surfaces are opaque and two-sided. A receiver's normal is turned to the camera; light points
+//! below its tangent plane are not seen. Rays start a few units in the last place above the
+//! surface, in proportion to the lengths in play (so the same scene at another scale gives the same
+//! mask), skip the receiver's own triangle, and end 2^-14 of their length before the light (a
+//! lamp's own mesh doesn't hide it). The samples are those of [`umbrage_core::light_sample`].
 
 mod ambiguity;
 mod blockers;
@@ -39,16 +40,18 @@ use web_time::{Duration, Instant};
 pub struct Truth {
     /// Image size, pixels.
     pub size: UVec2,
-    /// Fraction of the light seen, 0..=1, rows from the top; 1 where nothing receives. A preview where pixels are unsampled.
+    /// Fraction of the light seen, 0..=1, rows from the top; 1 where nothing receives. A preview
+    /// where pixels are unsampled.
     pub visibility: Vec<f32>,
     /// Standard error of `visibility`, 0..=1; 0 for ideal lights.
     pub error: Vec<f32>,
     /// What counts: which pixels are empty, unlit or ambiguous.
     pub pixels: Vec<Pixel>,
-    /// Whether the visibility changes under a nudge by .02 pixels or another ray offset; also of unlit pixels. False beside the
-    /// sample that is judged.
+    /// Whether the visibility changes under a nudge by .02 pixels or another ray offset; also of
+    /// unlit pixels. False beside the sample that is judged.
     pub ambiguous: Vec<bool>,
-    /// From each receiver in shadow to the blocker nearest to the light, metres; infinite where there is none.
+    /// From each receiver in shadow to the blocker nearest to the light, metres; infinite where
+    /// there is none.
     pub blocker: Vec<f32>,
     /// Blockers closer than this touch their shadows, metres.
     pub contact: f32,
@@ -144,8 +147,8 @@ pub struct PixelTruth {
     pub pixel: Pixel,
 }
 
-/// Traces truth at some pixels of what a camera sees, in the order of the request's pixels. It is the same, bit by bit, as that of
-/// [`trace`] at these pixels.
+/// Traces truth at some pixels of what a camera sees, in the order of the request's pixels. It is
+/// the same, bit by bit, as that of [`trace`] at these pixels.
 ///
 /// # Errors
 /// Errors if the light is not valid, or receivers of the nudged camera cannot be found.
@@ -169,7 +172,8 @@ pub fn trace_pixels(
     Ok(out)
 }
 
-/// Returns for each pixel of a request whether truth will be [`Pixel::Unlit`] there. That takes no rays.
+/// Returns for each pixel of a request whether truth will be [`Pixel::Unlit`] there. That takes no
+/// rays.
 ///
 /// # Errors
 /// Errors if the light is not valid.
@@ -181,13 +185,15 @@ pub(crate) fn unlit(
     Ok(request.unlit(&Tracer::new(request.geometry, light, options)?))
 }
 
-/// Returns which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this step, pixels. None if the step is
-/// no larger than what truth itself allows for rounding (nudges by .02 pixels), so that [`Truth::ambiguous`] holds.
+/// Returns which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this
+/// step, pixels. None if the step is no larger than what truth itself allows for rounding (nudges
+/// by .02 pixels), so that [`Truth::ambiguous`] holds.
 ///
-/// Devices move a vertex by up to half a step right or left and as much up or down, and so an edge by up to `sqrt(1/2)` steps
-/// across itself. A shadow's edge is where two things meet, what throws it and what it falls on: `sqrt(2)` steps. Nudges of the
-/// image by two steps along each axis move every edge by as much at least. Outlines count, too: there the device's depth is
-/// that of a plane beyond its edge.
+/// Devices move a vertex by up to half a step right or left and as much up or down, and so an edge
+/// by up to `sqrt(1/2)` steps across itself. A shadow's edge is where two things meet, what throws
+/// it and what it falls on: `sqrt(2)` steps. Nudges of the image by two steps along each axis move
+/// every edge by as much at least. Outlines count, too: there the device's depth is that of a plane
+/// beyond its edge.
 ///
 /// # Errors
 /// Errors if the light is not valid, or receivers of the nudged camera cannot be found.

@@ -11,12 +11,14 @@ pub struct TruthOptions {
     pub penumbra_factor: u32,
     /// Rays a receiver for finding out whether its visibility is ambiguous.
     pub probe_samples: u32,
-    /// Penumbra values that change by more than this under a nudge are ambiguous, 0..=1. Twice the noise of `probe_samples`
-    /// rays across one edge (each misplaced edge costs about one sample per row of the square they form), and well below
-    /// what a surface or shadow edge moved by .02 pixels changes.
+    /// Penumbra values that change by more than this under a nudge are ambiguous, 0..=1. Twice the
+    /// noise of `probe_samples` rays across one edge (each misplaced edge costs about one sample
+    /// per row of the square they form), and well below what a surface or shadow edge moved by .02
+    /// pixels changes.
     pub ambiguous_change: f32,
-    /// Side of the square blocks of pixels of each of which one pixel is judged, drawn at random: 1 judges all pixels. The others get
-    /// a preview of a few rays, which tells where shadows' edges lie and counts in no error ([`Pixel::Unsampled`](umbrage_core::metrics::Pixel::Unsampled)).
+    /// Side of the square blocks of pixels of each of which one pixel is judged, drawn at random: 1
+    /// judges all pixels. The others get a preview of a few rays, which tells where shadows' edges
+    /// lie and counts in no error ([`Pixel::Unsampled`](umbrage_core::metrics::Pixel::Unsampled)).
     pub block_side: u32,
 }
 

@@ -1,8 +1,10 @@
-//! Test support: computes truth in another way, to compare with. Every triangle is tested, in 64 bits, by the signs of volumes
-//! (Segura, Feito 2001, "Algorithms to Test Ray-Triangle Intersection"): no hierarchy, no shear, no polygons.
+//! Test support: computes truth in another way, to compare with. Every triangle is tested, in 64
+//! bits, by the signs of volumes (Segura, Feito 2001, "Algorithms to Test Ray-Triangle
+//! Intersection"): no hierarchy, no shear, no polygons.
 //!
-//! Its own rounding is some 2^-50 of the lengths in play, a millionth of that of 32 bits. A visibility is certain if it stays the
-//! same while the pixel and the shadow ray's origin are moved at random within given limits.
+//! Its own rounding is some 2^-50 of the lengths in play, a millionth of that of 32 bits. A
+//! visibility is certain if it stays the same while the pixel and the shadow ray's origin are moved
+//! at random within given limits.
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, Mat4, Vec3, Vec4};
 use std::ops::Range;
@@ -56,8 +58,8 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// Returns the fraction of the light that a pixel sees: 0 where it is unlit, 1 where nothing receives. `shown` is the
-    /// triangle that the pixel shows, if it is given; else it is found.
+    /// Returns the fraction of the light that a pixel sees: 0 where it is unlit, 1 where nothing
+    /// receives. `shown` is the triangle that the pixel shows, if it is given; else it is found.
     pub(super) fn answer(&self, pixel: [u32; 2], shown: Option<u32>) -> f64 {
         self.visibility(pixel, Moved::default(), shown)
     }
@@ -91,7 +93,8 @@ impl<'a> Oracle<'a> {
             .into_iter()
             .fold((eye - p).length().max(p.abs().max_element()), f64::max);
         let by = moved.offsets * length * f64::from(LIFT);
-        // The least height keeps neighbors in the same plane, whose corners are rounded, from shadowing each other.
+        // The least height keeps neighbors in the same plane, whose corners are rounded, from
+        // shadowing each other.
         let o = p + u * by.x + v * by.y + normal * by.z.max(length * 2.0_f64.powi(-24));
         let to_light = self.to_light(o, length);
         let is_facing = normal.dot(to_light) > 0.0 && !self.outside_cone(o);
@@ -122,9 +125,9 @@ impl<'a> Oracle<'a> {
         })
     }
 
-    /// Whether the visibility changes within `pixels` of the pixel's center and `offsets` of the traced ray's offset, by `samples`
-    /// random movements. If the triangle that the pixel shows is given, no other triangle hides it: rounding moves each triangle's
-    /// image by itself.
+    /// Whether the visibility changes within `pixels` of the pixel's center and `offsets` of the
+    /// traced ray's offset, by `samples` random movements. If the triangle that the pixel shows is
+    /// given, no other triangle hides it: rounding moves each triangle's image by itself.
     pub(super) fn changes(
         &self,
         pixel: [u32; 2],

@@ -19,15 +19,16 @@ pub struct ReceiverPoint {
     pub normal: Vec3,
     /// The triangle that it lies on and that never shadows it; [`NO_TRIANGLE`] if unknown.
     pub triangle: u32,
-    /// The greatest length in play beside the position's coordinates, metres: the distance to the eye, or the triangle's extent.
-    /// The ray's offset is in proportion to it.
+    /// The greatest length in play beside the position's coordinates, metres: the distance to the
+    /// eye, or the triangle's extent. The ray's offset is in proportion to it.
     pub reach: f32,
     /// Scrambles the samples: [`light_sample::seed`].
     pub seed: u32,
 }
 
 impl ReceiverPoint {
-    /// Returns a point that no camera sees. Its ray's offset is in proportion to the whole geometry.
+    /// Returns a point that no camera sees. Its ray's offset is in proportion to the whole
+    /// geometry.
     pub fn new(position: Vec3, normal: Vec3, geometry: &Geometry) -> Self {
         let bounds = geometry.bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();

@@ -28,8 +28,8 @@ pub(super) fn left_of(p: &[DVec2], a: DVec2, b: DVec2) -> Polygon {
     cut(p, |q| (b - a).perp_dot(q - a))
 }
 
-/// The part of a polygon, of points of any kind, where a linear function is at least 0: Sutherland, Hodgman 1974,
-/// "Reentrant Polygon Clipping".
+/// The part of a polygon, of points of any kind, where a linear function is at least 0: Sutherland,
+/// Hodgman 1974, "Reentrant Polygon Clipping".
 pub(super) fn cut<
     P: Copy + std::ops::Sub<Output = P> + std::ops::Add<Output = P> + std::ops::Mul<f64, Output = P>,
 >(
@@ -68,7 +68,8 @@ pub(super) fn spread(p: &[DVec2]) -> Vec<DVec2> {
         .collect()
 }
 
-/// The common part of two polygons. Nothing cuts nothing off: what is common with no corners at all is the other polygon.
+/// The common part of two polygons. Nothing cuts nothing off: what is common with no corners at all
+/// is the other polygon.
 pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
     let mut part = p.to_vec();
     for [a, b] in edges(q) {
@@ -114,8 +115,8 @@ fn edges(p: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
     p.iter().zip(ends).map(|(&a, &b)| [a, b])
 }
 
-/// The least convex polygon around some points: Andrew 1979, "Another efficient algorithm for convex hulls in two
-/// dimensions".
+/// The least convex polygon around some points: Andrew 1979, "Another efficient algorithm for
+/// convex hulls in two dimensions".
 pub(super) fn hull(mut points: Vec<DVec2>) -> Polygon {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut out = half_hull(points.iter());
@@ -123,7 +124,8 @@ pub(super) fn hull(mut points: Vec<DVec2>) -> Polygon {
     out
 }
 
-/// The hull's side to the right of the way through sorted points: from the first one up to the last, which is left out.
+/// The hull's side to the right of the way through sorted points: from the first one up to the
+/// last, which is left out.
 fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> Polygon {
     let mut out: Polygon = Vec::new();
     for &p in points {
@@ -139,14 +141,16 @@ fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> Polygon {
     out
 }
 
-/// The Minkowski sum of two convex polygons that [`hull`] made: all sums of a point of each. Its edges are those of both,
-/// in the order of their directions: de Berg, Cheong, van Kreveld, Overmars 2008, "Computational Geometry", 13.3.
+/// The Minkowski sum of two convex polygons that [`hull`] made: all sums of a point of each. Its
+/// edges are those of both, in the order of their directions: de Berg, Cheong, van Kreveld,
+/// Overmars 2008, "Computational Geometry", 13.3.
 pub(super) fn minkowski_sum(p: &[DVec2], q: &[DVec2]) -> Polygon {
     let mut out = Vec::with_capacity(p.len() + q.len());
     if p.is_empty() || q.is_empty() {
         return out;
     }
-    // Both start at their corner of least x, so both run through the directions from straight down on.
+    // Both start at their corner of least x, so both run through the directions from straight down
+    // on.
     let (mut i, mut j) = (0, 0);
     while i < p.len() || j < q.len() {
         let corner = [p[i % p.len()], q[j % q.len()]];
@@ -204,7 +208,8 @@ mod tests {
                     (area(&sum) - area(&other)).abs() <= 1e-12 * (1.0 + area(&other)),
                     "{p:?} and {q:?}: {sum:?}, not {other:?}"
                 );
-                // Corners in the midst of a side come and go by rounding. How far both reach, in any direction, does not.
+                // Corners in the midst of a side come and go by rounding. How far both reach, in
+                // any direction, does not.
                 for direction in ellipse(64, [1.0, 1.0], 0.01) {
                     let reach = |p: &[DVec2]| {
                         let dots = p.iter().map(|c| c.dot(direction));

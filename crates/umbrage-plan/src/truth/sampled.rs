@@ -1,8 +1,9 @@
 //! Truth at a stratified sample of an image's pixels, and a preview of it at the others.
 //!
-//! The image is cut into square blocks, of each of which one pixel is drawn at random (stratified sampling: Cochran 1977, "Sampling
-//! techniques", 5). Every pixel has the same chance of being drawn but in the blocks that the image's right and lower edges
-//! cut, whose pixels have a greater one.
+//! The image is cut into square blocks, of each of which one pixel is drawn at random (stratified
+//! sampling: Cochran 1977, "Sampling techniques", 5). Every pixel has the same chance of being
+//! drawn but in the blocks that the image's right and lower edges cut, whose pixels have a greater
+//! one.
 
 use super::{
     judged::{JudgedPoints, class, judge},
@@ -14,8 +15,8 @@ use crate::error::MeasureError;
 use glam::UVec2;
 use umbrage_core::{Camera, Geometry, Light, Receivers, light_sample, metrics::Pixel};
 
-/// Rays a pixel of a preview, for lights with an extent: they tell visibility in sixteenths, enough to see where penumbrae
-/// (2 % to 98 %) are.
+/// Rays a pixel of a preview, for lights with an extent: they tell visibility in sixteenths, enough
+/// to see where penumbrae (2 % to 98 %) are.
 pub const PREVIEW_SAMPLES: u32 = 16;
 
 /// What truth is traced for.

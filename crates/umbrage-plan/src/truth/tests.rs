@@ -5,7 +5,8 @@ use glam::{Affine3A, Vec3};
 use umbrage_core::{Instance, Mesh, NO_TRIANGLE, Scene};
 use umbrage_scenes::{ClosedForm, SceneEntry};
 
-/// Checks a scene's closed form under a light that may be spoilt; how many samples are off by more than they may.
+/// Checks a scene's closed form under a light that may be spoilt; how many samples are off by more
+/// than they may.
 fn samples_off(entry: &SceneEntry, closed_form: &ClosedForm, light: &Light) -> usize {
     let geometry = Geometry::bake(&(entry.build)()).expect("built in");
     let unknown = closed_form
@@ -54,7 +55,8 @@ fn closed_forms_hold() {
     );
 }
 
-/// The closed forms can tell: an area light 5 % too large breaks each of its cases, and one moved a little all others.
+/// The closed forms can tell: an area light 5 % too large breaks each of its cases, and one moved a
+/// little all others.
 #[test]
 fn spoilt_lights_break_closed_forms() {
     for name in [
@@ -124,8 +126,8 @@ fn scene_truth(name: &str, options: &TruthOptions) -> Truth {
     .expect("valid")
 }
 
-/// The same scene at 1e-3, 1 and 1e4: equal masks, but for pixels on outlines, which scaling by a factor that is no power
-/// of two rounds otherwise; those are ambiguous.
+/// The same scene at 1e-3, 1 and 1e4: equal masks, but for pixels on outlines, which scaling by a
+/// factor that is no power of two rounds otherwise; those are ambiguous.
 #[test]
 fn truth_is_the_same_at_every_scale() {
     let options = TruthOptions::default();
@@ -153,7 +155,8 @@ fn truth_is_the_same_at_every_scale() {
     }
 }
 
-/// A closed room without thickness and a bare floor at grazing light: no leak, no acne, on any pixel.
+/// A closed room without thickness and a bare floor at grazing light: no leak, no acne, on any
+/// pixel.
 #[test]
 fn nothing_leaks_and_nothing_shadows_itself() {
     let options = TruthOptions::default();
@@ -277,7 +280,8 @@ fn unlit_points_are_told() {
     );
 }
 
-/// What is unlit is told without rays, exactly as rays tell it: of lights with an extent and without, and of cones.
+/// What is unlit is told without rays, exactly as rays tell it: of lights with an extent and
+/// without, and of cones.
 #[test]
 fn unlit_pixels_are_told_without_rays() {
     for (name, light) in [
@@ -332,7 +336,8 @@ fn points_that_are_not_finite_are_refused() {
     assert!(trace_points(&geometry, &light, &[], &TruthOptions::default()).is_err());
 }
 
-/// At the pixels drawn, truth is that of the whole image to the bit; the others are previews that count in nothing.
+/// At the pixels drawn, truth is that of the whole image to the bit; the others are previews that
+/// count in nothing.
 #[test]
 fn a_sample_of_truth_is_truth() {
     for name in ["cubes", "teapot-lamp"] {

@@ -17,7 +17,8 @@ use umbrage_core::{
 /// Blocks of samples whose scatter gives the standard error.
 const BLOCKS: u32 = 16;
 
-/// Greatest length of rays towards directional lights, metres: within the range of 32 bits after a division.
+/// Greatest length of rays towards directional lights, metres: within the range of 32 bits after a
+/// division.
 pub(super) const FARTHEST: f32 = 1e38;
 
 /// A light and the casters before it.
@@ -55,7 +56,8 @@ struct Start {
     far: f32,
 }
 
-/// What is remembered from one ray to the next: the triangle that hid the last one most likely hides this one.
+/// What is remembered from one ray to the next: the triangle that hid the last one most likely
+/// hides this one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Memory {
     occluder: Option<u32>,
@@ -141,7 +143,8 @@ impl<'a> Tracer<'a> {
         Start { o, far }
     }
 
-    /// Traces a range of samples; `blocks` gets the fraction seen by each of [`BLOCKS`] equal parts.
+    /// Traces a range of samples; `blocks` gets the fraction seen by each of [`BLOCKS`] equal
+    /// parts.
     fn run(
         &self,
         range: std::ops::Range<u32>,
@@ -200,8 +203,9 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Whether no caster reaches between a point and a light with an extent: into the pyramid from the point over a
-    /// parallelogram around the light, above the point's tangent plane, before the light.
+    /// Whether no caster reaches between a point and a light with an extent: into the pyramid from
+    /// the point over a parallelogram around the light, above the point's tangent plane, before the
+    /// light.
     fn is_clear(&self, point: &ReceiverPoint, o: Vec3) -> bool {
         let n = point.normal;
         let light = &self.light;
@@ -225,7 +229,8 @@ impl<'a> Tracer<'a> {
             }
             // Beyond 1 radian the pyramid would be too blunt to be of use.
             kind::CAP if light.half_u.w < 0.46 => {
-                // The tangent of the cap's angle, whose cosine is 1 - w, and a little more for rounding.
+                // The tangent of the cap's angle, whose cosine is 1 - w, and a little more for
+                // rounding.
                 let tan = (1.0 / (1.0 - light.half_u.w).powi(2) - 1.0).sqrt() * 1.000_1;
                 center = light.center.truncate();
                 u = half_u * tan;
@@ -239,7 +244,8 @@ impl<'a> Tracer<'a> {
             center - u - v,
             center + u - v,
         ];
-        // Half spaces as inward normals with their distances: the four sides, the tangent plane, and one before the light.
+        // Half spaces as inward normals with their distances: the four sides, the tangent plane,
+        // and one before the light.
         let mut planes = [(n, n.dot(o)); 6];
         for k in 0..4 {
             let side = corners[k].cross(corners[(k + 1) % 4]);
@@ -286,8 +292,8 @@ fn cone(light: &Light) -> Option<Cone> {
     }
 }
 
-/// Returns the standard deviation of the blocks' means over the square root of their number: an upper estimate of the standard
-/// error, as the whole is stratified better than its parts.
+/// Returns the standard deviation of the blocks' means over the square root of their number: an
+/// upper estimate of the standard error, as the whole is stratified better than its parts.
 fn standard_error(blocks: &[f32], mean: f32) -> f32 {
     let n = blocks.len() as f32;
     if blocks.len() < 2 {

@@ -1,9 +1,10 @@
 //! Computes the shadows of an ideal light around a seen point as polygons, in 64 bits.
 //!
-//! The point is where a pixel's ray meets the plane of the triangle that the pixel shows. Around it, on that triangle, lies
-//! its *vicinity*: where the ray of a pixel moved by some fraction of itself meets the plane, where the origin of a shadow
-//! ray may be moved aside, and where the line of a shadow ray meets the plane that starts above it. A caster's shadow on the
-//! plane is a convex polygon; what all of them leave of the vicinity is light.
+//! The point is where a pixel's ray meets the plane of the triangle that the pixel shows. Around
+//! it, on that triangle, lies its *vicinity*: where the ray of a pixel moved by some fraction of
+//! itself meets the plane, where the origin of a shadow ray may be moved aside, and where the line
+//! of a shadow ray meets the plane that starts above it. A caster's shadow on the plane is a convex
+//! polygon; what all of them leave of the vicinity is light.
 
 use super::{
     points::ReceiverPoint,
@@ -33,16 +34,19 @@ pub(super) enum Around {
     Neither,
 }
 
-/// Parts of the vicinity with a smaller share of its area count as nothing. Cuts in 64 bits err by some 2^-50 of its
-/// length; where it is a hundred times longer than wide, that is 1e-13 of its area.
+/// Parts of the vicinity with a smaller share of its area count as nothing. Cuts in 64 bits err by
+/// some 2^-50 of its length; where it is a hundred times longer than wide, that is 1e-13 of its
+/// area.
 const MIN_AREA_SHARE: f64 = 1e-9;
 
-/// The lowest origin of a ray, as a share of the highest: 2^-24 of the lengths in play, the last place of 32 bits. Neighbours
-/// in one plane, whose corners are rounded to that, lie above each other by less: they don't shadow each other.
+/// The lowest origin of a ray, as a share of the highest: 2^-24 of the lengths in play, the last
+/// place of 32 bits. Neighbours in one plane, whose corners are rounded to that, lie above each
+/// other by less: they don't shadow each other.
 const MIN_LIFT_SHARE: f64 = 1.0 / 32.0;
 
-/// The most pieces that shadows may leave; with more, a point counts as having both light and shadow around it, as the time to cut
-/// grows with the square. Only far from the origin, where vicinities are as wide as whole models, are there so many.
+/// The most pieces that shadows may leave; with more, a point counts as having both light and
+/// shadow around it, as the time to cut grows with the square. Only far from the origin, where
+/// vicinities are as wide as whole models, are there so many.
 const MAX_PIECES: usize = 500;
 
 /// An ideal light, a camera, and casters.
@@ -110,7 +114,8 @@ impl Surface {
         self.to_light.dot(self.axes[2]) / self.to_light.length()
     }
 
-    /// Returns the shadow of a triangle's part that is higher than `above`, and lower than the light.
+    /// Returns the shadow of a triangle's part that is higher than `above`, and lower than the
+    /// light.
     fn shadow(&self, corners: [DVec3; 3], above: f64) -> Polygon {
         let mut part = cut(&corners, |q| self.height(q) - above);
         if self.light_height.is_finite() {
@@ -121,8 +126,8 @@ impl Surface {
         counter_clockwise(part.into_iter().map(|q| self.project(q)).collect())
     }
 
-    /// Returns the barycentric coordinates of the point of a triangle's plane whose shadow is at `q`: not finite where the light runs along
-    /// that plane.
+    /// Returns the barycentric coordinates of the point of a triangle's plane whose shadow is at
+    /// `q`: not finite where the light runs along that plane.
     fn weights_above(&self, q: DVec2, corners: [DVec3; 3]) -> [f64; 3] {
         let foot = self.p + self.axes[0] * q.x + self.axes[1] * q.y;
         let way = if self.light_height.is_finite() {
@@ -236,7 +241,8 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// Returns what lies in a polygon, given the shadows of all casters that are higher than `above`.
+    /// Returns what lies in a polygon, given the shadows of all casters that are higher than
+    /// `above`.
     fn left(&self, surface: &Surface, vicinity: &Polygon, ids: &[u32], above: f64) -> Around {
         let whole = area(vicinity);
         let min_area = MIN_AREA_SHARE * whole;
@@ -294,8 +300,8 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// Returns whether the part of a caster that may shadow a polygon of the plane is all hole (true) or none of it is (false); none if
-    /// both. `shadow` is the caster's shadow on the plane.
+    /// Returns whether the part of a caster that may shadow a polygon of the plane is all hole
+    /// (true) or none of it is (false); none if both. `shadow` is the caster's shadow on the plane.
     fn is_hole_over(
         &self,
         surface: &Surface,
@@ -314,7 +320,8 @@ impl<'a> Vicinity<'a> {
             // It throws no shadow here.
             return Some(true);
         }
-        // Lines keep straight on the way back to the caster, so the corners' uvs bound those of all of the part.
+        // Lines keep straight on the way back to the caster, so the corners' uvs bound those of all
+        // of the part.
         let corners = self.geometry.corners(id).map(Vec3::as_dvec3);
         let weights: Vec<[f64; 3]> = part
             .iter()
@@ -323,8 +330,8 @@ impl<'a> Vicinity<'a> {
         cut_outs.is_hole_around(id, &weights)
     }
 
-    /// Returns the plane of a triangle at the point that a pixel shows; none where the plane is seen edge-on or the light has an
-    /// extent.
+    /// Returns the plane of a triangle at the point that a pixel shows; none where the plane is
+    /// seen edge-on or the light has an extent.
     fn surface(&self, corners: [DVec3; 3], pixel: [u32; 2]) -> Option<Surface> {
         let ray = self.ray(pixel, DVec2::ZERO);
         let edge_1 = corners[1] - corners[0];
@@ -362,8 +369,9 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// Returns the vicinity of a point as if its triangle had no end, for rays whose origins may be moved by `offset`, metres.
-    /// None where the plane's horizon is so near that any point of the triangle may be seen.
+    /// Returns the vicinity of a point as if its triangle had no end, for rays whose origins may be
+    /// moved by `offset`, metres. None where the plane's horizon is so near that any point of the
+    /// triangle may be seen.
     fn unclipped_vicinity(&self, s: &Surface, pixel: [u32; 2], offset: f64) -> Option<Polygon> {
         let mut seen = Vec::with_capacity(16);
         for k in 0..16 {

@@ -39,7 +39,8 @@ const CLOTHES: [[f32; 3]; 11] = [
     SHIRT, SKIN, SKIN, TROUSERS, TROUSERS, SHIRT, SHIRT, SKIN, SKIN, SHOES, SHOES,
 ];
 
-/// Returns a tube through some points, whose radius goes from the first of `radii` to the second, metres.
+/// Returns a tube through some points, whose radius goes from the first of `radii` to the second,
+/// metres.
 fn limb(points: &[[f32; 3]], radii: [f32; 2]) -> Mesh {
     let last = (points.len() - 1) as f32;
     let mut path = Vec::new();

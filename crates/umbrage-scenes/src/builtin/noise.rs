@@ -17,7 +17,8 @@ pub(crate) fn uniform(v: IVec3) -> f32 {
     (hash(v) >> 8) as f32 / 16_777_215.0
 }
 
-/// Value noise, 0 to 1: numbers at the corners of unit cells, blended with Perlin's quintic (2002, "Improving Noise").
+/// Value noise, 0 to 1: numbers at the corners of unit cells, blended with Perlin's quintic (2002,
+/// "Improving Noise").
 fn smooth(p: Vec3) -> f32 {
     let cell = p.floor();
     let t = p - cell;
@@ -38,7 +39,8 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// Returns the sum of octaves of noise, each at twice the frequency and half the height of the one before; about -1 to 1.
+/// Returns the sum of octaves of noise, each at twice the frequency and half the height of the one
+/// before; about -1 to 1.
 pub(crate) fn fractal(p: Vec3, octaves: u32) -> f32 {
     let octaves = (0..octaves).map(|i| {
         let frequency = (1_u32 << i) as f32;

@@ -13,8 +13,8 @@ use umbrage_core::{Fit, Scene};
 /// Where the textbook puts the light, metres; it looks at the origin.
 const LIGHT: Vec3 = Vec3::new(-2.0, 4.0, -1.0);
 
-/// The textbook's light space: from (-2, 4, -1) towards the origin, 10 m to each side, near 1, far 7.5. It belongs to
-/// the scene `cubes`.
+/// The textbook's light space: from (-2, 4, -1) towards the origin, 10 m to each side, near 1, far
+/// 7.5. It belongs to the scene `cubes`.
 pub const TEXTBOOK_FIT: Fit = textbook_fit(1.0);
 
 /// The same for the scene at another scale.

@@ -10,7 +10,8 @@ use umbrage_core::glam::{Affine3A, Mat3, Quat, Vec2, Vec3, Vec4};
 use umbrage_core::light_space::Extents;
 use umbrage_core::{Fit, Mesh, Scene};
 
-/// The textbook's planes for a lamp: near 1, far 25. They belong to the scene `textbook-room`; only near and far count.
+/// The textbook's planes for a lamp: near 1, far 25. They belong to the scene `textbook-room`; only
+/// near and far count.
 pub(crate) const ROOM_FIT: Fit = Fit::Manual {
     eye: Vec3::ZERO,
     extents: Extents {
@@ -48,8 +49,8 @@ pub(crate) fn textbook_room() -> Scene {
         .shoot([0.6, 0.9, 4.8], [-0.1, 0.0, 0.0], 72.0, SIZE)
 }
 
-/// A brick wall with a normal map, the lamp half a metre before it: the wall's relief shows by shading alone, while a shelf
-/// and a bar throw shadows.
+/// A brick wall with a normal map, the lamp half a metre before it: the wall's relief shows by
+/// shading alone, while a shelf and a bar throw shadows.
 pub(crate) fn textbook_wall() -> Scene {
     let bricks = Bricks {
         tile: 1.5,

@@ -3,13 +3,13 @@
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Invalid, Texture, invalid};
 
-/// Returns the tangent-space normal map, green up (OpenGL's convention), of the relief `lambda (2 h - 1)` whose heights h are
-/// the first channel of `heights`. `square` is the size in metres of the part of the surface that the texture spans
-/// once, along u and along v.
+/// Returns the tangent-space normal map, green up (OpenGL's convention), of the relief
+/// `lambda (2 h - 1)` whose heights h are the first channel of `heights`. `square` is the size in
+/// metres of the part of the surface that the texture spans once, along u and along v.
 ///
-/// Slopes are central differences over two texels, repeating at the borders: with the relief d, the normal is
-/// `(-dd/dx, -dd/dy, 1)` over its length, y up the texture (Blinn 1978, "Simulation of Wrinkled Surfaces"), stored as
-/// `(n + 1) / 2`.
+/// Slopes are central differences over two texels, repeating at the borders: with the relief d, the
+/// normal is `(-dd/dx, -dd/dy, 1)` over its length, y up the texture (Blinn 1978, "Simulation of
+/// Wrinkled Surfaces"), stored as `(n + 1) / 2`.
 ///
 /// # Errors
 /// Errors if the texture is invalid, lambda not finite or a size not above zero.
@@ -63,7 +63,8 @@ mod tests {
         }
     }
 
-    /// The relief is `lambda (2 h - 1) = 0.05 (sin(tau u) + cos(tau v))` for lambda 0.1, u = x / 2, v = -y.
+    /// The relief is `lambda (2 h - 1) = 0.05 (sin(tau u) + cos(tau v))` for lambda 0.1, u = x / 2,
+    /// v = -y.
     fn exact(u: f64, v: f64) -> Vec3 {
         let tau = std::f64::consts::TAU;
         let dx = 0.05 * tau / 2.0 * (tau * u).cos();

@@ -21,12 +21,13 @@ pub(crate) enum Meaning {
     Color,
     /// Normals or heights: numbers as they are.
     Data,
-    /// What is there: a file's alpha, or, of files without, its first channel, as it is. The colours are white.
+    /// What is there: a file's alpha, or, of files without, its first channel, as it is. The
+    /// colours are white.
     Alpha,
 }
 
-/// A texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey is in all three channels, and
-/// alpha is 1 where there is none.
+/// A texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey is in all
+/// three channels, and alpha is 1 where there is none.
 pub(crate) fn load_texture(
     path: &Path,
     files: &dyn Files,
@@ -91,8 +92,9 @@ pub(crate) fn decode_picture(
     reader.decode()
 }
 
-/// Returns how long a PNG file tells that its palette is, bytes; 0 if it has none before its pixels, or is cut short. Each chunk is its
-/// length, its name, its bytes and a checksum: "Portable Network Graphics (PNG) Specification (Third Edition)", W3C 2025, 5.3.
+/// Returns how long a PNG file tells that its palette is, bytes; 0 if it has none before its
+/// pixels, or is cut short. Each chunk is its length, its name, its bytes and a checksum: "Portable
+/// Network Graphics (PNG) Specification (Third Edition)", W3C 2025, 5.3.
 fn palette_bytes(source: &mut (impl Read + Seek)) -> IoResult<u64> {
     const SIGNATURE: i64 = 8;
     const CHECKSUM: i64 = 4;

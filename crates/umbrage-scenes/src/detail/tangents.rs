@@ -5,14 +5,15 @@ use std::collections::HashMap;
 use umbrage_core::glam::Vec4;
 use umbrage_core::{Invalid, Mesh, WeldedVertices};
 
-/// The mesh with tangents for normal maps in tangent space, green up (OpenGL's convention): by Mikkelsen's algorithm
-/// (2008, "Simulation of Wrinkled Surfaces Revisited", `MikkTSpace`), which is what the programs that make such maps
-/// use. A vertex is doubled where the frames of its triangles differ: at mirrored texture coordinates and at hard edges
-/// of the texture. Without shading normals they are averaged first, over all vertices of a place.
+/// The mesh with tangents for normal maps in tangent space, green up (OpenGL's convention): by
+/// Mikkelsen's algorithm (2008, "Simulation of Wrinkled Surfaces Revisited", `MikkTSpace`), which
+/// is what the programs that make such maps use. A vertex is doubled where the frames of its
+/// triangles differ: at mirrored texture coordinates and at hard edges of the texture. Without
+/// shading normals they are averaged first, over all vertices of a place.
 ///
-/// Texture coordinates count v from the top (as [`Mesh::uvs`] does), and green looks up: so the bitangent `w n x t`
-/// runs against growing v. Triangles without area, in space or in the texture, take over their neighbours' frames;
-/// where there are none, any frame with the normal.
+/// Texture coordinates count v from the top (as [`Mesh::uvs`] does), and green looks up: so the
+/// bitangent `w n x t` runs against growing v. Triangles without area, in space or in the texture,
+/// take over their neighbours' frames; where there are none, any frame with the normal.
 ///
 /// # Errors
 /// Errors if the mesh is invalid or has no texture coordinates.

@@ -13,9 +13,10 @@ use umbrage_core::{Camera, Geometry};
 /// Most cameras between two poses of a file.
 const MAX_BETWEEN: u32 = 1000;
 
-/// Reads cameras from a file: one `[[camera]]` table a pose, with the keys that a scene file's `[camera]` has, and `between`, the
-/// number of cameras on the way from each pose to the next: 0, unless it says otherwise. `anchor` is that of the scene's file. `geometry` is what they see; their depth
-/// ranges go around it where the file doesn't give them.
+/// Reads cameras from a file: one `[[camera]]` table a pose, with the keys that a scene file's
+/// `[camera]` has, and `between`, the number of cameras on the way from each pose to the next: 0,
+/// unless it says otherwise. `anchor` is that of the scene's file. `geometry` is what they see;
+/// their depth ranges go around it where the file doesn't give them.
 ///
 /// ```toml
 /// between = 3   # a path: three more cameras between the two
@@ -62,8 +63,8 @@ fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, Sc
     Ok(path_through(&poses, between))
 }
 
-/// Returns the poses and so many cameras between each and the next. They stand on the straight line between the two and turn evenly;
-/// their projection is that of the pose before.
+/// Returns the poses and so many cameras between each and the next. They stand on the straight line
+/// between the two and turn evenly; their projection is that of the pose before.
 fn path_through(poses: &[Camera], between: u32) -> Vec<Camera> {
     let mut out = Vec::new();
     for pair in poses.windows(2) {

@@ -10,7 +10,8 @@ use umbrage_core::{AlphaFilter, Geometry, Light, Scene};
 
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
 
-/// Reads a scene file beside the model as `model.glb`, and as `model.gltf` with its bytes apart: both must say the same.
+/// Reads a scene file beside the model as `model.glb`, and as `model.gltf` with its bytes apart:
+/// both must say the same.
 fn scene_of(model: &TestModel, text: &str) -> Result<Scene, SceneError> {
     let in_one = files_with(model, text);
     let apart = files_with(model, &text.replace(".glb", ".gltf"));
@@ -42,8 +43,8 @@ fn object(rest: &str) -> String {
     format!("{LIGHT}[[object]]\nmesh = \"models/model.glb\"\n{rest}")
 }
 
-/// A square at the origin, the same mesh below a node that turns, moves and mirrors it, a hidden one, a lamp and a camera; and a
-/// second scene with one square far away.
+/// A square at the origin, the same mesh below a node that turns, moves and mirrors it, a hidden
+/// one, a lamp and a camera; and a second scene with one square far away.
 fn rooms() -> TestModel {
     let mut model = TestModel::square();
     let child = model.add("nodes", json!({ "mesh": 0, "scale": [1, -2, 1] }));
@@ -142,7 +143,8 @@ fn another_scene_of_the_file_is_named_behind_its_path() {
     );
 }
 
-/// A square with holes, and one of glass, with two sets of texture coordinates of which the holes take the second, moved.
+/// A square with holes, and one of glass, with two sets of texture coordinates of which the holes
+/// take the second, moved.
 fn leaves() -> TestModel {
     let mut model = TestModel::new();
     let positions = model.floats("VEC3", 3, &SQUARE);
@@ -206,7 +208,8 @@ fn a_model_brings_its_looks_with_their_holes() {
     assert_eq!(of_both, [(true, false), (false, false)]);
 }
 
-/// The filter alone is no look: the model keeps its own, with its masks, and another object that names the same model has the file's.
+/// The filter alone is no look: the model keeps its own, with its masks, and another object that
+/// names the same model has the file's.
 #[test]
 fn a_model_s_own_holes_may_be_hashed() {
     let plain = "[[object]]\nmesh = \"models/model.glb\"\n";
@@ -228,7 +231,8 @@ fn a_model_s_own_holes_may_be_hashed() {
     expected.alpha.as_mut().expect("holes").filter = AlphaFilter::Hashed;
     assert_eq!(scene.materials[2..], [expected]);
     assert!(!scene.instances[1].casts, "glass stays glass");
-    // Beside other looks it belongs to their own alpha map, and where there are no holes, it says nothing.
+    // Beside other looks it belongs to their own alpha map, and where there are no holes, it says
+    // nothing.
     let message = |model: &TestModel, rest: &str| {
         let scene = scene_of(model, &object(rest));
         scene.expect_err("no holes").to_string()

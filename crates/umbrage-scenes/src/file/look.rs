@@ -98,8 +98,8 @@ pub(super) fn read<'a>(
     Ok(Some(Look { material, textured }))
 }
 
-/// Returns the filter that an object asks for of the holes which its model brings, with the item that says so; none if it doesn't, or has
-/// a look of its own, to which the key then belongs.
+/// Returns the filter that an object asks for of the holes which its model brings, with the item
+/// that says so; none if it doesn't, or has a look of its own, to which the key then belongs.
 pub(super) fn filter_of_model<'a>(
     table: &Table<'a>,
 ) -> Result<Option<(AlphaFilter, Item<'a>)>, SceneError> {

@@ -6,7 +6,8 @@ use umbrage_core::{AlphaFilter, Displacement, Geometry, Material, Scene};
 
 const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]\n";
 
-/// Loads objects, with 2 x 2 images `color.png`, `flat.png` (normals) and `heights.png` (16 bits) beside them.
+/// Loads objects, with 2 x 2 images `color.png`, `flat.png` (normals) and `heights.png` (16 bits)
+/// beside them.
 fn scene(objects: &str) -> Result<Scene, SceneError> {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);

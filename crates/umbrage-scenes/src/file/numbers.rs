@@ -95,7 +95,8 @@ impl Table<'_> {
         self.need(key, TRIPLE)?.position(anchor)
     }
 
-    /// What a file's positions are relative to: the anchor nearest to the point under `anchor`, or the origin.
+    /// What a file's positions are relative to: the anchor nearest to the point under `anchor`, or
+    /// the origin.
     pub(super) fn anchor(&self) -> Result<Anchor, SceneError> {
         match self.get("anchor") {
             Some(item) => item.check(Anchor::near(item.wide_vec3()?)),

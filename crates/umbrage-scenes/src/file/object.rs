@@ -98,7 +98,8 @@ fn alpha_of(material: Option<usize>, scene: &Scene) -> Option<AlphaCutout> {
     scene.materials[material?].alpha
 }
 
-/// Materials of models whose holes have another filter than the model's own, by the model's: objects without the key share a model with others.
+/// Materials of models whose holes have another filter than the model's own, by the model's:
+/// objects without the key share a model with others.
 #[derive(Debug, Default)]
 struct FilteredMaterials {
     known: HashMap<usize, usize>,
@@ -140,8 +141,9 @@ fn box_of_model(parts: &[ModelPart], scene: &Scene) -> Aabb {
     Aabb::around(parts.iter().flat_map(positions))
 }
 
-/// Errors if 32-bit geometry is too coarse for an object's size or place; the error names the key that this comes from. `local`
-/// is the box around the object before it is placed, `place` is relative to the anchor.
+/// Errors if 32-bit geometry is too coarse for an object's size or place; the error names the key
+/// that this comes from. `local` is the box around the object before it is placed, `place` is
+/// relative to the anchor.
 fn check_size(
     table: &Table<'_>,
     shape_or_mesh: &Item<'_>,
@@ -311,7 +313,8 @@ fn make(
     Ok(parts)
 }
 
-/// Returns a plane, a box or a sphere from -1 to 1. A sphere has texture coordinates only on demand: they double vertices.
+/// Returns a plane, a box or a sphere from -1 to 1. A sphere has texture coordinates only on
+/// demand: they double vertices.
 fn shape(name: &str, textured: bool) -> Mesh {
     match name {
         "plane" => grid([1.0, 1.0], [1, 1], |_, _| 0.0),

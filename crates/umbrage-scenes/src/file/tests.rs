@@ -288,7 +288,8 @@ fn refused(text: &str) -> (Option<usize>, String) {
     }
 }
 
-/// Each fault goes in as the last line of its table, and must come back with that line, its key and a way out.
+/// Each fault goes in as the last line of its table, and must come back with that line, its key and
+/// a way out.
 #[test]
 fn faults_name_line_key_and_remedy() {
     let spot = "[[light]]\nkind = \"spot\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\n";

@@ -49,8 +49,8 @@ impl<'a> AccessorNumbers<'a> {
         })
     }
 
-    /// Returns vectors as 32-bit floats: the elements with these rising numbers, or all. Errors if they have another length or
-    /// are not finite.
+    /// Returns vectors as 32-bit floats: the elements with these rising numbers, or all. Errors if
+    /// they have another length or are not finite.
     pub(super) fn vectors<const N: usize>(
         &self,
         these: Option<&[u32]>,
@@ -84,7 +84,8 @@ impl<'a> AccessorNumbers<'a> {
         Ok(vectors)
     }
 
-    /// Returns vectors of integers as floats. If they are normalized, the greatest number stands for 1 (section 3.11).
+    /// Returns vectors of integers as floats. If they are normalized, the greatest number stands
+    /// for 1 (section 3.11).
     fn floats<C: Item + Copy + Into<f32>, const N: usize>(
         &self,
         these: Option<&[u32]>,
@@ -127,7 +128,8 @@ impl<'a> AccessorNumbers<'a> {
     }
 }
 
-/// A vector as it is stored. The crate implements [`Item`] for arrays of 2, 3 and 4, but not for those of any length.
+/// A vector as it is stored. The crate implements [`Item`] for arrays of 2, 3 and 4, but not for
+/// those of any length.
 #[derive(Clone, Copy)]
 struct Vector<C, const N: usize>([C; N]);
 
@@ -159,7 +161,8 @@ fn check(accessor: &Accessor<'_>, data: &mut FileBytes<'_>) -> Result<(), Invali
     Ok(())
 }
 
-/// Errors unless the elements that replace others are there and in order. [`document`](super::document) removes empty lists.
+/// Errors unless the elements that replace others are there and in order.
+/// [`document`](super::document) removes empty lists.
 fn check_sparse(
     sparse: &Sparse<'_>,
     elements: usize,

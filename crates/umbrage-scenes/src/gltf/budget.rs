@@ -1,7 +1,8 @@
 //! How much a file may ask for, by how many bytes it has.
 //!
-//! A few bytes of JSON can name the same bytes again and again, so that sizes multiply. Honest files share, too: vertices among primitives,
-//! meshes among nodes, and pictures are compressed. So what is allowed grows with the bytes that there are.
+//! A few bytes of JSON can name the same bytes again and again, so that sizes multiply. Honest
+//! files share, too: vertices among primitives, meshes among nodes, and pictures are compressed. So
+//! what is allowed grows with the bytes that there are.
 
 use umbrage_core::Invalid;
 
@@ -9,11 +10,14 @@ use umbrage_core::Invalid;
 const ELEMENTS: u64 = 1 << 20;
 /// Texels that any file may ask for: one picture of the greatest size.
 const TEXELS: u64 = 1 << 26;
-/// Elements a byte: one byte is an index at best, which may bring a few numbers of a vertex that it alone uses.
+/// Elements a byte: one byte is an index at best, which may bring a few numbers of a vertex that it
+/// alone uses.
 const ELEMENTS_A_BYTE: u64 = 16;
-/// Placed triangles a byte: a node takes some 30 bytes at least, and forests have thousands that show one tree.
+/// Placed triangles a byte: a node takes some 30 bytes at least, and forests have thousands that
+/// show one tree.
 const PLACED_A_BYTE: u64 = 64;
-/// Most triangles that copies may add up to: a few gigabytes once they are placed. A file that holds more of them itself may place these.
+/// Most triangles that copies may add up to: a few gigabytes once they are placed. A file that
+/// holds more of them itself may place these.
 const PLACED: u64 = 1 << 26;
 /// Texels a byte: pictures of one colour are compressed further, but no whole set of them.
 const TEXELS_A_BYTE: u64 = 64;

@@ -10,7 +10,8 @@ use umbrage_core::glam::{Affine3A, DVec3, Mat4, UVec2, Vec4};
 use umbrage_core::light_space::{Extents, look_along, orthographic, perspective};
 use umbrage_core::{Camera, Invalid, MAX_SIDE, invalid};
 
-/// Returns the camera that a node holds. Its image has the height of that of a model without a camera, and the camera's aspect ratio.
+/// Returns the camera that a node holds. Its image has the height of that of a model without a
+/// camera, and the camera's aspect ratio.
 pub(super) fn camera(camera: &FileCamera<'_>, node: &PlacedNode<'_>) -> Result<Camera, Invalid> {
     read(camera, node).map_err(|e| e.within(told("camera", camera.index(), camera.name())))
 }

@@ -13,7 +13,8 @@ pub(super) struct Container<'a> {
 
 /// Splits a file by content, ignoring its extension.
 ///
-/// [`gltf::Glb`] refuses chunks of unknown types, which readers must skip, and panics if the header's length is too small.
+/// [`gltf::Glb`] refuses chunks of unknown types, which readers must skip, and panics if the
+/// header's length is too small.
 pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Invalid> {
     if bytes.is_empty() {
         return Err(damaged("is empty".to_owned()));

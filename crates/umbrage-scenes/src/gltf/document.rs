@@ -19,7 +19,8 @@ const READ: [&str; 3] = [
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
-/// The beginning of the names of extensions that say more of looks than pictures here show: a file may require them, too.
+/// The beginning of the names of extensions that say more of looks than pictures here show: a file
+/// may require them, too.
 const LOOKS: &str = "KHR_materials_";
 
 /// Reads and checks a document.
@@ -38,7 +39,8 @@ pub(super) fn parse(json: &[u8]) -> Result<Document, Invalid> {
     Ok(Document::from_json_without_validation(root))
 }
 
-/// The error of text that is not a document of version 2. Version 1 is named, since its lists are written in another way.
+/// The error of text that is not a document of version 2. Version 1 is named, since its lists are
+/// written in another way.
 fn unparsed(json: &[u8], error: &serde_json::Error) -> Invalid {
     let document: Value = serde_json::from_slice(json).unwrap_or_default();
     match document["asset"]["version"].as_str() {
@@ -126,7 +128,8 @@ fn strip(root: &mut Root) {
     }
 }
 
-/// Errors, with its path, if an index is beyond the end of its list, or a word is not in the format.
+/// Errors, with its path, if an index is beyond the end of its list, or a word is not in the
+/// format.
 fn check_indices(root: &Root) -> Result<(), (String, &'static str)> {
     // The crate's own check takes these two for granted.
     for (i, mesh) in root.meshes.iter().enumerate() {
@@ -164,8 +167,9 @@ fn check_indices(root: &Root) -> Result<(), (String, &'static str)> {
     first.map_or(Ok(()), Err)
 }
 
-/// Whether what the crate objects to is a fault for what is read here. Bounds of positions are computed, not read; strides are checked where
-/// they are used; extensions have been checked; an accessor without a view holds zeros, by the specification.
+/// Whether what the crate objects to is a fault for what is read here. Bounds of positions are
+/// computed, not read; strides are checked where they are used; extensions have been checked; an
+/// accessor without a view holds zeros, by the specification.
 fn is_fault(path: &str, error: Error) -> bool {
     let is_unread = [".min", ".max", ".byteStride"]
         .iter()

@@ -1,4 +1,5 @@
-//! Bytes: of the `.glb` file itself, of data URIs, of other files. They are fetched when something is read from them, once each.
+//! Bytes: of the `.glb` file itself, of data URIs, of other files. They are fetched when something
+//! is read from them, once each.
 
 use super::{broken, budget::ReadBudget, told};
 use crate::{Files, SceneError};
@@ -133,8 +134,8 @@ impl<'a> FileBytes<'a> {
         Ok(())
     }
 
-    /// Returns the bytes that a URI names or holds. At most `most` bytes of a file are read, so that a small model can't fill
-    /// memory with other files.
+    /// Returns the bytes that a URI names or holds. At most `most` bytes of a file are read, so
+    /// that a small model can't fill memory with other files.
     pub(super) fn fetch(&mut self, uri: &str, most: u64) -> Result<Fetched<'a>, Invalid> {
         if let Some(data) = uri.strip_prefix("data:") {
             return Ok(Fetched::Apart(Rc::new(decode(data)?)));

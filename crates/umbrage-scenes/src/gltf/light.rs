@@ -72,10 +72,12 @@ fn cone(what: &str, angle: f32) -> Result<f32, Invalid> {
     Ok(angle.min(WIDEST.to_radians()))
 }
 
-/// Returns a light's size from the first of these names that the light or, else, its node has; 0 without any.
+/// Returns a light's size from the first of these names that the light or, else, its node has; 0
+/// without any.
 ///
-/// The format has no sizes of lights. Blender writes an object's custom properties into its node's `extras`, and those of its data into
-/// the light's, but not the radius: that needs a custom property.
+/// The format has no sizes of lights. Blender writes an object's custom properties into its node's
+/// `extras`, and those of its data into the light's, but not the radius: that needs a custom
+/// property.
 fn size(extras: [&Extras; 2], names: &[&str]) -> Result<f32, Invalid> {
     for extras in extras.into_iter().flatten() {
         // Extras may be anything; what is not a list of names is somebody else's.

@@ -16,7 +16,8 @@ pub(super) struct Materials<'a> {
     /// Whether they are read at all.
     has_looks: bool,
     pictures: Pictures<'a>,
-    /// By number, and by whether the primitive has coordinates for the base colour and for the normal map.
+    /// By number, and by whether the primitive has coordinates for the base colour and for the
+    /// normal map.
     known: HashMap<(usize, [bool; 2]), Option<SurfaceLook>>,
 }
 
@@ -149,7 +150,8 @@ enum AlphaTest {
     Everything,
 }
 
-/// Returns the alpha test of a material, given its texture of base colours. Alpha is the texture's times the factor's.
+/// Returns the alpha test of a material, given its texture of base colours. Alpha is the texture's
+/// times the factor's.
 fn alpha_test(file: &FileMaterial<'_>, texture: Option<usize>) -> Result<AlphaTest, Invalid> {
     let is_mask = file.alpha_mode() == AlphaMode::Mask;
     let cutoff = match file.alpha_mode() {
@@ -216,7 +218,8 @@ impl Coordinates {
         primitive.get(&Semantic::TexCoords(self.set)).is_some()
     }
 
-    /// Returns the coordinates that the texture is read at: scaled, turned counter-clockwise (v points down), then moved.
+    /// Returns the coordinates that the texture is read at: scaled, turned counter-clockwise (v
+    /// points down), then moved.
     pub(super) fn at(&self, uv: [f32; 2]) -> Vec2 {
         let uv = Vec2::from_array(uv);
         if !self.is_transformed {

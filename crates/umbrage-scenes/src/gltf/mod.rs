@@ -1,7 +1,8 @@
-//! glTF 2.0 models: `.gltf`, and `.glb` with all in one file. The specification is by the Khronos Group, <https://registry.khronos.org/glTF>.
+//! glTF 2.0 models: `.gltf`, and `.glb` with all in one file. The specification is by the Khronos
+//! Group, <https://registry.khronos.org/glTF>.
 //!
-//! The crate `gltf` reads the JSON and the numbers of accessors. All references, lengths and counts are checked here first, since the
-//! crate panics on some files.
+//! The crate `gltf` reads the JSON and the numbers of accessors. All references, lengths and counts
+//! are checked here first, since the crate panics on some files.
 
 mod accessor;
 mod budget;
@@ -30,7 +31,8 @@ use primitive::FileMeshes;
 use std::io::Read as _;
 use umbrage_core::{Geometry, Invalid, Scene};
 
-/// Reads one scene of a file. Cameras and lights that it lacks are found as for any model alone: see [`lone_model`].
+/// Reads one scene of a file. Cameras and lights that it lacks are found as for any model alone:
+/// see [`lone_model`].
 pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, SceneError> {
     let bytes = bytes_of(wanted, files)?;
     let mut scene = read(&bytes, wanted, files).map_err(|fault| invalid(wanted, fault))?;
@@ -44,8 +46,8 @@ pub(crate) fn read_scene(wanted: &SceneOfFile, files: &dyn Files) -> Result<Scen
     Ok(scene)
 }
 
-/// Adds the meshes of one scene of a file to another scene, with their materials if the model `has_looks`. The file's cameras and
-/// lights are ignored.
+/// Adds the meshes of one scene of a file to another scene, with their materials if the model
+/// `has_looks`. The file's cameras and lights are ignored.
 pub(crate) fn add(
     wanted: &SceneOfFile,
     files: &dyn Files,
@@ -107,7 +109,8 @@ fn read(bytes: &[u8], wanted: &SceneOfFile, files: &dyn Files) -> Result<Scene, 
     Ok(scene)
 }
 
-/// Adds the meshes of a file's scene to a scene, with their materials if the model `has_looks`; `add_others` adds what else a node has.
+/// Adds the meshes of a file's scene to a scene, with their materials if the model `has_looks`;
+/// `add_others` adds what else a node has.
 fn parts(
     bytes: &[u8],
     wanted: &SceneOfFile,

@@ -20,7 +20,8 @@ impl PlacedNode<'_> {
         told("node", self.node.index(), self.node.name())
     }
 
-    /// Returns where the node's mesh stands; none if the node hides it by a size of zero along all axes.
+    /// Returns where the node's mesh stands; none if the node hides it by a size of zero along all
+    /// axes.
     pub(super) fn placement(&self) -> Result<Option<Affine3A>, Invalid> {
         let place = self.world_from_node.as_affine3a();
         if place.matrix3 == Mat3A::ZERO {
@@ -44,7 +45,8 @@ impl PlacedNode<'_> {
         Ok(position)
     }
 
-    /// Returns the direction in the world of one of the node's own, as a unit vector: sizes don't count.
+    /// Returns the direction in the world of one of the node's own, as a unit vector: sizes don't
+    /// count.
     pub(super) fn direction(&self, local: DVec3) -> Result<Vec3, Invalid> {
         let direction = self.world_from_node.transform_vector3(local);
         direction

@@ -27,8 +27,8 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// Returns the index among `textures` of a picture; `None` if it is missing or of another kind. Only alpha tests need it
-    /// for shadows.
+    /// Returns the index among `textures` of a picture; `None` if it is missing or of another kind.
+    /// Only alpha tests need it for shadows.
     pub(super) fn texture(
         &mut self,
         index: usize,

@@ -20,7 +20,8 @@ pub(super) struct FileMeshes {
 }
 
 impl FileMeshes {
-    /// Returns a mesh's parts: its primitives that have triangles, unless an alpha test removes all of them.
+    /// Returns a mesh's parts: its primitives that have triangles, unless an alpha test removes all
+    /// of them.
     pub(super) fn parts(
         &mut self,
         mesh: &FileMesh<'_>,
@@ -114,8 +115,9 @@ fn part(
     }))
 }
 
-/// Returns a mesh without normals and tangents whose triangles share no vertices. Normals that are averaged at its vertices are then those
-/// of the triangles, which the specification asks for where a file has none (section 3.7.2.1).
+/// Returns a mesh without normals and tangents whose triangles share no vertices. Normals that are
+/// averaged at its vertices are then those of the triangles, which the specification asks for where
+/// a file has none (section 3.7.2.1).
 fn flat(mesh: &Mesh) -> Mesh {
     fn of_corners<T: Copy>(corners: &[u32], values: &[T]) -> Vec<T> {
         match values {

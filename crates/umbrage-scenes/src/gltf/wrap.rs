@@ -1,5 +1,7 @@
-//! How masks go on beyond their textures. Holes repeat ([`AlphaCutout`](umbrage_core::AlphaCutout)); the format's samplers may clamp or mirror
-//! instead, which is the same only where a mesh doesn't leave its texture, or finds the same holes beyond it.
+//! How masks go on beyond their textures. Holes repeat
+//! ([`AlphaCutout`](umbrage_core::AlphaCutout)); the format's samplers may clamp or mirror instead,
+//! which is the same only where a mesh doesn't leave its texture, or finds the same holes beyond
+//! it.
 
 use super::budget::ReadBudget;
 use gltf::texture::WrappingMode;
@@ -7,8 +9,8 @@ use std::collections::BTreeSet;
 use umbrage_core::glam::Vec2;
 use umbrage_core::{AlphaCutout, Invalid, Texture};
 
-/// What coordinates may reach beyond a texture, texels: exporters round them, and those of 16 bits are off by half of 2^-16, which is 1/16 of a texel
-/// where a texture is 8,192 texels wide.
+/// What coordinates may reach beyond a texture, texels: exporters round them, and those of 16 bits
+/// are off by half of 2^-16, which is 1/16 of a texel where a texture is 8,192 texels wide.
 const ROUNDING: f64 = 0.125;
 
 /// How a texture goes on along u and along v.
@@ -55,7 +57,8 @@ pub(super) fn check(
     ))
 }
 
-/// Returns the texels along one axis that a mesh shows: of each, the one that it finds where the texture repeats, and the one that it asks for.
+/// Returns the texels along one axis that a mesh shows: of each, the one that it finds where the
+/// texture repeats, and the one that it asks for.
 fn texels(low: f32, high: f32, count: u32, wrap: WrappingMode) -> BTreeSet<[i64; 2]> {
     let count_real = f64::from(count);
     let first = (f64::from(low) * count_real + ROUNDING).floor() as i64;
@@ -71,7 +74,8 @@ fn texels(low: f32, high: f32, count: u32, wrap: WrappingMode) -> BTreeSet<[i64;
             i.min(2 * count - 1 - i)
         }
     };
-    // Beyond these all pairs come again: mirrored ones after two textures, clamped ones after one at either side.
+    // Beyond these all pairs come again: mirrored ones after two textures, clamped ones after one
+    // at either side.
     let shown = |i: &i64| (first..=last).contains(i);
     let parts = [
         first..=last.min(first.saturating_add(2 * count)),

@@ -7,12 +7,14 @@ use umbrage_core::{Aabb, Geometry, Mesh};
 
 /// What counts as the bottom of a model: this share of its height.
 const BOTTOM: f32 = 0.12;
-/// A model brings its own ground if surfaces that face up there cover this share of the rectangle around it, seen from above. (Floors
-/// of rooms do; the bottoms of solids face down.) So it does if all its surface faces up by as much on balance, as a landscape's.
+/// A model brings its own ground if surfaces that face up there cover this share of the rectangle
+/// around it, seen from above. (Floors of rooms do; the bottoms of solids face down.) So it does if
+/// all its surface faces up by as much on balance, as a landscape's.
 const COVERS: f64 = 0.5;
 /// Half the floor's side over the model's greatest extent: its edge is far behind the model.
 const HALF_SIDE: f32 = 12.0;
-/// How far the floor lies below a flat bottom, over the model's greatest extent, so that no two faces share a plane.
+/// How far the floor lies below a flat bottom, over the model's greatest extent, so that no two
+/// faces share a plane.
 const BELOW: f32 = 1e-3;
 
 /// What lies under a model.
@@ -66,7 +68,8 @@ impl Ground {
         }
     }
 
-    /// Returns the height of the floor that a model with these bounds gets; none if it brings its own ground.
+    /// Returns the height of the floor that a model with these bounds gets; none if it brings its
+    /// own ground.
     pub(super) fn floor_height(&self, bounds: Aabb) -> Option<f32> {
         if self.own.is_some() {
             return None;

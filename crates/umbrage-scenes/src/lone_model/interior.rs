@@ -1,4 +1,5 @@
-//! Buildings around their own floor, seen from inside: from the place and in the direction that see deepest.
+//! Buildings around their own floor, seen from inside: from the place and in the direction that see
+//! deepest.
 
 use super::{ground::Ground, sun::seen_points};
 use crate::framing::Shot;
@@ -11,7 +12,8 @@ const EYE_HEIGHT: f32 = 0.22;
 const FOV_Y_DEGREES: f32 = 60.0;
 /// How far the view goes down, as a share of how far it goes ahead.
 const DOWN: f32 = 0.12;
-/// Places of the eye that are tried: how far back from the middle and how far to the side, as shares of length and width.
+/// Places of the eye that are tried: how far back from the middle and how far to the side, as
+/// shares of length and width.
 const EYES: [[f32; 2]; 12] = [
     [0.0, 0.0],
     [0.1, 0.0],
@@ -32,10 +34,12 @@ const NEAR: f32 = 0.05;
 const NEAR_COUNTS: f32 = 2.0;
 /// Level directions in which walls are looked for.
 const DIRECTIONS: usize = 32;
-/// Walls stand around the middle in at least this share of them: a room that is open to one side has fewer.
+/// Walls stand around the middle in at least this share of them: a room that is open to one side
+/// has fewer.
 const ENCLOSED: f32 = 0.85;
-/// Surfaces that a level ray from the middle meets, in the mean. Bowls, cups and boots have two, an inner and an outer one, and are
-/// seen from outside; rooms of bare walls have one, buildings with pillars and galleries more.
+/// Surfaces that a level ray from the middle meets, in the mean. Bowls, cups and boots have two, an
+/// inner and an outer one, and are seen from outside; rooms of bare walls have one, buildings with
+/// pillars and galleries more.
 const BOWLS: [f32; 2] = [1.4, 2.6];
 /// Surfaces that are counted along a ray: more make no difference.
 const MOST: usize = 6;
@@ -73,7 +77,8 @@ pub(super) fn shot(geometry: &Geometry, ground: &Ground, size: UVec2) -> Option<
     best.map(|(_, shot)| shot)
 }
 
-/// Returns how deep a view is: the mean distance of what is seen, less where much of it is near before the eye.
+/// Returns how deep a view is: the mean distance of what is seen, less where much of it is near
+/// before the eye.
 fn depth_of(geometry: &Geometry, shot: &Shot) -> f32 {
     let seen = seen_points(geometry, shot);
     let near = NEAR * geometry.bounds().extent().max_element();

@@ -1,11 +1,13 @@
 //! What a model alone needs to make a good first picture: a floor, a camera and a sun.
 //!
-//! * A model that brings no ground of its own gets a floor under it ([`ground`]). It is seen from a three-quarter view from slightly
-//!   above, from as near as shows all of it and of its shadow.
-//! * A model with ground of its own is seen from there, too, without a floor; a room that is open to one side through its opening.
-//! * A building around its own floor is seen from inside ([`interior`]): from where the view is deepest.
-//! * The sun comes from the left, from above and from behind the model, so that shadows fall to the right and towards the eye. Without
-//!   a floor of ours another one may show more ([`sun`]).
+//! * A model that brings no ground of its own gets a floor under it ([`ground`]). It is seen from a
+//!   three-quarter view from slightly above, from as near as shows all of it and of its shadow.
+//! * A model with ground of its own is seen from there, too, without a floor; a room that is open
+//!   to one side through its opening.
+//! * A building around its own floor is seen from inside ([`interior`]): from where the view is
+//!   deepest.
+//! * The sun comes from the left, from above and from behind the model, so that shadows fall to the
+//!   right and towards the eye. Without a floor of ours another one may show more ([`sun`]).
 
 mod ground;
 mod interior;
@@ -26,7 +28,8 @@ pub(crate) const SIZE: UVec2 = UVec2::new(640, 360);
 pub(crate) const FOV_Y_DEGREES: f32 = 36.0;
 /// The sun's width in the sky, degrees.
 const SUN_DEGREES: f32 = 0.53;
-/// Sizes in metres between which 32-bit geometry works: areas are squared on the way to unit normals.
+/// Sizes in metres between which 32-bit geometry works: areas are squared on the way to unit
+/// normals.
 pub(crate) const SIZES: [f32; 2] = [1e-6, 1e8];
 
 /// Adds floor, camera and sun to a scene that holds a model alone, whose triangles are `geometry`.
@@ -55,7 +58,8 @@ pub(crate) fn complete(
         scene.materials.push(matte(PALETTE[0]).material);
         let mut instance = Instance::new(scene.meshes.len(), Affine3A::IDENTITY);
         instance.material = Some(material);
-        // Nothing lies below it; and maps fitted around all casters stay as fine as the model asks for.
+        // Nothing lies below it; and maps fitted around all casters stay as fine as the model asks
+        // for.
         instance.casts = false;
         scene.meshes.push(floor);
         scene.instances.push(instance);
@@ -69,8 +73,9 @@ pub(crate) fn complete(
     Ok(())
 }
 
-/// Adds what a scene of a model's file lacks, whose triangles are `geometry`: all that a model alone gets if it has neither a camera nor
-/// a light; else the one of these that is missing, and no floor, since somebody arranged the scene.
+/// Adds what a scene of a model's file lacks, whose triangles are `geometry`: all that a model
+/// alone gets if it has neither a camera nor a light; else the one of these that is missing, and no
+/// floor, since somebody arranged the scene.
 ///
 /// # Errors
 /// Errors if the model is too small or too large.
@@ -116,7 +121,8 @@ fn sunlight(direction: Vec3) -> Light {
     }
 }
 
-/// Returns the shot of a model from outside, from as near as shows all of it and of its shadow on a floor of ours.
+/// Returns the shot of a model from outside, from as near as shows all of it and of its shadow on a
+/// floor of ours.
 fn of_model(geometry: &Geometry, ground: &ground::Ground) -> Option<Shot> {
     let side = if ground.own.is_some() {
         opening_side(geometry).unwrap_or_else(|| best_side(geometry))

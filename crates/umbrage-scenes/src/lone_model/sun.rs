@@ -4,8 +4,9 @@ use crate::framing::Shot;
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Geometry, light_space::look_along};
 
-/// The way the sun's light travels, in the view: from the left, from above and from behind the model, so that shadows fall to the
-/// right and towards the eye, nearly as long as the model is high.
+/// The way the sun's light travels, in the view: from the left, from above and from behind the
+/// model, so that shadows fall to the right and towards the eye, nearly as long as the model is
+/// high.
 const IN_VIEW: Vec3 = Vec3::new(0.75, -1.0, -0.15);
 /// Another sun is taken if it shows so many times as much.
 const BETTER: f32 = 1.5;
@@ -24,8 +25,8 @@ pub(super) fn from_left(shot: &Shot) -> Vec3 {
     right * IN_VIEW.x + up * IN_VIEW.y - forward * IN_VIEW.z
 }
 
-/// Returns the usual sun's light, or another one's that shows clearly more: the greatest product of the shares of seen points in
-/// light and in shadow.
+/// Returns the usual sun's light, or another one's that shows clearly more: the greatest product of
+/// the shares of seen points in light and in shadow.
 pub(super) fn that_shows_most(geometry: &Geometry, shot: &Shot, usual: Vec3) -> Vec3 {
     let seen = seen_points(geometry, shot);
     let usual_score = score(geometry, &seen, usual);

@@ -9,15 +9,16 @@ use umbrage_core::{AlphaCutout, AlphaFilter, Material, Texture};
 const SPRIG_SIDE: u32 = 128;
 const NETTING_SIDE: u32 = 64;
 
-/// A sprig on a square: its stalk rises from the middle of the lower side, with leaves of this colour on both of its sides.
+/// A sprig on a square: its stalk rises from the middle of the lower side, with leaves of this
+/// colour on both of its sides.
 pub(crate) fn sprig(color: [f32; 3]) -> Look {
     cut_out(texture_with_alpha("sprig", SPRIG_SIDE, |uv| {
         on_sprig(uv, Vec3::from(color))
     }))
 }
 
-/// Netting of crossed wires, one mesh of it a texture: wires run along both diagonals, and are `thickness` wide, parts of the
-/// texture's side.
+/// Netting of crossed wires, one mesh of it a texture: wires run along both diagonals, and are
+/// `thickness` wide, parts of the texture's side.
 pub(crate) fn netting(color: [f32; 3], thickness: f32) -> Look {
     // Across a diagonal, u + v (or u - v) grows by the square root of 2 for each unit.
     let half = 0.5 * thickness * std::f32::consts::SQRT_2;
@@ -29,7 +30,8 @@ pub(crate) fn netting(color: [f32; 3], thickness: f32) -> Look {
     }))
 }
 
-/// Squares of one texel each, every second one a hole: so is the one at the texture's lower left if their number is even.
+/// Squares of one texel each, every second one a hole: so is the one at the texture's lower left if
+/// their number is even.
 pub(crate) fn chequered_holes(squares: u32) -> Look {
     cut_out(texture_with_alpha("chequered holes", squares, |uv| {
         let place = (uv * squares as f32).as_uvec2();
@@ -87,7 +89,8 @@ fn on_sprig(uv: Vec2, color: Vec3) -> Vec4 {
     (color * shade.unwrap_or(1.0)).extend(alpha)
 }
 
-/// Returns whether a point, as seen from a leaf's stalk, lies on the leaf: between two parabolas that meet at its ends.
+/// Returns whether a point, as seen from a leaf's stalk, lies on the leaf: between two parabolas
+/// that meet at its ends.
 fn is_on_leaf(p: Vec2, along: Vec2, length: f32) -> bool {
     const WIDTH: f32 = 0.36;
     let t = p.dot(along) / length;

@@ -1,15 +1,18 @@
-//! Reads OBJ text and keeps only statements that make a mesh, checked, in the form that `tobj` reads correctly.
+//! Reads OBJ text and keeps only statements that make a mesh, checked, in the form that `tobj`
+//! reads correctly.
 //!
-//! `tobj` 4.0 alone takes lines for faces, loses the first vertex after a byte order mark, fails on comments behind faces, on
-//! continued lines, on a lone carriage return, on vertices of which only some are coloured and on names that aren't UTF-8,
-//! overflows on indices far out of range, and doesn't report the line of a fault.
+//! `tobj` 4.0 alone takes lines for faces, loses the first vertex after a byte order mark, fails on
+//! comments behind faces, on continued lines, on a lone carriage return, on vertices of which only
+//! some are coloured and on names that aren't UTF-8, overflows on indices far out of range, and
+//! doesn't report the line of a fault.
 
 use super::parts::Looks;
 use crate::{SceneError, error::Place};
 use std::io::{self, BufRead, Read as _};
 use std::path::Path;
 
-/// Longest line that is read: a face with a million corners fits, and a file without line ends can't fill the memory.
+/// Longest line that is read: a face with a million corners fits, and a file without line ends
+/// can't fill the memory.
 const LONGEST_LINE: u64 = 16 << 20;
 /// Most corners of one face: cutting concave polygons takes time that grows with their square.
 const MOST_CORNERS: usize = 4096;
@@ -182,7 +185,8 @@ impl Cleaner<'_> {
         Ok(())
     }
 
-    /// Checks a corner. Negative indices count back from the latest; positive ones may run ahead, and are checked at the end.
+    /// Checks a corner. Negative indices count back from the latest; positive ones may run ahead,
+    /// and are checked at the end.
     fn corner(&mut self, word: &str) -> Result<(), SceneError> {
         const HELP: &str = "write corners as `v`, `v/vt`, `v//vn` or `v/vt/vn` with whole numbers";
         for (kind, part) in word.split('/').enumerate() {

@@ -1,7 +1,7 @@
 //! Materials beside a model: `.mtl` files.
 //!
-//! Read are `Kd`, `Ks`, `Ke`, `Ns`, `map_Kd`, `map_d` for holes, and `norm` or `map_Bump` for normals; the rest of the format is left
-//! aside.
+//! Read are `Kd`, `Ks`, `Ke`, `Ns`, `map_Kd`, `map_d` for holes, and `norm` or `map_Bump` for
+//! normals; the rest of the format is left aside.
 
 use crate::{
     Files, SceneError,
@@ -95,7 +95,8 @@ impl Entry {
         Ok(())
     }
 
-    /// Returns the material. Its textures are read as far as they are there and `mapped` says that the mesh can show them.
+    /// Returns the material. Its textures are read as far as they are there and `mapped` says that
+    /// the mesh can show them.
     pub(super) fn material(
         &self,
         mapped: bool,

@@ -1,4 +1,5 @@
-//! Wavefront OBJ models. Names, lines and points are ignored; all faces of one material become one mesh.
+//! Wavefront OBJ models. Names, lines and points are ignored; all faces of one material become one
+//! mesh.
 
 mod clean;
 mod material;
@@ -68,7 +69,8 @@ pub(crate) fn name_of(path: &Path) -> String {
     )
 }
 
-/// Adds the faces of an OBJ file to a scene: a mesh for each material, or one mesh without looks unless it `has_looks`.
+/// Adds the faces of an OBJ file to a scene: a mesh for each material, or one mesh without looks
+/// unless it `has_looks`.
 pub(crate) fn add(
     path: &Path,
     textures: &mut TextureFiles<'_>,
@@ -131,7 +133,8 @@ fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
         .chunks_exact(3)
         .map(Vec3::from_slice)
         .collect();
-    // `tobj` skips what some corners lack, and the rest no longer lines up: such attributes are left out.
+    // `tobj` skips what some corners lack, and the rest no longer lines up: such attributes are
+    // left out.
     let mut normals: Vec<Vec3> = mesh.normals.chunks_exact(3).map(Vec3::from_slice).collect();
     let are_unit = normals.iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
     if normals.len() != positions.len() || !are_unit {

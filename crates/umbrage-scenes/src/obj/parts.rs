@@ -77,7 +77,8 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// Returns a mesh for each entry that is used, in the order of their first faces; faces without a known material share one.
+    /// Returns a mesh for each entry that is used, in the order of their first faces; faces without
+    /// a known material share one.
     fn split(&self, entries: &[Entry]) -> Vec<(Option<usize>, Mesh)> {
         // The first face of each run, and the run's entry.
         let mut named: Vec<(usize, Option<usize>)> = Vec::new();

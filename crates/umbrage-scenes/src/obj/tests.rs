@@ -266,7 +266,8 @@ fn model_file(scale: f32, offset: f32) -> tempfile::TempDir {
     folder
 }
 
-/// Places in the picture, -1 to 1, and whether near and far hold them: of the corners, and of their shadows on the floor.
+/// Places in the picture, -1 to 1, and whether near and far hold them: of the corners, and of their
+/// shadows on the floor.
 fn framed_corners(scene: &Scene) -> Vec<Vec3> {
     let clip_from_world = scene.cameras[0].space().clip_from_world();
     let Light::Directional { direction, .. } = scene.lights[0] else {

@@ -4,8 +4,8 @@ use super::{bare, on_circle};
 use umbrage_core::Mesh;
 use umbrage_core::glam::Vec3;
 
-/// Turns a profile of (radius, height) about the y axis. It runs from bottom to top; its two ends count as on the axis,
-/// so that the solid is closed. `2 * segments * (points - 2)` triangles.
+/// Turns a profile of (radius, height) about the y axis. It runs from bottom to top; its two ends
+/// count as on the axis, so that the solid is closed. `2 * segments * (points - 2)` triangles.
 pub(crate) fn lathe(profile: &[(f32, f32)], segments: u32) -> Mesh {
     let rings = &profile[1..profile.len() - 1];
     let mut positions = Vec::with_capacity(rings.len() * segments as usize + 2);
@@ -34,8 +34,9 @@ pub(crate) fn pillar(radius: f32, height: f32, segments: u32) -> Mesh {
     )
 }
 
-/// Triangles between `rings` rings of `segments` vertices, each counter-clockwise seen against the direction in which
-/// they follow each other, closed by two last vertices: one before the first ring, one after the last.
+/// Triangles between `rings` rings of `segments` vertices, each counter-clockwise seen against the
+/// direction in which they follow each other, closed by two last vertices: one before the first
+/// ring, one after the last.
 pub(super) fn capped_rings(rings: u32, segments: u32) -> Vec<[u32; 3]> {
     let next = |i: u32| (i + 1) % segments;
     let first = rings * segments;

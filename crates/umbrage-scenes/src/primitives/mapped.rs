@@ -7,9 +7,9 @@ use umbrage_core::glam::{DVec3, Vec2};
 /// Nearer to the axis than this, parts of the radius, a vertex is a pole and has no longitude.
 const POLE: f64 = 1e-9;
 
-/// A mesh around the origin with longitude and latitude as texture coordinates: u grows to the right seen from outside,
-/// from -z through -x, v from the top. Vertices are doubled where longitudes part and at the poles; triangles across
-/// the seam reach beyond u = 1.
+/// A mesh around the origin with longitude and latitude as texture coordinates: u grows to the
+/// right seen from outside, from -z through -x, v from the top. Vertices are doubled where
+/// longitudes part and at the poles; triangles across the seam reach beyond u = 1.
 pub(crate) fn mapped(mesh: &Mesh) -> Mesh {
     let mut out = Mesh {
         name: mesh.name.clone(),

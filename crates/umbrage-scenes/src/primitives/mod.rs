@@ -1,4 +1,5 @@
-//! Shapes that built-in scenes are made of: closed unless they say otherwise, counter-clockwise seen from outside.
+//! Shapes that built-in scenes are made of: closed unless they say otherwise, counter-clockwise
+//! seen from outside.
 
 mod lathe;
 mod mapped;
@@ -32,8 +33,8 @@ fn bare(name: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     }
 }
 
-/// The point at `turn` (of a full turn) on the unit circle, from +x towards +y. In `f64`, so that every platform's
-/// library rounds to the same `f32`.
+/// The point at `turn` (of a full turn) on the unit circle, from +x towards +y. In `f64`, so that
+/// every platform's library rounds to the same `f32`.
 pub(crate) fn on_circle(turn: f64) -> (f32, f32) {
     let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
     (cos as f32, sin as f32)

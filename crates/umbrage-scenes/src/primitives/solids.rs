@@ -4,8 +4,8 @@ use super::bare;
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Vec2, Vec3};
 
-/// A flat rectangle at height 0 that faces up, open at its rim: `half` in x and z, `cells` quads along each. Its texture
-/// spans it once, u along x and v along z.
+/// A flat rectangle at height 0 that faces up, open at its rim: `half` in x and z, `cells` quads
+/// along each. Its texture spans it once, u along x and v along z.
 pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) -> f32) -> Mesh {
     grid_with(half, cells, &height)
 }
@@ -40,8 +40,8 @@ fn grid_with(half: [f32; 2], cells: [u32; 2], height: &dyn Fn(f32, f32) -> f32) 
     }
 }
 
-/// One quad from its corners in order, open; it faces where they run counter-clockwise. The first is its texture's
-/// bottom left.
+/// One quad from its corners in order, open; it faces where they run counter-clockwise. The first
+/// is its texture's bottom left.
 pub(crate) fn quad(corners: [Vec3; 4]) -> Mesh {
     let uvs = [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO].to_vec();
     Mesh {
@@ -70,7 +70,8 @@ pub(crate) fn room(min: Vec3, max: Vec3) -> Mesh {
     mesh
 }
 
-/// Six closed slabs, `wall` thick, around an empty box: floor, ceiling, then the walls at -x, +x, -z, +z.
+/// Six closed slabs, `wall` thick, around an empty box: floor, ceiling, then the walls at -x, +x,
+/// -z, +z.
 pub(crate) fn slabs_around(min: Vec3, max: Vec3, wall: f32) -> [Mesh; 6] {
     let low = min - wall;
     let high = max + wall;
@@ -86,8 +87,8 @@ pub(crate) fn slabs_around(min: Vec3, max: Vec3, wall: f32) -> [Mesh; 6] {
     .map(|(min, max)| block(min, max))
 }
 
-/// Where a box's corner (0 or 1 along each axis) lies in the texture of the side that faces along `normal`: upright on
-/// walls, and as from above, -z on top, on the floor.
+/// Where a box's corner (0 or 1 along each axis) lies in the texture of the side that faces along
+/// `normal`: upright on walls, and as from above, -z on top, on the floor.
 fn side_uv(corner: Vec3, normal: Vec3) -> Vec2 {
     let up = if normal.y == 0.0 {
         Vec3::Y

@@ -9,8 +9,8 @@ pub(crate) fn icosphere(center: impl Into<Vec3>, radius: f32, splits: u32) -> Me
     sphere(center.into(), radius, splits, icosahedron())
 }
 
-/// A sphere of `8 * 4^splits` triangles, from an octahedron: less equal ones, but the poles are vertices and every
-/// quarter turn a meridian is made of edges, where a texture can begin and end.
+/// A sphere of `8 * 4^splits` triangles, from an octahedron: less equal ones, but the poles are
+/// vertices and every quarter turn a meridian is made of edges, where a texture can begin and end.
 pub(crate) fn octasphere(radius: f32, splits: u32) -> Mesh {
     let directions = [
         DVec3::Y,

@@ -4,8 +4,9 @@ use super::on_circle;
 use umbrage_core::Mesh;
 use umbrage_core::glam::{Vec2, Vec3};
 
-/// A ring around the y axis: `major` to the middle of its tube, `minor` the tube's radius, `segments` around the axis
-/// and around the tube. u runs around the axis and v around the tube, once each; the seams' vertices are double.
+/// A ring around the y axis: `major` to the middle of its tube, `minor` the tube's radius,
+/// `segments` around the axis and around the tube. u runs around the axis and v around the tube,
+/// once each; the seams' vertices are double.
 pub(crate) fn torus(major: f32, minor: f32, segments: [u32; 2]) -> Mesh {
     let [around, across] = segments;
     let mut mesh = Mesh {

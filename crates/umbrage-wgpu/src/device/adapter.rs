@@ -3,8 +3,8 @@
 use umbrage_core::BackendError;
 use wgpu::{Adapter, Backends, DeviceType, Instance, InstanceDescriptor, PowerPreference};
 
-/// Which graphics adapter to use. The default takes the most powerful hardware, or a software driver if there is nothing
-/// else.
+/// Which graphics adapter to use. The default takes the most powerful hardware, or a software
+/// driver if there is nothing else.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterChoice {
     /// Part of the adapter's name, in any case: `nvidia`, `llvmpipe`.
@@ -13,7 +13,8 @@ pub struct AdapterChoice {
     pub power: PowerPreference,
     /// Whether software drivers (lavapipe, SwiftShader, WARP) will do.
     pub software: Software,
-    /// Graphics APIs. OpenGL is left out unless named: many of its drivers cannot draw into float images.
+    /// Graphics APIs. OpenGL is left out unless named: many of its drivers cannot draw into float
+    /// images.
     pub backends: Backends,
 }
 
@@ -41,8 +42,9 @@ impl Default for AdapterChoice {
 }
 
 impl AdapterChoice {
-    /// Returns the default, changed by the environment variables that wgpu programs share: `WGPU_ADAPTER_NAME`,
-    /// `WGPU_POWER_PREF` (`low`, `high`) and `WGPU_BACKEND` (`vulkan`, `gl`, ..).
+    /// Returns the default, changed by the environment variables that wgpu programs share:
+    /// `WGPU_ADAPTER_NAME`, `WGPU_POWER_PREF` (`low`, `high`) and `WGPU_BACKEND` (`vulkan`, `gl`,
+    /// ..).
     pub fn from_env() -> Self {
         let default = Self::default();
         let name = std::env::var("WGPU_ADAPTER_NAME").unwrap_or_default();
@@ -81,7 +83,8 @@ impl AdapterChoice {
         is_named && is_of_kind
     }
 
-    /// Returns a key by which better adapters come first: the kind of hardware, then whether the API is OpenGL.
+    /// Returns a key by which better adapters come first: the kind of hardware, then whether the
+    /// API is OpenGL.
     fn rank(&self, info: &wgpu::AdapterInfo) -> (u8, bool) {
         let saves_power = self.power == PowerPreference::LowPower;
         let kind = match info.device_type {

@@ -1,5 +1,6 @@
-//! Converts between images and plain floats by drawing, where copies of memory won't do: drivers differ in how they turn whole
-//! steps into floats, and what is read back must be what shaders load; and nothing can be copied to depth of 32 bits.
+//! Converts between images and plain floats by drawing, where copies of memory won't do: drivers
+//! differ in how they turn whole steps into floats, and what is read back must be what shaders
+//! load; and nothing can be copied to depth of 32 bits.
 
 use crate::{
     filter::color_attachment,
@@ -42,8 +43,8 @@ struct Layer {
 }
 
 impl Converter {
-    /// Records the passes that make images readable by copies of memory, and returns what to copy: the images themselves, or
-    /// floats in their place.
+    /// Records the passes that make images readable by copies of memory, and returns what to copy:
+    /// the images themselves, or floats in their place.
     pub(crate) fn read(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -61,7 +62,8 @@ impl Converter {
         readable
     }
 
-    /// Writes `contents` into the images: into depth by passes that it records, into others at once.
+    /// Writes `contents` into the images: into depth by passes that it records, into others at
+    /// once.
     #[cfg(feature = "testing")]
     pub(crate) fn write(
         &mut self,
@@ -90,7 +92,8 @@ impl Converter {
         self.convert(factory, encoder, &layers);
     }
 
-    /// Makes an image of floats for each image to whose format `float_format` gives one. Returns the indices of those images.
+    /// Makes an image of floats for each image to whose format `float_format` gives one. Returns
+    /// the indices of those images.
     fn fit_floats(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -156,7 +159,8 @@ impl Layer {
     }
 }
 
-/// Returns the format of the floats through which images of this format are read back; `None` where copies of memory do.
+/// Returns the format of the floats through which images of this format are read back; `None` where
+/// copies of memory do.
 fn readable_format(format: Format) -> Option<Format> {
     match format {
         Format::Depth16 => Some(Format::R32),

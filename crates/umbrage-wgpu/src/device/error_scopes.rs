@@ -46,7 +46,8 @@ impl Scopes {
         }
     }
 
-    /// The worst error since the scopes were opened: without memory, validation errors are only what follows from it.
+    /// The worst error since the scopes were opened: without memory, validation errors are only
+    /// what follows from it.
     pub(crate) fn close(self) -> Result<(), BackendError> {
         // On native devices, these futures are ready at once.
         let validation = pollster::block_on(self.validation.pop());
@@ -68,7 +69,8 @@ fn worst(
         .map_or(Ok(()), |e| Err(backend_error(&e)))
 }
 
-/// What closed scopes caught, once it is known. Browsers know one thread alone, to which their futures are bound.
+/// What closed scopes caught, once it is known. Browsers know one thread alone, to which their
+/// futures are bound.
 #[cfg(not(target_arch = "wasm32"))]
 type Caught = dyn Future<Output = Result<(), BackendError>> + Send;
 #[cfg(target_arch = "wasm32")]
@@ -87,7 +89,8 @@ impl std::fmt::Debug for ClosedScopes {
 }
 
 impl ClosedScopes {
-    /// Returns what the scopes caught, or `None` while that isn't known. Not to be called again once it is.
+    /// Returns what the scopes caught, or `None` while that isn't known. Not to be called again
+    /// once it is.
     pub(crate) fn poll(&mut self) -> Option<Result<(), BackendError>> {
         let mut context = Context::from_waker(Waker::noop());
         let pending = self

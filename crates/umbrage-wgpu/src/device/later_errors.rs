@@ -3,11 +3,13 @@
 use crate::device::error_scopes::{ClosedScopes, Scopes};
 use umbrage_core::BackendError;
 
-/// When errors of the graphics API are reported: memory that runs out, a kernel's WGSL that the compiler refuses.
+/// When errors of the graphics API are reported: memory that runs out, a kernel's WGSL that the
+/// compiler refuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ApiErrors {
-    /// By the call that made the error: it waits for the device's answer, which on all systems but browsers is there at once. In
-    /// browsers that answer can't arrive while a call waits for it, and [`Later`](Self::Later) is meant.
+    /// By the call that made the error: it waits for the device's answer, which on all systems but
+    /// browsers is there at once. In browsers that answer can't arrive while a call waits for it,
+    /// and [`Later`](Self::Later) is meant.
     AtOnce,
     /// By `take_error`, in the same frame or one of the next.
     Later,

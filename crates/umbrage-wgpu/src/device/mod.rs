@@ -1,4 +1,5 @@
-//! The device: which adapter, what it can do, how it rounds, what it objects to, and what comes back from it.
+//! The device: which adapter, what it can do, how it rounds, what it objects to, and what comes
+//! back from it.
 
 pub(crate) mod adapter;
 pub(crate) mod convert;

@@ -1,8 +1,9 @@
 //! Finds out how a device's rasteriser rounds vertices: no graphics API says all of it.
 //!
-//! One small image is drawn (`probe.wgsl`) and read back. It holds 64 triangles whose right edges start at 64 places over an
-//! eighth of a pixel, between two points that belong to every grid. The row in which an edge crosses its column of pixel centres
-//! shows where its upper end was moved to, to a thousandth of a pixel; the number of different places shows the grid's step.
+//! One small image is drawn (`probe.wgsl`) and read back. It holds 64 triangles whose right edges
+//! start at 64 places over an eighth of a pixel, between two points that belong to every grid. The
+//! row in which an edge crosses its column of pixel centres shows where its upper end was moved to,
+//! to a thousandth of a pixel; the number of different places shows the grid's step.
 
 use crate::{
     device::{
@@ -22,7 +23,8 @@ const STRIP: usize = 4;
 /// The image's height.
 const ROWS: usize = 512;
 
-/// Draws triangles on a device and returns how its rasteriser rounded their vertices. Takes some milliseconds.
+/// Draws triangles on a device and returns how its rasteriser rounded their vertices. Takes some
+/// milliseconds.
 ///
 /// # Errors
 /// Errors if the device fails.
@@ -54,8 +56,8 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
     })
 }
 
-/// Returns the rounding of vertices and planes that the image shows. An image that no known rounding draws counts as the
-/// coarsest device's.
+/// Returns the rounding of vertices and planes that the image shows. An image that no known
+/// rounding draws counts as the coarsest device's.
 fn snapping_of_image(depths: &[f32]) -> Snapping {
     let rows: Vec<usize> = (0..STRIPS)
         .map(|strip| rows_right_of_centers(depths, strip))
@@ -66,8 +68,8 @@ fn snapping_of_image(depths: &[f32]) -> Snapping {
     let mut distinct = rows.clone();
     distinct.sort_unstable();
     distinct.dedup();
-    // An eighth of a pixel is 2^(bits - 3) steps. Rounding to nearest reaches the points at both ends, which is one more
-    // place than there are steps; rounding down doesn't.
+    // An eighth of a pixel is 2^(bits - 3) steps. Rounding to nearest reaches the points at both
+    // ends, which is one more place than there are steps; rounding down doesn't.
     let bits = distinct.len().ilog2() + 3;
     let unsnapped = Snapping {
         sub_pixel_bits: bits.clamp(*Snapping::BITS.start(), *Snapping::BITS.end()),
@@ -99,23 +101,24 @@ fn edge_start(strip: usize) -> f64 {
     (strip as f64 + 0.5) / 512.0
 }
 
-/// Returns in how many rows, the last ones of the image, a triangle's right edge lies right of its column of pixel centres; 0 if
-/// it covers no pixel there.
+/// Returns in how many rows, the last ones of the image, a triangle's right edge lies right of its
+/// column of pixel centres; 0 if it covers no pixel there.
 fn rows_right_of_centers(depths: &[f32], strip: usize) -> usize {
     let column = strip * STRIP + 3;
     let first = (0..ROWS).find(|row| depths[row * STRIPS * STRIP + column] > 0.0);
     ROWS - first.unwrap_or(ROWS)
 }
 
-/// Returns where an edge starts, pixels right of the grid's point, that lies right of its column's centres in this many rows.
-/// The point lies a quarter pixel left of the centres and the edge's lower end an eighth right of them: by similar triangles,
-/// `rows : ROWS = 1/8 : 3/8 - start`.
+/// Returns where an edge starts, pixels right of the grid's point, that lies right of its column's
+/// centres in this many rows. The point lies a quarter pixel left of the centres and the edge's
+/// lower end an eighth right of them: by similar triangles, `rows : ROWS = 1/8 : 3/8 - start`.
 fn upper_end(rows: usize) -> f64 {
     0.375 - 0.125 * ROWS as f64 / rows as f64
 }
 
-/// Returns the depth of a triangle's plane at the first row's pixel left of the column, where the triangle's right edge starts
-/// `start` pixels right of the grid's point. Places are relative to the column's centres and the image's upper edge.
+/// Returns the depth of a triangle's plane at the first row's pixel left of the column, where the
+/// triangle's right edge starts `start` pixels right of the grid's point. Places are relative to
+/// the column's centres and the image's upper edge.
 fn depth_beside(start: f64) -> f64 {
     // Upper and lower end of the right edge, which share a depth, and the corner on the left.
     let upper = DVec2::new(start - 0.25, 0.0);
@@ -138,7 +141,8 @@ fn twice_area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 mod tests {
     use super::*;
 
-    /// Returns the image of a device that rounds the upper ends of edges with `edge`, and those of depth planes with `plane`.
+    /// Returns the image of a device that rounds the upper ends of edges with `edge`, and those of
+    /// depth planes with `plane`.
     fn image(edge: impl Fn(f64) -> f64, plane: impl Fn(f64) -> f64) -> Vec<f32> {
         let mut depths = vec![0.0; STRIPS * STRIP * ROWS];
         for strip in 0..STRIPS {

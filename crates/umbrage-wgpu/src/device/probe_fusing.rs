@@ -1,4 +1,5 @@
-//! Finds out whether a device rounds a product before it adds something to it: WGSL leaves that to drivers.
+//! Finds out whether a device rounds a product before it adds something to it: WGSL leaves that to
+//! drivers.
 
 use crate::{
     device::probe_image::{draw_and_read, record_draw},

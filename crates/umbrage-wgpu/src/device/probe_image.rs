@@ -12,7 +12,8 @@ use wgpu::{
     RenderPipeline, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
 };
 
-/// Draws an image and returns its texels, row by row. `record` records the pass that draws into the view.
+/// Draws an image and returns its texels, row by row. `record` records the pass that draws into the
+/// view.
 ///
 /// # Errors
 /// Errors if the device fails.

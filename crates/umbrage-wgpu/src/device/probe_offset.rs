@@ -1,6 +1,8 @@
-//! Finds out what a device takes for a unit of polygon offset in images of 16 bits: Vulkan leaves that open.
+//! Finds out what a device takes for a unit of polygon offset in images of 16 bits: Vulkan leaves
+//! that open.
 //!
-//! A triangle at a known depth is drawn into one texel with an offset of many units, and the texel is read back.
+//! A triangle at a known depth is drawn into one texel with an offset of many units, and the texel
+//! is read back.
 
 use crate::{
     device::probe_image::draw_and_read,

@@ -170,7 +170,8 @@ impl<'a> ReadBack<'a> {
 }
 
 impl Drop for ReadBack<'_> {
-    /// Only buffers whose mapping went well are fit to be used again; keeping those of one frame bounds the memory.
+    /// Only buffers whose mapping went well are fit to be used again; keeping those of one frame
+    /// bounds the memory.
     fn drop(&mut self) {
         self.spare.0.clear();
         for copy in self.copies.drain(..) {

@@ -4,9 +4,9 @@ use crate::resources::{counts::check_counting, images::texture_format};
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{Adapter, Device, DownlevelFlags, TextureFormat, TextureUsages};
 
-/// Checks whether an adapter can execute a recipe: draw into its float images, clamp a polygon offset, count into depth of
-/// 32 bits, and compare while sampling. Useful before [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only
-/// sees the device.
+/// Checks whether an adapter can execute a recipe: draw into its float images, clamp a polygon
+/// offset, count into depth of 32 bits, and compare while sampling. Useful before
+/// [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only sees the device.
 ///
 /// # Errors
 /// Errors with the first thing that is missing, and what to do about it.

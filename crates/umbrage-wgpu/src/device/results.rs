@@ -22,7 +22,8 @@ pub(crate) struct Tickets {
 }
 
 impl Tickets {
-    /// `kept` are the recipe's images as the [`Converter`](crate::device::convert::Converter) hands them out, or none.
+    /// `kept` are the recipe's images as the [`Converter`](crate::device::convert::Converter) hands
+    /// them out, or none.
     pub(crate) fn record(
         encoder: &mut CommandEncoder,
         back: &mut ReadBack<'_>,
@@ -117,7 +118,8 @@ impl ReceiverTickets {
         let mut out = Receivers::empty(size);
         for i in 0..out.len() {
             let [x, y, z, receives] = positions[i];
-            // `t` is where the pixel's ray meets the triangle's plane, in multiples of the ray's direction.
+            // `t` is where the pixel's ray meets the triangle's plane, in multiples of the ray's
+            // direction.
             let [nx, ny, nz, t] = normals[i];
             // As in `resolve`, a huge `t` says that the ray runs along the triangle's plane.
             if triangles[i] == NO_TRIANGLE || t.abs() >= 3.0e38 {

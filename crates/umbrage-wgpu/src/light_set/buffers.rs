@@ -13,15 +13,17 @@ pub(crate) const MAX_TABLES: usize = 5;
 pub(crate) const MAX_IMAGES_WITH_ALL_TABLES: usize = 1;
 /// Words of a light's entry: `ShadowLight` in light.wgsl.
 const ENTRY_WORDS: usize = 12;
-/// Most lights of a set, and with them most records of a kind: an index takes 12 bits of a light's entry.
+/// Most lights of a set, and with them most records of a kind: an index takes 12 bits of a light's
+/// entry.
 pub(crate) const MAX_LIGHTS: usize = 1 << 12;
-/// Most layers of a texture that lights can name: the first one's index takes 12 bits of a light's entry.
+/// Most layers of a texture that lights can name: the first one's index takes 12 bits of a light's
+/// entry.
 pub(crate) const MAX_NAMED_LAYERS: u32 = 1 << 12;
 /// Arrays in uniform buffers go in steps of so many bytes.
 const UNIFORM_STEP: u64 = 16;
 
-/// One light's part of the numbers of its kind, or one light's entry: equal parts of the numbers' buffer, each with a copy on this
-/// side.
+/// One light's part of the numbers of its kind, or one light's entry: equal parts of the numbers'
+/// buffer, each with a copy on this side.
 #[derive(Debug, Default)]
 pub(crate) struct Records {
     /// Bytes of a record.
@@ -140,7 +142,8 @@ pub(crate) enum NumberSpace {
     Storage,
 }
 
-/// What shaders read of the lights: their entries, then the uniforms of each kind of kernel. All of it is in one buffer.
+/// What shaders read of the lights: their entries, then the uniforms of each kind of kernel. All of
+/// it is in one buffer.
 #[derive(Debug)]
 pub(crate) struct LightNumbers {
     pub(crate) entries: Records,
@@ -176,7 +179,8 @@ impl LightNumbers {
         self.buffer = None;
     }
 
-    /// Sees to it that there is room for all records. Returns whether the layout changed, and with it what shaders declare.
+    /// Sees to it that there is room for all records. Returns whether the layout changed, and with
+    /// it what shaders declare.
     pub(crate) fn make_room(&mut self) -> bool {
         let has_room = |list: &Records| list.capacity > 0 && list.count() <= list.capacity;
         if self.lists().all(has_room) {
@@ -189,8 +193,8 @@ impl LightNumbers {
         } else {
             NumberSpace::Storage
         };
-        // Each list grows by the same factor, so that lights can be added for a while without that shaders change: to all that a
-        // uniform buffer holds, or to twice of what is needed.
+        // Each list grows by the same factor, so that lights can be added for a while without that
+        // shaders change: to all that a uniform buffer holds, or to twice of what is needed.
         let room = if fits {
             self.most_uniform_bytes
         } else {
@@ -400,8 +404,8 @@ impl SharedTables {
         self.moves
     }
 
-    /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_listed`, and moves them together. Returns whether
-    /// any moved: then all places are out of date.
+    /// Keeps only the tables for which `is_used`, and the regions of lights for which `is_listed`,
+    /// and moves them together. Returns whether any moved: then all places are out of date.
     pub(crate) fn retain(
         &mut self,
         is_used: impl Fn(&Arc<[[u32; 4]]>) -> bool,

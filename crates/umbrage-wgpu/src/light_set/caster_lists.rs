@@ -1,8 +1,9 @@
 //! Lists of casters that the device makes, for kernels that read them.
 //!
-//! All casters' corners, and each light's tables, are among the tables that the set's shaders read. Lists are made again when casters
-//! or their light's grid change. How many items they take the device alone knows: it counts first, and where there is no room it
-//! takes wider cells, so that the frame is right anyway; the count is read some frames later, without waiting, and makes room.
+//! All casters' corners, and each light's tables, are among the tables that the set's shaders read.
+//! Lists are made again when casters or their light's grid change. How many items they take the
+//! device alone knows: it counts first, and where there is no room it takes wider cells, so that
+//! the frame is right anyway; the count is read some frames later, without waiting, and makes room.
 
 use crate::{
     light_set::{
@@ -35,7 +36,8 @@ const ITEMS_A_CELL: u64 = 2;
 const TOUCHES_AT_LAMP: u64 = 2;
 /// Room over what was needed, as a fraction.
 const SPARE: u64 = 4;
-/// Groups of threads for large casters: across, each takes another caster; down, another part of its cells.
+/// Groups of threads for large casters: across, each takes another caster; down, another part of
+/// its cells.
 const LARGE_GROUPS: [u32; 2] = [1024, 4];
 /// Most casters: an id takes 29 bits of a touch.
 const MOST_CASTERS: u64 = 1 << 29;
@@ -216,7 +218,8 @@ impl CasterLists {
         }
     }
 
-    /// Sees to it that there is room for the lists of all lights that want them. Returns whether any place changed.
+    /// Sees to it that there is room for the lists of all lights that want them. Returns whether
+    /// any place changed.
     pub(crate) fn make_room(
         &mut self,
         device: &Device,
@@ -335,7 +338,8 @@ impl CasterLists {
         self.lights.values().filter(|lists| lists.is_stale).count() as u32
     }
 
-    /// Records the passes of all lists that are out of date. `stamps` gives the timestamps of a light's pass.
+    /// Records the passes of all lists that are out of date. `stamps` gives the timestamps of a
+    /// light's pass.
     pub(crate) fn encode<'q>(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -492,7 +496,8 @@ impl LightLists {
         }
     }
 
-    /// Returns the room for the lists of so many triangles: at least what there was, while they fit.
+    /// Returns the room for the lists of so many triangles: at least what there was, while they
+    /// fit.
     fn wanted_room(&mut self, made: &DeviceLists, triangles: u32, limits: ItemLimits) -> Room {
         if let Some(needed) = self.read.take(Listing::read) {
             self.needed = Some(needed);

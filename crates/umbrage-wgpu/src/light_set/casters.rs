@@ -1,7 +1,7 @@
 //! The casters of a light set: meshes in the caller's buffers, placed into the world.
 //!
-//! Culling and drawing read plain arrays, one entry a slot. The casters of a mesh have consecutive slots, so that
-//! neighbours are drawn by one instanced draw.
+//! Culling and drawing read plain arrays, one entry a slot. The casters of a mesh have consecutive
+//! slots, so that neighbours are drawn by one instanced draw.
 
 use crate::{
     frame::{BufferedTriangles, Indices, VertexLayout},
@@ -24,7 +24,8 @@ new_key_type! {
 
 /// Slots that a mesh gets with its first caster.
 const FIRST_SLOTS: u32 = 4;
-/// Unchanged instances between changed ones that are written along: a write of its own takes about as long as 12 kB more of another.
+/// Unchanged instances between changed ones that are written along: a write of its own takes about
+/// as long as 12 kB more of another.
 const GREATEST_GAP: u32 = 256;
 /// Casts read instances as vertices, and the passes that list casters read them as a table.
 const INSTANCES: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::STORAGE);
@@ -36,7 +37,8 @@ const REST: u64 = 30;
 pub struct CasterMesh<'a> {
     /// Names the mesh in errors.
     pub label: &'a str,
-    /// Vertices, usage `VERTEX`; for lists that the device makes `STORAGE`, too, as the indices. The set keeps the buffer alive as long as the mesh is there.
+    /// Vertices, usage `VERTEX`; for lists that the device makes `STORAGE`, too, as the indices.
+    /// The set keeps the buffer alive as long as the mesh is there.
     pub vertices: &'a Buffer,
     /// Where positions are in it.
     pub layout: VertexLayout,
@@ -46,8 +48,8 @@ pub struct CasterMesh<'a> {
     pub range: Range<u32>,
     /// Added to each index.
     pub base_vertex: i32,
-    /// Box around the positions, as they are in the buffer. Casters outside a map are not drawn into it, so a box that is too
-    /// small loses shadows.
+    /// Box around the positions, as they are in the buffer. Casters outside a map are not drawn
+    /// into it, so a box that is too small loses shadows.
     pub bounds: Aabb,
 }
 
@@ -61,7 +63,8 @@ pub(crate) struct MeshDraw {
     pub(crate) range: Range<u32>,
     pub(crate) base_vertex: i32,
     bounds: Aabb,
-    /// The rule for its triangles' holes, if they have any. Shaders read such triangles from the lists of their geometry, in world space.
+    /// The rule for its triangles' holes, if they have any. Shaders read such triangles from the
+    /// lists of their geometry, in world space.
     pub(crate) holes: Option<HoleRule>,
 }
 
@@ -110,7 +113,8 @@ pub(crate) struct Casters {
     still_changed: Vec<Aabb>,
     /// Slots whose columns changed.
     written: Vec<u32>,
-    /// Whether meshes came or went, or slots were added, since changes were forgotten: then pipelines and buffers may have to be made.
+    /// Whether meshes came or went, or slots were added, since changes were forgotten: then
+    /// pipelines and buffers may have to be made.
     has_grown: bool,
     /// Whether casters were placed relative to another anchor since changes were forgotten.
     is_rebased: bool,
@@ -296,8 +300,8 @@ impl Casters {
         Ok(())
     }
 
-    /// Places a caster without a note of where something changed: everything is drawn again. It stays among those that move, or
-    /// among those that are still.
+    /// Places a caster without a note of where something changed: everything is drawn again. It
+    /// stays among those that move, or among those that are still.
     pub(crate) fn rebase(
         &mut self,
         id: CasterId,
@@ -512,7 +516,8 @@ impl MeshSlots {
 fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, Invalid> {
     let within = |e: Invalid| e.within(format!("caster of mesh `{}`", mesh.label));
     invalid::finite("world from local", &world_from_local.to_cols_array()).map_err(within)?;
-    // Arvo 1990, "Transforming axis-aligned bounding boxes": the half extents go through the matrix's absolute values.
+    // Arvo 1990, "Transforming axis-aligned bounding boxes": the half extents go through the
+    // matrix's absolute values.
     let centre = world_from_local.transform_point3(mesh.bounds.center());
     let half = mesh.bounds.extent() * 0.5;
     let matrix = world_from_local.matrix3;

@@ -1,4 +1,5 @@
-//! The corners of all casters, placed into the world by the device: what lists of casters are made of.
+//! The corners of all casters, placed into the world by the device: what lists of casters are made
+//! of.
 
 use crate::{
     frame::PositionFormat,

@@ -4,8 +4,9 @@ use glam::{Mat4, Vec3, Vec4};
 use std::ops::Range;
 use umbrage_core::{Aabb, Simd, SimdTask};
 
-/// Relative bound of what is rounded where a box is compared with a plane. Each product and sum of the comparison and of the box itself
-/// has a relative error of 2^-24, and there are fewer than sixteen of them: this is 2^-18.
+/// Relative bound of what is rounded where a box is compared with a plane. Each product and sum of
+/// the comparison and of the box itself has a relative error of 2^-24, and there are fewer than
+/// sixteen of them: this is 2^-18.
 const ROUNDING: f32 = 1.0 / 262_144.0;
 /// Half extent of boxes that hold nothing: they are outside of every plane.
 const NOTHING: f32 = -1e30;
@@ -154,7 +155,8 @@ impl Volume {
         let [x, y, z, w] = [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis];
         // Rasterisers move corners by less than a texel; the map spans two units of clip space.
         let wide = w * (1.0 + 2.0 / size.max(1) as f32);
-        // As in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the world-view-projection matrix".
+        // As in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the
+        // world-view-projection matrix".
         Self {
             planes: [wide + x, wide - x, wide + y, wide - y, z, w - z],
         }

@@ -13,7 +13,8 @@ use umbrage_core::BackendError;
 use wgpu::{CommandEncoder, RenderPass, TextureView};
 
 impl LightSet {
-    /// Records the passes that draw what [`prepare`](Self::prepare) found to be drawn; none if nothing changed.
+    /// Records the passes that draw what [`prepare`](Self::prepare) found to be drawn; none if
+    /// nothing changed.
     ///
     /// # Errors
     /// Errors if [`prepare`](Self::prepare) has not succeeded before.
@@ -21,10 +22,12 @@ impl LightSet {
         self.encode_with(encoder, |_, _| ())
     }
 
-    /// Records the passes as [`encode`](Self::encode) does, and calls `own_draws` at the end of each one that draws casters, for what
-    /// the caller draws itself (skinned meshes): pipelines with the target's
-    /// [`primitive`](CastTarget::primitive) and [`depth_stencil`](CastTarget::depth_stencil) and a vertex shader that ends in
-    /// `clip_from_world * p_world`. Layers are not drawn again for what changes there: see [`touch`](Self::touch).
+    /// Records the passes as [`encode`](Self::encode) does, and calls `own_draws` at the end of
+    /// each one that draws casters, for what the caller draws itself (skinned meshes): pipelines
+    /// with the target's [`primitive`](CastTarget::primitive) and
+    /// [`depth_stencil`](CastTarget::depth_stencil) and a vertex shader that ends in
+    /// `clip_from_world * p_world`. Layers are not drawn again for what changes there: see
+    /// [`touch`](Self::touch).
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -36,8 +39,8 @@ impl LightSet {
         self.encode_passes(encoder, &mut own_draws, None)
     }
 
-    /// Records the passes as [`encode_with`](Self::encode_with) does, each between two timestamps. `passes` is filled with those that
-    /// are timed.
+    /// Records the passes as [`encode_with`](Self::encode_with) does, each between two timestamps.
+    /// `passes` is filled with those that are timed.
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -120,8 +123,9 @@ impl LightSet {
         Ok(())
     }
 
-    /// Records a pass for each light that [`prepare_masks`](Self::prepare_masks) was given, after those of
-    /// [`encode`](Self::encode). Returns the masks: a texture with a layer for each light, its visibility, 1 where nothing receives.
+    /// Records a pass for each light that [`prepare_masks`](Self::prepare_masks) was given, after
+    /// those of [`encode`](Self::encode). Returns the masks: a texture with a layer for each light,
+    /// its visibility, 1 where nothing receives.
     ///
     /// # Errors
     /// Errors if [`prepare_masks`](Self::prepare_masks) has not succeeded before.
@@ -131,8 +135,8 @@ impl LightSet {
             .ok_or_else(masks::unprepared)
     }
 
-    /// Records the passes as [`encode_masks`](Self::encode_masks) does, each between two timestamps. `passes` is filled with those that
-    /// are timed.
+    /// Records the passes as [`encode_masks`](Self::encode_masks) does, each between two
+    /// timestamps. `passes` is filled with those that are timed.
     ///
     /// # Errors
     /// Errors if [`encode_masks`](Self::encode_masks) does.

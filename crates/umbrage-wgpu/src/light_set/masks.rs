@@ -48,7 +48,8 @@ pub enum SetReceivers<'a> {
     Depth {
         /// The depth buffer, and its camera.
         depth: DepthBuffer<'a>,
-        /// Normals; none to compute them from neighbouring pixels, which is rough where a surface is only a pixel wide.
+        /// Normals; none to compute them from neighbouring pixels, which is rough where a surface
+        /// is only a pixel wide.
         normals: Option<SetNormals<'a>>,
     },
 }
@@ -69,8 +70,8 @@ pub enum NormalCoding {
     Components,
     /// x, y and z, each as half of it plus .5, in 0..=1.
     Halved,
-    /// Octahedral coordinates, two components in -1..=1: Meyer, Suessmuth, Sussner, Stamminger and Greiner 2010, "On floating-point
-    /// normal vectors".
+    /// Octahedral coordinates, two components in -1..=1: Meyer, Suessmuth, Sussner, Stamminger and
+    /// Greiner 2010, "On floating-point normal vectors".
     Octahedral,
     /// Octahedral coordinates, each as half of it plus .5, in 0..=1.
     OctahedralHalved,
@@ -199,7 +200,8 @@ impl MaskStage {
                 .is_some_and(|seen| seen.are(&inputs.receivers))
     }
 
-    /// Makes what is missing, and writes the camera. `lights` are the lights with their indices in shaders, none where they are not served.
+    /// Makes what is missing, and writes the camera. `lights` are the lights with their indices in
+    /// shaders, none where they are not served.
     pub(crate) fn prepare(
         &mut self,
         factory: &mut ResourceFactory<'_>,

@@ -50,11 +50,13 @@ use std::sync::Arc;
 use umbrage_core::{Aabb, BackendError, BackendLimits, Camera, Invalid, Light, ShadowTechnique};
 use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 
-/// The shadows of any number of lights, each by a technique of its own: one [`prepare`](Self::prepare), one
-/// [`encode`](Self::encode), one bind group and one WGSL text for all of them.
+/// The shadows of any number of lights, each by a technique of its own: one
+/// [`prepare`](Self::prepare), one [`encode`](Self::encode), one bind group and one WGSL text for
+/// all of them.
 ///
-/// The set keeps casters and lights from frame to frame, and draws only what changed: a layer is drawn again when its light
-/// moved, or when a caster that may show in it did. In a frame in which nothing changed, nothing is drawn or written.
+/// The set keeps casters and lights from frame to frame, and draws only what changed: a layer is
+/// drawn again when its light moved, or when a caster that may show in it did. In a frame in which
+/// nothing changed, nothing is drawn or written.
 ///
 /// ```no_run
 /// use std::sync::Arc;
@@ -87,9 +89,9 @@ use wgpu::{BindGroup, BindGroupLayout, Device, Features, Limits};
 /// ```
 ///
 /// # Order
-/// Prepare, encode, and submit the encoder (or drop it), then prepare the next frame. What `prepare` writes is in place from
-/// the next submission on. An encoder that is dropped without being submitted is found out: what it would have drawn is drawn
-/// with the next frame.
+/// Prepare, encode, and submit the encoder (or drop it), then prepare the next frame. What
+/// `prepare` writes is in place from the next submission on. An encoder that is dropped without
+/// being submitted is found out: what it would have drawn is drawn with the next frame.
 #[derive(Debug)]
 pub struct LightSet {
     device: Device,
@@ -140,11 +142,12 @@ struct PlannedFor {
 
 impl LightSet {
     /// The features that a set requires: none. Where the device has `TIMESTAMP_QUERY` and
-    /// `TIMESTAMP_QUERY_INSIDE_ENCODERS`, [`StillLayers::Auto`] goes by what copies and draws take there.
+    /// `TIMESTAMP_QUERY_INSIDE_ENCODERS`, [`StillLayers::Auto`] goes by what copies and draws take
+    /// there.
     pub const REQUIRED_FEATURES: Features = Features::empty();
 
-    /// The limits that a set requires: those of WebGL 2, and two storage buffers in fragment shaders. Larger maps and more
-    /// layers than these limits allow require more.
+    /// The limits that a set requires: those of WebGL 2, and two storage buffers in fragment
+    /// shaders. Larger maps and more layers than these limits allow require more.
     pub const REQUIRED_LIMITS: Limits = Limits {
         max_storage_buffers_per_shader_stage: 2,
         max_storage_buffer_binding_size: 1 << 27,
@@ -154,7 +157,8 @@ impl LightSet {
     /// Returns an empty set for this device.
     ///
     /// # Errors
-    /// Errors if the device has too few bind groups for [`LightSetOptions::group`], or if the prefix can't begin a WGSL identifier.
+    /// Errors if the device has too few bind groups for [`LightSetOptions::group`], or if the
+    /// prefix can't begin a WGSL identifier.
     pub fn new(device: &Device, options: LightSetOptions) -> Result<Self, BackendError> {
         let groups = device.limits().max_bind_groups;
         if options.group >= groups {
@@ -191,8 +195,8 @@ impl LightSet {
     /// Adds a mesh, which casts nothing yet.
     ///
     /// # Errors
-    /// Errors, with the mesh's label, if a buffer lacks a usage, if layout or range don't fit the buffers, or if the bounds are empty
-    /// or not finite.
+    /// Errors, with the mesh's label, if a buffer lacks a usage, if layout or range don't fit the
+    /// buffers, or if the bounds are empty or not finite.
     pub fn add_mesh(&mut self, mesh: &CasterMesh<'_>) -> Result<MeshId, Invalid> {
         self.casters.add_mesh(mesh, &self.device.limits())
     }
@@ -205,7 +209,8 @@ impl LightSet {
         self.casters.remove_mesh(mesh)
     }
 
-    /// Places a mesh into the world, as one more caster. Casters of one mesh are drawn as instances.
+    /// Places a mesh into the world, as one more caster. Casters of one mesh are drawn as
+    /// instances.
     ///
     /// # Errors
     /// Errors if there is no such mesh, or if the placement is not finite.
@@ -217,7 +222,8 @@ impl LightSet {
         self.casters.add(mesh, world_from_local)
     }
 
-    /// Moves a caster. Where it was and where it is, layers are drawn again; if it stays, nothing is.
+    /// Moves a caster. Where it was and where it is, layers are drawn again; if it stays, nothing
+    /// is.
     ///
     /// # Errors
     /// Errors if there is no such caster, or if the placement is not finite.
@@ -229,11 +235,13 @@ impl LightSet {
         self.casters.place(caster, world_from_local)
     }
 
-    /// Places a caster again because the [`Anchor`](umbrage_core::Anchor) changed, to which all placements are relative. Call it for every
-    /// caster in that frame, and [`set_light`](Self::set_light) for every light with a place.
+    /// Places a caster again because the [`Anchor`](umbrage_core::Anchor) changed, to which all
+    /// placements are relative. Call it for every caster in that frame, and
+    /// [`set_light`](Self::set_light) for every light with a place.
     ///
-    /// The next [`prepare`](Self::prepare) finds all layers to be drawn, whatever [`SetBudget::redraws`] says: those that waited would
-    /// show what is a kilometre away. Unlike after [`move_caster`](Self::move_caster), casters that were still count as still.
+    /// The next [`prepare`](Self::prepare) finds all layers to be drawn, whatever
+    /// [`SetBudget::redraws`] says: those that waited would show what is a kilometre away. Unlike
+    /// after [`move_caster`](Self::move_caster), casters that were still count as still.
     ///
     /// # Errors
     /// Errors if [`move_caster`](Self::move_caster) does.
@@ -254,9 +262,11 @@ impl LightSet {
     }
 
     /// Sets the triangles with holes that cast in addition to the set's casters (world space). They
-    /// replace those before; none leaves the set without any. Maps leave their holes out by the rule of all backends.
+    /// replace those before; none leaves the set without any. Maps leave their holes out by the
+    /// rule of all backends.
     ///
-    /// The set's own meshes must not hold these triangles: they hold [`Geometry::casters_without_holes`](umbrage_core::Geometry::casters_without_holes).
+    /// The set's own meshes must not hold these triangles: they hold
+    /// [`Geometry::casters_without_holes`](umbrage_core::Geometry::casters_without_holes).
     /// Techniques that read triangles ([`SetFrame::geometry`]) find the holes in that geometry.
     ///
     /// # Errors
@@ -281,8 +291,9 @@ impl LightSet {
         Ok(())
     }
 
-    /// Says that something changed in a box (world space) that the set can't know of: vertices in a buffer, or what the caller
-    /// draws itself ([`encode_with`](Self::encode_with)). Call it with the box before and with the box after.
+    /// Says that something changed in a box (world space) that the set can't know of: vertices in a
+    /// buffer, or what the caller draws itself ([`encode_with`](Self::encode_with)). Call it with
+    /// the box before and with the box after.
     ///
     /// # Errors
     /// Errors if a number is not finite.
@@ -384,8 +395,9 @@ impl LightSet {
         &self.report
     }
 
-    /// Returns the box for which lights are planned: one around all casters whose sides lie on a coarse grid, so that it stays the
-    /// same while casters move a little, and with it maps that are fitted to it.
+    /// Returns the box for which lights are planned: one around all casters whose sides lie on a
+    /// coarse grid, so that it stays the same while casters move a little, and with it maps that
+    /// are fitted to it.
     pub fn casters_box(&self) -> Aabb {
         steady_box::around(&self.casters.bounds())
     }
@@ -395,10 +407,11 @@ impl LightSet {
         self.casters.count()
     }
 
-    /// Returns the WGSL to paste before your own shader: `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32`,
-    /// the visibility of a light, 0..=1, at a position (world space) with a unit normal; lights that are not served are lit. `pixel`
-    /// turns the patterns of kernels that vary from pixel to pixel. `shadow_on` takes a triangle's id besides, which kernels that
-    /// trace rays need.
+    /// Returns the WGSL to paste before your own shader: `fn shadow(light: u32, position: vec3f,
+    /// normal: vec3f, pixel: vec2u) -> f32`, the visibility of a light, 0..=1, at a position (world
+    /// space) with a unit normal; lights that are not served are lit. `pixel` turns the patterns of
+    /// kernels that vary from pixel to pixel. `shadow_on` takes a triangle's id besides, which
+    /// kernels that trace rays need.
     ///
     /// The text changes with the kinds of kernels and the sizes of maps that lights use, as
     /// [`wgsl_revision`](Self::wgsl_revision) shows.
@@ -406,14 +419,14 @@ impl LightSet {
         self.shader.prefixed_text()
     }
 
-    /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout change: then rebuild the pipelines that
-    /// contain the text.
+    /// Returns a number that grows whenever [`wgsl`](Self::wgsl) and the bind group's layout
+    /// change: then rebuild the pipelines that contain the text.
     pub fn wgsl_revision(&self) -> u64 {
         self.shader.revision()
     }
 
-    /// Returns what [`wgsl`](Self::wgsl) reads: set it at [`LightSetOptions::group`]. Get it in every frame, after
-    /// [`prepare`](Self::prepare).
+    /// Returns what [`wgsl`](Self::wgsl) reads: set it at [`LightSetOptions::group`]. Get it in
+    /// every frame, after [`prepare`](Self::prepare).
     ///
     /// # Errors
     /// Errors if [`encode`](Self::encode) does.
@@ -421,8 +434,9 @@ impl LightSet {
         self.shader.bind_group().ok_or_else(shader::unprepared)
     }
 
-    /// Returns an error of the graphics API that came since the last call, with [`ApiErrors::Later`](crate::ApiErrors::Later). After one, the
-    /// next frame makes all GPU objects again.
+    /// Returns an error of the graphics API that came since the last call, with
+    /// [`ApiErrors::Later`](crate::ApiErrors::Later). After one, the next frame makes all GPU
+    /// objects again.
     pub fn take_error(&mut self) -> Option<BackendError> {
         let error = self.errors.take()?;
         self.forget_objects();

@@ -8,10 +8,11 @@ use umbrage_core::{Aabb, Camera, Geometry, Light, RecipeError, ShadowTechnique, 
 /// What a set may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetBudget {
-    /// Most bytes of all lights' layers together. Lights that don't fit, those of the least priority, are not served.
+    /// Most bytes of all lights' layers together. Lights that don't fit, those of the least
+    /// priority, are not served.
     pub bytes: u64,
-    /// Most layers drawn in a frame, but always those of one light. The others keep what was drawn before, or wait: see
-    /// [`Unserved::Waiting`](crate::Unserved::Waiting).
+    /// Most layers drawn in a frame, but always those of one light. The others keep what was drawn
+    /// before, or wait: see [`Unserved::Waiting`](crate::Unserved::Waiting).
     pub redraws: u32,
 }
 
@@ -25,7 +26,8 @@ impl Default for SetBudget {
     }
 }
 
-/// Whether a layer in which something moves keeps what is still in a layer of its own, which is copied instead of drawn again.
+/// Whether a layer in which something moves keeps what is still in a layer of its own, which is
+/// copied instead of drawn again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StillLayers {
     /// Where drawing what is still would take longer than the copy.
@@ -40,7 +42,8 @@ pub enum StillLayers {
 /// Options that hold for all that a set does.
 #[derive(Clone, Debug, Default)]
 pub struct LightSetOptions {
-    /// Index of the bind group that [`LightSet::wgsl`](crate::LightSet::wgsl) declares: the only one that the set takes.
+    /// Index of the bind group that [`LightSet::wgsl`](crate::LightSet::wgsl) declares: the only
+    /// one that the set takes.
     pub group: u32,
     /// Stands before every name that [`LightSet::wgsl`](crate::LightSet::wgsl) declares.
     pub prefix: String,
@@ -57,8 +60,9 @@ pub struct LightSetOptions {
 pub struct SetFrame<'a> {
     /// The camera.
     pub camera: &'a Camera,
-    /// The casters' triangles, where the program has them: techniques that trace rays need them. Without them, techniques that read lists of
-    /// casters have the device list them ([`ShadowTechnique::device_recipe`](umbrage_core::ShadowTechnique::device_recipe)), from
+    /// The casters' triangles, where the program has them: techniques that trace rays need them.
+    /// Without them, techniques that read lists of casters have the device list them
+    /// ([`ShadowTechnique::device_recipe`](umbrage_core::ShadowTechnique::device_recipe)), from
     /// buffers that have usage `STORAGE`, too.
     pub geometry: Option<FrameGeometry<'a>>,
 }
@@ -96,10 +100,11 @@ new_key_type! {
 pub struct SetLight {
     /// The light.
     pub light: Light,
-    /// The technique, with its settings. Techniques that draw from the camera (planar, volumes) are refused.
+    /// The technique, with its settings. Techniques that draw from the camera (planar, volumes) are
+    /// refused.
     pub technique: Arc<dyn ShadowTechnique>,
-    /// 0 or more. Where not all lights can be served, or redrawn in one frame, those with greater numbers come first. Light that arrives times
-    /// pixels that it lights is a good measure.
+    /// 0 or more. Where not all lights can be served, or redrawn in one frame, those with greater
+    /// numbers come first. Light that arrives times pixels that it lights is a good measure.
     pub priority: f32,
 }
 
@@ -109,11 +114,12 @@ pub enum Unserved {
     /// Its technique can't serve it here.
     #[error(transparent)]
     Refused(RecipeError),
-    /// Lights of a higher priority take the bytes of [`SetBudget::bytes`](crate::SetBudget::bytes), or all layers that the device
-    /// allows in a texture.
+    /// Lights of a higher priority take the bytes of [`SetBudget::bytes`](crate::SetBudget::bytes),
+    /// or all layers that the device allows in a texture.
     #[error("lights of a higher priority take the bytes of the budget, or all layers of a texture")]
     OverBudget,
-    /// Its maps are drawn in one of the next frames: see [`SetBudget::redraws`](crate::SetBudget::redraws).
+    /// Its maps are drawn in one of the next frames: see
+    /// [`SetBudget::redraws`](crate::SetBudget::redraws).
     #[error("its maps are drawn in one of the next frames, as the budget of redraws says")]
     Waiting,
 }
@@ -127,7 +133,8 @@ pub struct SetReport {
     pub redrawn: u32,
     /// Lights whose lists of casters this frame makes.
     pub listed: u32,
-    /// Layers that wait for one of the next frames, as [`SetBudget::redraws`](crate::SetBudget::redraws) demands.
+    /// Layers that wait for one of the next frames, as
+    /// [`SetBudget::redraws`](crate::SetBudget::redraws) demands.
     pub waiting: u32,
     /// Bytes written to the GPU.
     pub uploaded: u64,

@@ -266,7 +266,8 @@ fn copy_still_layer(encoder: &mut CommandEncoder, still: &StillLayer, cast: &Lig
     encoder.copy_texture_to_texture(from, to, extent(cast.target.size, 1));
 }
 
-/// Returns whether a cast has a layer for the casters that are still. Makes one if it takes no more than the bytes that are left.
+/// Returns whether a cast has a layer for the casters that are still. Makes one if it takes no more
+/// than the bytes that are left.
 fn has_still_layer(
     factory: &mut ResourceFactory<'_>,
     cast: &mut LightCast,

@@ -42,9 +42,11 @@ pub(crate) enum Difference {
 }
 
 impl LightPlan {
-    /// Plans a light. Where the program has no geometry, the device makes the tables of techniques that list casters.
+    /// Plans a light. Where the program has no geometry, the device makes the tables of techniques
+    /// that list casters.
     ///
-    /// Errors if the technique can't serve the light, or with `Unsupported` if the set can't execute its recipe.
+    /// Errors if the technique can't serve the light, or with `Unsupported` if the set can't
+    /// execute its recipe.
     pub(crate) fn of(
         technique: &dyn ShadowTechnique,
         view: &View<'_>,
@@ -139,7 +141,8 @@ impl LightPlan {
     }
 }
 
-/// Errors unless all casts draw casters from the light: other sources belong to one camera's picture.
+/// Errors unless all casts draw casters from the light: other sources belong to one camera's
+/// picture.
 fn check_casts(recipe: &Recipe) -> Result<(), RecipeError> {
     for cast in &recipe.casts {
         let draws_casters = matches!(cast.source, Source::Casters | Source::SomeCasters(_));

@@ -1,4 +1,5 @@
-//! Where the lights' maps live: textures with many layers, one for each size and format. A light has some layers side by side.
+//! Where the lights' maps live: textures with many layers, one for each size and format. A light
+//! has some layers side by side.
 
 use crate::resources::{
     counters::ResourceFactory,
@@ -52,7 +53,8 @@ impl LayerClass {
 }
 
 impl LayerPool {
-    /// Takes as many layers as an image has, side by side; `None` if a texture of this class would need more than `most`.
+    /// Takes as many layers as an image has, side by side; `None` if a texture of this class would
+    /// need more than `most`.
     pub(crate) fn take(&mut self, image: &ImageDesc, most: u32) -> Option<LayerRange> {
         let class = LayerClass::of(image);
         let known = self.classes.iter().position(|c| c.class == class);
@@ -150,7 +152,8 @@ impl LayerPool {
 }
 
 impl ClassTexture {
-    /// Returns the first layer of the first gap of `count` layers, and where its range belongs among those in use.
+    /// Returns the first layer of the first gap of `count` layers, and where its range belongs
+    /// among those in use.
     fn first_gap(&self, count: u32) -> (usize, u32) {
         let mut start = 0;
         for (place, used) in self.used.iter().enumerate() {

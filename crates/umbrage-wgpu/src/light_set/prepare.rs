@@ -23,13 +23,13 @@ use umbrage_core::{BackendError, Light, RecipeError, ShadowTechnique};
 use wgpu::{Device, Queue};
 
 impl LightSet {
-    /// Checks whether the set can serve a light with a technique. It makes nothing on the device, so it suits lists in which a user
-    /// picks one. Some techniques go through all triangles of the frame to make their recipe: call it between frames, or about a small
-    /// scene.
+    /// Checks whether the set can serve a light with a technique. It makes nothing on the device,
+    /// so it suits lists in which a user picks one. Some techniques go through all triangles of the
+    /// frame to make their recipe: call it between frames, or about a small scene.
     ///
     /// # Errors
-    /// Errors with the reason that [`Unserved::Refused`](crate::Unserved::Refused) would have. Whatever depends on the other lights, such
-    /// as budgets, is left out.
+    /// Errors with the reason that [`Unserved::Refused`](crate::Unserved::Refused) would have.
+    /// Whatever depends on the other lights, such as budgets, is left out.
     pub fn check(
         &self,
         light: &Light,
@@ -47,12 +47,13 @@ impl LightSet {
         Ok(())
     }
 
-    /// Plans the lights that changed, finds the layers that must be drawn, and writes what they need.
+    /// Plans the lights that changed, finds the layers that must be drawn, and writes what they
+    /// need.
     ///
     /// # Errors
-    /// Errors if the camera can't be used or the device is another than the set's; with [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce)
-    /// also if memory runs out, or a kernel's WGSL is invalid (with the compiler's message). After an error all GPU objects are made
-    /// again.
+    /// Errors if the camera can't be used or the device is another than the set's; with
+    /// [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also if memory runs out, or a kernel's WGSL
+    /// is invalid (with the compiler's message). After an error all GPU objects are made again.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -81,12 +82,13 @@ impl LightSet {
         Ok(&self.report)
     }
 
-    /// Makes what [`encode_masks`](Self::encode_masks) needs, for renderers that shade from a G-buffer. Call it after
-    /// [`prepare`](Self::prepare).
+    /// Makes what [`encode_masks`](Self::encode_masks) needs, for renderers that shade from a
+    /// G-buffer. Call it after [`prepare`](Self::prepare).
     ///
     /// # Errors
-    /// Errors if nothing is prepared, if there is no such light, or if textures can't be used: with what to change. As
-    /// [`prepare`](Self::prepare), with [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also with errors of the graphics API.
+    /// Errors if nothing is prepared, if there is no such light, or if textures can't be used: with
+    /// what to change. As [`prepare`](Self::prepare), with
+    /// [`ApiErrors::AtOnce`](crate::ApiErrors::AtOnce) also with errors of the graphics API.
     pub fn prepare_masks(
         &mut self,
         queue: &Queue,

@@ -1,13 +1,15 @@
-//! What drawing a triangle and copying a texel take on this device, measured by timestamps where it has them.
+//! What drawing a triangle and copying a texel take on this device, measured by timestamps where it
+//! has them.
 //!
-//! Results come a few frames after they were measured, without waiting: they only decide what is drawn and what is copied,
-//! and both give the same bits.
+//! Results come a few frames after they were measured, without waiting: they only decide what is
+//! drawn and what is copied, and both give the same bits.
 
 use crate::resources::{late_read::LateRead, query_pairs::QueryPairs};
 use wgpu::{CommandEncoder, Device, Features, Queue, RenderPassTimestampWrites};
 
-/// Texels that are copied in the time in which a triangle is drawn, on devices without timestamps. An estimate: a copy reads and writes
-/// four bytes a texel, and a small triangle takes some hundred bytes of vertices, set-up and texels.
+/// Texels that are copied in the time in which a triangle is drawn, on devices without timestamps.
+/// An estimate: a copy reads and writes four bytes a texel, and a small triangle takes some hundred
+/// bytes of vertices, set-up and texels.
 const TEXELS_A_TRIANGLE: f64 = 24.0;
 /// Share of a new measurement in the mean of all.
 const NEW_SHARE: f64 = 0.25;
@@ -148,7 +150,8 @@ pub(crate) struct FrameMeter<'a> {
 }
 
 impl FrameMeter<'_> {
-    /// Returns the timestamps of a pass that draws so many triangles into a cleared layer, if it is to be timed.
+    /// Returns the timestamps of a pass that draws so many triangles into a cleared layer, if it is
+    /// to be timed.
     pub(crate) fn draw(&mut self, triangles: u64) -> Option<RenderPassTimestampWrites<'_>> {
         if self.timed.triangles.is_some() || triangles == 0 {
             return None;

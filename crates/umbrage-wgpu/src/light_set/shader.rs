@@ -135,7 +135,8 @@ impl SetShader {
         self.numbers.entries.give_back(index as usize);
     }
 
-    /// Frees a light's numbers. Shaders see it as not served from the next [`write`](Self::write) on.
+    /// Frees a light's numbers. Shaders see it as not served from the next [`write`](Self::write)
+    /// on.
     pub(crate) fn forget(&mut self, light: LightId) {
         if let Some(KernelRecord { kind, index }) = self.records.remove(light) {
             self.numbers.kernels[kind].give_back(index);
@@ -151,8 +152,8 @@ impl SetShader {
         self.has_changed = true;
     }
 
-    /// Writes the numbers of all lights, and replaces text and bind group if needed. `maps_changed`: whether textures were
-    /// replaced.
+    /// Writes the numbers of all lights, and replaces text and bind group if needed.
+    /// `maps_changed`: whether textures were replaced.
     ///
     /// Errors if a kernel's WGSL can't be put under a prefix.
     pub(crate) fn write(
@@ -343,7 +344,8 @@ impl SetShader {
         entry
     }
 
-    /// Refuses the lights of least priority whose tables are longer than what a shader can bind, with those of all lights before them.
+    /// Refuses the lights of least priority whose tables are longer than what a shader can bind,
+    /// with those of all lights before them.
     fn refuse_long_tables(&mut self, lights: &mut SlotMap<LightId, HeldLight>, most: u64) {
         let mut bytes = self.tables.made_bytes();
         let mut order: Vec<LightId> = lights.keys().collect();

@@ -86,7 +86,8 @@ impl LightState {
         difference
     }
 
-    /// Shows the newest plan. Returns its difference from the one that was shown, if there is a new one.
+    /// Shows the newest plan. Returns its difference from the one that was shown, if there is a new
+    /// one.
     pub(crate) fn show_next(&mut self) -> Option<Difference> {
         let (plan, difference) = match std::mem::take(self) {
             Self::Waiting(plan) => (plan, Difference::Images),
@@ -160,7 +161,8 @@ pub(crate) struct LightMaps {
 #[derive(Debug)]
 pub(crate) struct LightCast {
     pub(crate) target: CastTarget,
-    /// Layer of the light's images that it draws into. Casts with the same number are drawn together.
+    /// Layer of the light's images that it draws into. Casts with the same number are drawn
+    /// together.
     pub(crate) layer: u32,
     /// Layer of the pool's texture that holds the light's.
     pub(crate) texture_layer: u32,
@@ -169,9 +171,11 @@ pub(crate) struct LightCast {
     pub(crate) peeled: Binding,
     /// Whether something changed in it since it was drawn.
     pub(crate) is_stale: bool,
-    /// Whether its layer holds anything of the plan that is shown. If not, no budget puts its draw off: shaders read it.
+    /// Whether its layer holds anything of the plan that is shown. If not, no budget puts its draw
+    /// off: shaders read it.
     pub(crate) is_drawn: bool,
-    /// A layer of the casters that are still, onto a copy of which those that move are drawn: see `still_layers.rs`.
+    /// A layer of the casters that are still, onto a copy of which those that move are drawn: see
+    /// `still_layers.rs`.
     pub(crate) still: Option<StillLayer>,
 }
 
@@ -201,12 +205,14 @@ impl HeldLight {
         self.settings.priority * (1 + self.age) as f32
     }
 
-    /// Returns whether shaders read a layer that was never drawn: its frame was prepared and then not recorded, or not submitted.
+    /// Returns whether shaders read a layer that was never drawn: its frame was prepared and then
+    /// not recorded, or not submitted.
     pub(crate) fn is_undrawn(&self) -> bool {
         self.state.shown().is_some() && self.maps.casts.iter().any(|cast| !cast.is_drawn)
     }
 
-    /// Returns how many layers wait to be drawn: all of a plan that is not shown, else those in which something changed.
+    /// Returns how many layers wait to be drawn: all of a plan that is not shown, else those in
+    /// which something changed.
     pub(crate) fn waiting_layers(&self) -> u32 {
         let all = |plan: &LightPlan| plan.recipe.casts.len() as u32;
         match &self.state {
@@ -221,7 +227,8 @@ impl HeldLight {
 }
 
 impl LightMaps {
-    /// Marks the casts in which one of these boxes may show; `still_changed` are those of casters that are still.
+    /// Marks the casts in which one of these boxes may show; `still_changed` are those of casters
+    /// that are still.
     pub(crate) fn mark_stale(&mut self, changed: &[Aabb], still_changed: &[Aabb]) {
         for cast in &mut self.casts {
             let volume = cast.volume;
@@ -252,7 +259,8 @@ impl LightMaps {
         }
     }
 
-    /// Returns whether the layers may be split by what moves: each is drawn by one cast, which reads no other.
+    /// Returns whether the layers may be split by what moves: each is drawn by one cast, which
+    /// reads no other.
     pub(crate) fn may_split(&self) -> bool {
         let casts = &self.casts;
         casts.iter().enumerate().all(|(i, cast)| {
@@ -277,7 +285,8 @@ impl LightMaps {
                 None => (Binding::default(), None),
             };
             bind_peeled(&mut peeled, factory, pipelines, &target);
-            // Casts are kept only as long as the light's layers are, so the still layer fits and is drawn again.
+            // Casts are kept only as long as the light's layers are, so the still layer fits and is
+            // drawn again.
             let still = still.map(|still| StillLayer {
                 target: target.with_layer(still.target.layer),
                 is_stale: true,

@@ -3,11 +3,12 @@
 use glam::Vec3;
 use umbrage_core::Aabb;
 
-/// The grid's step, as a fraction of the box's longest side: at most this much is added on each side, at least half of it.
+/// The grid's step, as a fraction of the box's longest side: at most this much is added on each
+/// side, at least half of it.
 const STEP: f32 = 1.0 / 16.0;
 
-/// Returns a box around `bounds` whose sides lie on a grid. It depends on `bounds` alone, so that two sets with the same casters
-/// have the same box. The grid's step is a power of two.
+/// Returns a box around `bounds` whose sides lie on a grid. It depends on `bounds` alone, so that
+/// two sets with the same casters have the same box. The grid's step is a power of two.
 pub(crate) fn around(bounds: &Aabb) -> Aabb {
     if bounds.is_empty() {
         return Aabb::EMPTY;

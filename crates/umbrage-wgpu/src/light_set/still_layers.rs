@@ -1,9 +1,10 @@
-//! Layers that hold the casters that are still, so that a frame in which one caster moves does not draw all the others again: the layer
-//! is copied, and what moves is drawn on top. Depth tests keep the nearest in any order, so the bits are those of drawing everything.
+//! Layers that hold the casters that are still, so that a frame in which one caster moves does not
+//! draw all the others again: the layer is copied, and what moves is drawn on top. Depth tests keep
+//! the nearest in any order, so the bits are those of drawing everything.
 //!
-//! A copy has a price, too: Godot's engine lost more by such copies than it gained on small scenes (pull request 77683). So a layer is
-//! split only where what need not be drawn costs more than the copy, by prices that are measured where the device has timestamps
-//! (`prices.rs`).
+//! A copy has a price, too: Godot's engine lost more by such copies than it gained on small scenes
+//! (pull request 77683). So a layer is split only where what need not be drawn costs more than the
+//! copy, by prices that are measured where the device has timestamps (`prices.rs`).
 
 use crate::{
     light_set::{
@@ -22,11 +23,12 @@ use crate::{
 use slotmap::SlotMap;
 use wgpu::{TextureAspect, TextureUsages, TextureViewDimension};
 
-/// A layer that is split stays so until the copy takes this much longer than what it saves: measured prices waver.
+/// A layer that is split stays so until the copy takes this much longer than what it saves:
+/// measured prices waver.
 const PATIENCE: f64 = 1.5;
 
-/// Returns whether a layer that must be drawn again is to be split: whether something moves in it, and drawing what doesn't would cost
-/// more than copying it. `shown` are the slots that show in it.
+/// Returns whether a layer that must be drawn again is to be split: whether something moves in it,
+/// and drawing what doesn't would cost more than copying it. `shown` are the slots that show in it.
 pub(crate) fn is_wanted(
     option: StillLayers,
     prices: &Prices,

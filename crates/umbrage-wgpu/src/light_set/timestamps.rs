@@ -8,7 +8,8 @@ use std::ops::Range;
 use wgpu::{ComputePassTimestampWrites, QuerySet, RenderPassTimestampWrites};
 
 /// Timestamp queries that [`LightSet::encode_timed`](crate::LightSet::encode_timed) and
-/// [`encode_masks_timed`](crate::LightSet::encode_masks_timed) write: two for each pass, its begin and its end.
+/// [`encode_masks_timed`](crate::LightSet::encode_masks_timed) write: two for each pass, its begin
+/// and its end.
 #[derive(Clone, Debug)]
 pub struct SetTimestamps<'a> {
     /// A set of kind `Timestamp`.
@@ -29,7 +30,8 @@ pub enum SetPass {
     },
     /// All passes that filter a light's layers.
     Filters,
-    /// All passes that make a light's lists of casters; for the first one, placing the casters, too.
+    /// All passes that make a light's lists of casters; for the first one, placing the casters,
+    /// too.
     Lists,
     /// A light's mask.
     Mask,
@@ -84,7 +86,8 @@ impl PassClock<'_, '_> {
         meter.draw(triangles)
     }
 
-    /// Returns the timestamps of all passes that filter a light's layers. They follow one that casts.
+    /// Returns the timestamps of all passes that filter a light's layers. They follow one that
+    /// casts.
     pub(crate) fn filters(&mut self, light: LightId) -> Option<PassTimestamps<'_>> {
         let timer = self.timer.as_mut()?;
         let begin = timer.begin(light, SetPass::Filters)?;

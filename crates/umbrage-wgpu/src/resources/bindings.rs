@@ -15,7 +15,8 @@ pub(crate) enum Slot {
     Uniform,
     /// A part of a uniform buffer of this many bytes, whose offset is set at draw time.
     Window(NonZeroU64),
-    /// Floats. Depth, too, unless it is compared, is bound as unfilterable floats: GL cannot load from depth textures.
+    /// Floats. Depth, too, unless it is compared, is bound as unfilterable floats: GL cannot load
+    /// from depth textures.
     Floats {
         layered: bool,
     },

@@ -5,8 +5,9 @@ use wgpu::{
     TextureDimension, TextureFormat, TextureUsages,
 };
 
-/// How many GPU objects a [`ShadowRenderer`](crate::ShadowRenderer) has made since it was made itself. Once a recipe has
-/// been executed, recipes of the same shape (same shaders, image sizes, biases and vertex layouts) leave these alone.
+/// How many GPU objects a [`ShadowRenderer`](crate::ShadowRenderer) has made since it was made
+/// itself. Once a recipe has been executed, recipes of the same shape (same shaders, image sizes,
+/// biases and vertex layouts) leave these alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Shader compilations: one each.

@@ -1,5 +1,5 @@
-//! Counting casts: the counts and the depth that they are counted against are two parts of one texture, since a pass
-//! has one depth-stencil attachment.
+//! Counting casts: the counts and the depth that they are counted against are two parts of one
+//! texture, since a pass has one depth-stencil attachment.
 
 use umbrage_core::{BackendError, CastMode, ImageId, Invalid, Recipe};
 use wgpu::Features;

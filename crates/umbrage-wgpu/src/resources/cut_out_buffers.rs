@@ -24,8 +24,9 @@ const MOST_BUFFERS: u32 = 4;
 
 /// A geometry's triangles with holes, on the device.
 ///
-/// [`LightSet::set_cut_outs`](crate::LightSet::set_cut_outs) casts them. For a pass of the program's own, such as the camera's,
-/// [`wgsl`](Self::wgsl) is the rule for holes, and [`bind_group`](Self::bind_group) what it reads.
+/// [`LightSet::set_cut_outs`](crate::LightSet::set_cut_outs) casts them. For a pass of the
+/// program's own, such as the camera's, [`wgsl`](Self::wgsl) is the rule for holes, and
+/// [`bind_group`](Self::bind_group) what it reads.
 #[derive(Clone, Debug)]
 pub struct CutOutBuffers {
     pub(crate) lists: GpuCutOuts,
@@ -37,7 +38,8 @@ impl CutOutBuffers {
     /// Uploads a geometry's triangles with holes; none if it has none, which costs nothing.
     ///
     /// # Errors
-    /// Errors if a list is larger than the device allows, or if its shaders can't read four storage buffers.
+    /// Errors if a list is larger than the device allows, or if its shaders can't read four storage
+    /// buffers.
     pub fn new(
         device: &Device,
         queue: &Queue,
@@ -75,11 +77,14 @@ impl CutOutBuffers {
         Ok(uploaded.cut_outs.map(|lists| Self { lists, parts }))
     }
 
-    /// Returns the WGSL of the rule for holes, to paste before your own shader. Bind [`bind_group`](Self::bind_group) at `group`.
+    /// Returns the WGSL of the rule for holes, to paste before your own shader. Bind
+    /// [`bind_group`](Self::bind_group) at `group`.
     ///
-    /// * `is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool`: whether a pixel is in a hole of a triangle. `at` is
-    ///   `@builtin(position)`, `rays` are [`Camera::rays`](umbrage_core::Camera::rays) or [`CastTarget::rays`](crate::CastTarget::rays),
-    ///   in a uniform of yours, and `triangle` is the id in the geometry; with `draw(3 * first..3 * end, ..)` that is `vertex_index / 3`.
+    /// * `is_hole(rays: CameraRays, at: vec4f, triangle: u32) -> bool`: whether a pixel is in a
+    ///   hole of a triangle. `at` is `@builtin(position)`, `rays` are
+    ///   [`Camera::rays`](umbrage_core::Camera::rays) or
+    ///   [`CastTarget::rays`](crate::CastTarget::rays), in a uniform of yours, and `triangle` is
+    ///   the id in the geometry; with `draw(3 * first..3 * end, ..)` that is `vertex_index / 3`.
     /// * `corner(i: u32) -> vec3f`: where the i-th corner of all triangles is.
     ///
     /// `prefix` stands before every name that the text declares, these among them.

@@ -98,7 +98,8 @@ impl DrawList {
     }
 }
 
-/// Appends the draws of all drawables that draw anything, and that of triangles with holes. Returns their part of the list.
+/// Appends the draws of all drawables that draw anything, and that of triangles with holes. Returns
+/// their part of the list.
 fn append(
     draws: &mut Vec<Draw>,
     drawables: &[Drawable<'_>],
@@ -130,8 +131,8 @@ impl Draw {
         }
     }
 
-    /// Returns the draw of those triangles of a drawable that are in `runs`, or of all if their ids are not known; `None` if
-    /// nothing is to be drawn.
+    /// Returns the draw of those triangles of a drawable that are in `runs`, or of all if their ids
+    /// are not known; `None` if nothing is to be drawn.
     fn some(drawable: &Drawable<'_>, runs: &[Range<u32>]) -> Option<Self> {
         let mut draw = Self::new(drawable);
         if let Some(triangles) = &drawable.triangles {
@@ -197,8 +198,8 @@ fn within(runs: &[Range<u32>], range: &Range<u32>) -> Vec<Range<u32>> {
         .collect()
 }
 
-/// Returns the ranges of indices that draw the part of `runs` in `triangles`, where `first` is the index of the
-/// first of these triangles' corners.
+/// Returns the ranges of indices that draw the part of `runs` in `triangles`, where `first` is the
+/// index of the first of these triangles' corners.
 fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Range<u32>> {
     let mut ranges = Vec::new();
     for run in runs {

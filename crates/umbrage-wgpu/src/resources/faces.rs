@@ -5,11 +5,13 @@ use std::sync::Arc;
 use umbrage_core::{Faces, Invalid, Recipe, Source};
 use wgpu::{Buffer, BufferUsages};
 
-/// Faces that were uploaded, by their address. Holding them keeps addresses from being used again for others.
+/// Faces that were uploaded, by their address. Holding them keeps addresses from being used again
+/// for others.
 #[derive(Debug, Default)]
 pub(crate) struct FaceBuffers {
     uploaded: Vec<UploadedFaces>,
-    /// Buffers of faces that no recipe can name any more: a technique that makes new faces each frame needs no new buffers.
+    /// Buffers of faces that no recipe can name any more: a technique that makes new faces each
+    /// frame needs no new buffers.
     spare: Vec<FaceBuffer>,
 }
 
@@ -72,7 +74,8 @@ impl FaceBuffers {
         buffer
     }
 
-    /// Drops faces that nothing else holds, since no recipe can name them any more. Their buffers become the spare ones.
+    /// Drops faces that nothing else holds, since no recipe can name them any more. Their buffers
+    /// become the spare ones.
     pub(crate) fn forget_unreachable(&mut self) {
         self.spare.clear();
         let unreachable = self

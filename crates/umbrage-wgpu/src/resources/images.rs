@@ -9,8 +9,8 @@ use wgpu::{
     TextureViewDescriptor, TextureViewDimension,
 };
 
-/// Returns the wgpu format of a recipe's image. An exception are casts that count: their image and the depth that it counts
-/// against share one texture of `Depth32FloatStencil8`.
+/// Returns the wgpu format of a recipe's image. An exception are casts that count: their image and
+/// the depth that it counts against share one texture of `Depth32FloatStencil8`.
 pub const fn texture_format(format: Format) -> TextureFormat {
     match format {
         Format::Depth32 => TextureFormat::Depth32Float,
@@ -142,8 +142,8 @@ fn make_texture(
     factory.texture(desc.label, size, format, usage(format))
 }
 
-/// Copying serves tests, which replay a stage from given images and look at what came out. Nothing can be copied to
-/// depth of 32 bits.
+/// Copying serves tests, which replay a stage from given images and look at what came out. Nothing
+/// can be copied to depth of 32 bits.
 fn usage(format: TextureFormat) -> TextureUsages {
     let all =
         TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
@@ -162,8 +162,8 @@ pub(crate) fn extent(size: UVec2, layers: u32) -> Extent3d {
     }
 }
 
-/// Makes `held` match the list `wanted`; images that were held and have an equal description are used again. `pairs` share
-/// textures.
+/// Makes `held` match the list `wanted`; images that were held and have an equal description are
+/// used again. `pairs` share textures.
 pub(crate) fn fit_images(
     factory: &mut ResourceFactory<'_>,
     held: &mut Vec<GpuImage>,

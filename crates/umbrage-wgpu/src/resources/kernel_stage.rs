@@ -29,7 +29,8 @@ pub(crate) struct Sources<'a> {
 }
 
 impl KernelStage {
-    /// Writes the uniforms and binds what the kernel reads. Returns what its shader text depends on.
+    /// Writes the uniforms and binds what the kernel reads. Returns what its shader text depends
+    /// on.
     pub(crate) fn bind(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -61,7 +62,8 @@ impl KernelStage {
             let sampler = pipelines.sampler(factory.device);
             entries.push((Slot::Sampler, Bound::Sampler(sampler)));
         }
-        // Compute, too, so that callers can use the bind group with the pasted text in either kind of shader.
+        // Compute, too, so that callers can use the bind group with the pasted text in either kind
+        // of shader.
         let stages = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
         let layouts = &mut pipelines.layouts;
         self.binding.bind(factory, layouts, stages, name, entries);

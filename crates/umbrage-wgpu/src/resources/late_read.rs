@@ -19,7 +19,8 @@ pub(crate) struct LateRead {
     state: Arc<AtomicU8>,
 }
 
-/// Sets the state on being dropped: callbacks of encoders that were thrown away are dropped without a call.
+/// Sets the state on being dropped: callbacks of encoders that were thrown away are dropped without
+/// a call.
 struct Outcome {
     state: Arc<AtomicU8>,
     becomes: u8,

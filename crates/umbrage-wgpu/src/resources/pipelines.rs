@@ -140,7 +140,8 @@ impl Pipelines {
             .clone()
     }
 
-    /// Returns a full-screen pipeline for a kernel: the fragment shader `entry` of the shader `text`.
+    /// Returns a full-screen pipeline for a kernel: the fragment shader `entry` of the shader
+    /// `text`.
     pub(crate) fn kernel(
         &mut self,
         factory: &mut ResourceFactory<'_>,
@@ -167,8 +168,8 @@ impl Pipelines {
     }
 }
 
-/// Returns the layouts of the bind groups of casts: 0 holds clip from world, 1 world from local or what the rule for holes reads, 2
-/// the layer that is peeled off.
+/// Returns the layouts of the bind groups of casts: 0 holds clip from world, 1 world from local or
+/// what the rule for holes reads, 2 the layer that is peeled off.
 fn cast_groups(
     layouts: &mut Layouts,
     factory: &ResourceFactory<'_>,
@@ -298,7 +299,8 @@ pub(crate) enum Targets<'a> {
     Depth(TextureFormat),
 }
 
-/// A pipeline whose one triangle covers the targets; `entries` are its vertex and its fragment shader.
+/// A pipeline whose one triangle covers the targets; `entries` are its vertex and its fragment
+/// shader.
 pub(crate) fn fullscreen_pipeline(
     device: &Device,
     label: &str,

@@ -1,4 +1,5 @@
-//! GPU objects of one light's shadows, in use from `prepare` until the commands that `encode` recorded are submitted.
+//! GPU objects of one light's shadows, in use from `prepare` until the commands that `encode`
+//! recorded are submitted.
 
 use crate::{
     cast::CastStage,
@@ -31,7 +32,8 @@ pub(crate) struct Shared {
     pub(crate) faces: FaceBuffers,
 }
 
-/// Textures, uniforms and bind groups of one light. They are written again only after all that reads them is submitted.
+/// Textures, uniforms and bind groups of one light. They are written again only after all that
+/// reads them is submitted.
 #[derive(Debug, Default)]
 pub(crate) struct Resources {
     pub(crate) images: Vec<GpuImage>,

@@ -1,9 +1,10 @@
 //! Whether what was recorded has been submitted.
 //!
-//! Writes to the queue run before all that is submitted after them. So what an encoder reads must not be written while the
-//! encoder waits to be submitted, and wgpu doesn't report when that happens. But
-//! [`CommandEncoder::map_buffer_on_submit`] maps a buffer as soon as the encoder's commands are submitted,
-//! and a buffer that no command uses is mapped at the device's next poll, however long the commands take.
+//! Writes to the queue run before all that is submitted after them. So what an encoder reads must
+//! not be written while the encoder waits to be submitted, and wgpu doesn't report when that
+//! happens. But [`CommandEncoder::map_buffer_on_submit`] maps a buffer as soon as the encoder's
+//! commands are submitted, and a buffer that no command uses is mapped at the device's next poll,
+//! however long the commands take.
 
 use std::sync::{
     Arc, Mutex, MutexGuard, PoisonError,
@@ -57,7 +58,8 @@ impl Submissions {
         self.call_on_submit(encoder, move || drop(waiting));
     }
 
-    /// Lets `call` be called once the encoder's commands are submitted. Where they never are it is dropped without a call.
+    /// Lets `call` be called once the encoder's commands are submitted. Where they never are it is
+    /// dropped without a call.
     pub(crate) fn call_on_submit(
         &self,
         encoder: &CommandEncoder,
@@ -77,7 +79,8 @@ impl Submissions {
 
     /// Runs the callbacks of encoders that have been submitted.
     pub(crate) fn poll(&self) {
-        // Without waiting, the one error is that of a lost device, which all that follows meets as well.
+        // Without waiting, the one error is that of a lost device, which all that follows meets as
+        // well.
         let _ = self.device.poll(PollType::Poll);
     }
 
@@ -98,7 +101,8 @@ impl Submissions {
     }
 }
 
-/// Locks the list. A thread that panicked while it held the lock has left a list of whole buffers, so poisoning is ignored.
+/// Locks the list. A thread that panicked while it held the lock has left a list of whole buffers,
+/// so poisoning is ignored.
 fn locked(spare: &Mutex<Vec<Buffer>>) -> MutexGuard<'_, Vec<Buffer>> {
     spare.lock().unwrap_or_else(PoisonError::into_inner)
 }

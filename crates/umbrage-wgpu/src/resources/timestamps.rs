@@ -2,8 +2,9 @@
 
 use wgpu::{QuerySet, RenderPassTimestampWrites};
 
-/// Six timestamp queries that [`ShadowRenderer::encode_timed`](crate::ShadowRenderer::encode_timed) writes: begin and end
-/// of casts, of filters and of the receive stage. Those of a stage without passes are not written. Shading is not timed.
+/// Six timestamp queries that [`ShadowRenderer::encode_timed`](crate::ShadowRenderer::encode_timed)
+/// writes: begin and end of casts, of filters and of the receive stage. Those of a stage without
+/// passes are not written. Shading is not timed.
 #[derive(Clone, Copy, Debug)]
 pub struct PassTimestamps<'a> {
     /// A set of kind `Timestamp`.
@@ -20,7 +21,8 @@ pub(crate) enum TimedStage {
     Receive,
 }
 
-/// Returns the timestamps of one pass among a stage's `count`: the first one writes the stage's begin, the last one its end.
+/// Returns the timestamps of one pass among a stage's `count`: the first one writes the stage's
+/// begin, the last one its end.
 pub(crate) fn pass_stamps<'a>(
     stamps: Option<&PassTimestamps<'a>>,
     stage: TimedStage,

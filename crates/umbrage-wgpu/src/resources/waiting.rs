@@ -4,8 +4,8 @@ use wgpu::{Device, PollError, PollType};
 
 /// Polls the device until `is_over`, which callbacks of what was submitted bring about.
 ///
-/// One poll is not enough: where several threads poll one device, another thread may have taken a callback, and still be about
-/// to call it when this thread's poll returns.
+/// One poll is not enough: where several threads poll one device, another thread may have taken a
+/// callback, and still be about to call it when this thread's poll returns.
 ///
 /// # Errors
 /// If polling fails.

@@ -58,7 +58,8 @@ fn behind(@builtin(position) at: vec4f) {
     }
 }
 
-// The same in whole steps, as the image holds them: a surface must not lie behind itself because it was rounded.
+// The same in whole steps, as the image holds them: a surface must not lie behind itself because it
+// was rounded.
 @fragment
 fn behind_in_steps(@builtin(position) at: vec4f) {
     if round(at.z * 65535.0) <= round(textureLoad(other, vec2i(at.xy), 0).x * 65535.0) {

@@ -1,5 +1,6 @@
 // import fullscreen
-// Full-screen copies of one layer: to plain floats as shaders load them, and from plain floats to depth.
+// Full-screen copies of one layer: to plain floats as shaders load them, and from plain floats to
+// depth.
 
 @group(0) @binding(0) var source: texture_2d<f32>;
 

@@ -1,5 +1,6 @@
 // import math, resolve
-// Which triangle each pixel shows: an id a pixel, nearest first, and of equally near ones the first.
+// Which triangle each pixel shows: an id a pixel, nearest first, and of equally near ones the
+// first.
 
 struct Seen {
     clip_from_world: mat4x4f,

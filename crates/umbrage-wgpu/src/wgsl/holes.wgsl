@@ -1,5 +1,7 @@
 // import math, resolve, ray_box, ray_triangle, cut_out, hole
-// Which triangles have holes; holes_nearest.wgsl or holes_hashed.wgsl finds whether a pixel is in one. Needs `cut_outs`, the table of cut_out.rs, and `corner(i)`, the i-th corner of all triangles.
+// Which triangles have holes; holes_nearest.wgsl or holes_hashed.wgsl finds whether a pixel is in
+// one. Needs `cut_outs`, the table of cut_out.rs, and `corner(i)`, the i-th corner of all
+// triangles.
 
 fn cut_out_row(i: u32) -> vec4u {
     return cut_outs[i];

@@ -80,8 +80,9 @@ impl InputKind {
         match self {
             Self::Floats => load.to_owned(),
             Self::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
-            // A texture of one word has 0 in the second. The bound changes nothing, but keeps drivers from taking the factor out of
-            // differences of two channels, which would round otherwise.
+            // A texture of one word has 0 in the second. The bound changes nothing, but keeps
+            // drivers from taking the factor out of differences of two channels, which would round
+            // otherwise.
             Self::Words => format!(
                 "min(vec4f(({load}.xxyy >> vec4u(0u, 16u, 0u, 16u)) & vec4u(0xffffu)) * (1.0 / 65535.0), vec4f(1.0))"
             ),
@@ -104,13 +105,16 @@ impl InputKind {
 
 /// Returns the receive stage of a recipe as WGSL to paste into your own shader.
 ///
-/// It defines `struct Receiver` and `fn receive(r: Receiver) -> f32` (visibility of the light, 0..=1), which you call with your
-/// own positions and normals (world space). What it reads is in bind group `group`: bind
-/// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) there; its entries, uniforms, images,
-/// tables and perhaps a comparison sampler, are as the text declares them.
+/// It defines `struct Receiver` and `fn receive(r: Receiver) -> f32` (visibility of the light,
+/// 0..=1), which you call with your own positions and normals (world space). What it reads is in
+/// bind group `group`: bind
+/// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) there; its
+/// entries, uniforms, images, tables and perhaps a comparison sampler, are as the text declares
+/// them.
 ///
-/// `prefix` is put before every name that the text declares: with `"sun_"` call `sun_receive(sun_Receiver(..))`. So the texts of
-/// several lights fit into one shader, each with a prefix and a group of its own. With `""` names are as given above.
+/// `prefix` is put before every name that the text declares: with `"sun_"` call
+/// `sun_receive(sun_Receiver(..))`. So the texts of several lights fit into one shader, each with a
+/// prefix and a group of its own. With `""` names are as given above.
 ///
 /// # Errors
 /// Errors if the prefix can't begin a WGSL identifier.
@@ -120,7 +124,8 @@ pub fn receive_wgsl(recipe: &Recipe, group: u32, prefix: &str) -> Result<String,
     with_prefix(&kernel_wgsl(&*receive.kernel, &shape, group), prefix)
 }
 
-/// Returns the declarations that the contract names, as bindings of one group, then the kernel's modules.
+/// Returns the declarations that the contract names, as bindings of one group, then the kernel's
+/// modules.
 pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &KernelInterface, group: u32) -> String {
     let mut text = format!("// Made by umbrage.\n{}", include_str!("receiver.wgsl"));
     let mut bindings = 0..;
@@ -159,8 +164,8 @@ pub(crate) struct ImageSource {
     pub(crate) layer: String,
 }
 
-/// Returns the functions with which a kernel reads image `i`. Of several textures that may hold it, they read the one whose number
-/// is the value of the expression `choice`.
+/// Returns the functions with which a kernel reads image `i`. Of several textures that may hold it,
+/// they read the one whose number is the value of the expression `choice`.
 pub(crate) fn image_functions(
     i: usize,
     kind: InputKind,

@@ -1,5 +1,6 @@
 // import math, fullscreen
-// What the device makes of a product that goes into a sum: one way a row, other numbers in each column.
+// What the device makes of a product that goes into a sum: one way a row, other numbers in each
+// column.
 
 @fragment
 fn product_and_sum(@builtin(position) at: vec4f) -> @location(0) f32 {

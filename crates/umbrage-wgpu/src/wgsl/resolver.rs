@@ -1,15 +1,16 @@
 //! The resolver of WGSL texts. No other code changes a text.
 //!
 //! * [`assemble`] follows the imports of files and puts all of them one after another.
-//! * [`constant`] declares a condition: files that read the constant have a variant for each of its values.
+//! * [`constant`] declares a condition: files that read the constant have a variant for each of its
+//!   values.
 //! * [`with_prefix`] puts a prefix before every name that a text declares.
 //! * [`InputPlaces`] moves a kernel's uniforms and tables to where a light of a set has them.
 
 use std::{collections::BTreeSet, fmt::Display};
 use umbrage_core::{Invalid, Module, join};
 
-/// Returns the text of some files and of all files that they import, each once. A file imports others by a line
-/// `// import NAME, NAME`.
+/// Returns the text of some files and of all files that they import, each once. A file imports
+/// others by a line `// import NAME, NAME`.
 pub(crate) fn assemble(files: &[Module], entries: &[&str]) -> String {
     let mut found = Vec::new();
     for name in entries {
@@ -43,7 +44,8 @@ struct Token<'a> {
     is_identifier: bool,
 }
 
-/// Splits a text into identifiers and single other characters. Numbers and comments are not identifiers.
+/// Splits a text into identifiers and single other characters. Numbers and comments are not
+/// identifiers.
 fn tokens(text: &str) -> Vec<Token<'_>> {
     let mut out = Vec::new();
     let mut rest = text;
@@ -68,9 +70,11 @@ fn tokens(text: &str) -> Vec<Token<'_>> {
     out
 }
 
-/// Returns the text with `prefix` before every name that it declares at module level, wherever that name occurs.
+/// Returns the text with `prefix` before every name that it declares at module level, wherever that
+/// name occurs.
 ///
-/// Locals and struct fields with the same spelling change along, in all places alike, so the text keeps its meaning.
+/// Locals and struct fields with the same spelling change along, in all places alike, so the text
+/// keeps its meaning.
 ///
 /// # Errors
 /// Errors if the prefix can't begin a WGSL identifier.
@@ -91,8 +95,8 @@ pub(crate) fn with_prefix(text: &str, prefix: &str) -> Result<String, Invalid> {
     Ok(out)
 }
 
-/// Errors if the prefix can't begin an identifier: see "Identifiers" in the WGSL specification. A single `_` would be a
-/// placeholder with some names, and two are reserved.
+/// Errors if the prefix can't begin an identifier: see "Identifiers" in the WGSL specification. A
+/// single `_` would be a placeholder with some names, and two are reserved.
 pub(crate) fn check_prefix(prefix: &str) -> Result<(), Invalid> {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let begins_with_letter = !prefix.starts_with(|c: char| !c.is_ascii_alphabetic());
@@ -106,7 +110,8 @@ pub(crate) fn check_prefix(prefix: &str) -> Result<(), Invalid> {
     ))
 }
 
-/// Returns the declaration of a constant. Files that read it have a variant for each value; compilers remove the others.
+/// Returns the declaration of a constant. Files that read it have a variant for each value;
+/// compilers remove the others.
 pub(crate) fn constant(name: &str, value: impl Display) -> String {
     format!("const {name} = {value};\n")
 }

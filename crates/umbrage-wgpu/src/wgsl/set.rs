@@ -1,7 +1,8 @@
 //! The WGSL of a light set: each kind of kernel once, and `shadow`, which calls a light's.
 //!
-//! Kernels are written for one light. Here the same texts read what belongs to the light `shadow_index`: `kernel` becomes an element of
-//! an array, tables become parts of one table, and images become layers of arrays.
+//! Kernels are written for one light. Here the same texts read what belongs to the light
+//! `shadow_index`: `kernel` becomes an element of an array, tables become parts of one table, and
+//! images become layers of arrays.
 
 use crate::{
     light_set::buffers::{LightNumbers, MAX_TABLES, NumberSpace},
@@ -36,7 +37,8 @@ pub(crate) struct TextParts<'a> {
     pub(crate) kinds: &'a [KernelKind],
     pub(crate) numbers: &'a LightNumbers,
     pub(crate) maps: &'a [MapBinding],
-    /// For each kind, and in it for each image, the classes (indices of `maps`) in which its lights have layers.
+    /// For each kind, and in it for each image, the classes (indices of `maps`) in which its lights
+    /// have layers.
     pub(crate) classes: &'a [Vec<Vec<usize>>],
 }
 
@@ -44,7 +46,8 @@ pub(crate) struct TextParts<'a> {
 const LIGHT: &str = "shadow_set.lights[shadow_index]";
 
 impl TextParts<'_> {
-    /// Returns the text: `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32` and all that it calls.
+    /// Returns the text: `fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) ->
+    /// f32` and all that it calls.
     ///
     /// Errors if a kernel's names can't take a prefix.
     pub(crate) fn text(&self) -> Result<String, Invalid> {

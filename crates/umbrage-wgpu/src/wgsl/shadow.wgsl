@@ -1,5 +1,5 @@
-// Visibility of a light, 0..=1, at a position (world space) with a unit normal. `pixel` turns the patterns of kernels that vary from
-// pixel to pixel. Lights that are not served are lit.
+// Visibility of a light, 0..=1, at a position (world space) with a unit normal. `pixel` turns the
+// patterns of kernels that vary from pixel to pixel. Lights that are not served are lit.
 fn shadow(light: u32, position: vec3f, normal: vec3f, pixel: vec2u) -> f32 {
     return shadow_on(light, position, normal, pixel, 0xffffffffu);
 }

@@ -91,18 +91,21 @@ pub(crate) fn shader_of(files: &[&str]) -> String {
     assemble(FILES, files)
 }
 
-/// Returns the shader that calls a kernel's `receive` for every pixel of the G-buffer in bind group `group`.
+/// Returns the shader that calls a kernel's `receive` for every pixel of the G-buffer in bind group
+/// `group`.
 pub(crate) fn receive_shader(kernel: &str, group: u32, triangles: bool) -> String {
     let receivers = ReceiverSource::GBuffer { triangles };
     kernel.to_owned() + &seen_wgsl(group, receivers) + &shader_of(&["receive"])
 }
 
-/// Returns the shader that calls a kernel's `shade`. The mask is the last binding of the G-buffer's group.
+/// Returns the shader that calls a kernel's `shade`. The mask is the last binding of the G-buffer's
+/// group.
 pub(crate) fn shade_shader(kernel: &str, group: u32) -> String {
     kernel.to_owned() + &group_constant(group) + &shader_of(&["shade"])
 }
 
-/// Returns the shader that computes a layer of an image by a kernel's `filter_texel`; the instance is the layer.
+/// Returns the shader that computes a layer of an image by a kernel's `filter_texel`; the instance
+/// is the layer.
 pub(crate) fn filter_shader(kernel: &str, output: Format) -> String {
     let file = match output {
         Format::Rg16 | Format::Rgba16 => "filter_words",
@@ -161,7 +164,8 @@ pub(crate) fn cast_wgsl(holes: Option<HoleRule>) -> String {
     }
 }
 
-/// Returns the shader that draws triangle ids, of triangles with holes by this rule if there is one.
+/// Returns the shader that draws triangle ids, of triangles with holes by this rule if there is
+/// one.
 pub(crate) fn ids_wgsl(holes: Option<HoleRule>) -> String {
     match holes {
         None => shader_of(&["gbuffer_visibility"]),

@@ -125,8 +125,8 @@ fn ask(
         .unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Of the four texels around a place, in the order of gathering, whether `depth` is at most what each holds; and the
-/// place's share of the right and of the lower ones.
+/// Of the four texels around a place, in the order of gathering, whether `depth` is at most what
+/// each holds; and the place's share of the right and of the lower ones.
 fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
     let size = map.desc.size.as_vec2();
     let last = map.desc.size.as_ivec2() - 1;
@@ -201,7 +201,8 @@ fn gathered_comparisons_come_in_wgsl_order() {
         let expected = |i: usize| {
             let p = questions.position(i);
             let ([a, b, c, d], at) = around(&map, layer, p.truncate(), p.z);
-            // Where a place is as near to two texels as rounding can tell, drivers may gather either.
+            // Where a place is as near to two texels as rounding can tell, drivers may gather
+            // either.
             let clear = [at.x, at.y].iter().all(|&s| s > 1e-3 && s < 1.0 - 1e-3);
             clear.then_some(a + 10.0 * b + 100.0 * c + 1000.0 * d)
         };

@@ -13,7 +13,8 @@ use umbrage_wgpu::Gpu;
 
 pub(crate) const SIDE: u32 = 40;
 
-/// A closed box of 4 m each way around the y axis, between two heights, in metres; floor and plate are at 0 and 1.
+/// A closed box of 4 m each way around the y axis, between two heights, in metres; floor and plate
+/// are at 0 and 1.
 pub(crate) fn column(bottom: f32, top: f32) -> Faces {
     let mut vertices = Vec::new();
     for z in [-2.0, 2.0] {
@@ -80,7 +81,8 @@ pub(crate) fn counting(stage: &Stage, volumes: Vec<Faces>) -> Recipe {
     }
 }
 
-/// The count on the plate, on the floor within the columns, and elsewhere; each must be the same all over.
+/// The count on the plate, on the floor within the columns, and elsewhere; each must be the same
+/// all over.
 fn counts(shadows: &Shadows) -> [f32; 3] {
     let texels = &shadows.images[1].texels;
     assert_eq!(*texels, shadows.images[2].texels, "kernels load the counts");
@@ -195,7 +197,8 @@ fn casters_can_be_counted_in_layers() {
         recipe.images[2].layers,
     ) = (2, 2, 2);
     let mode = CastMode::StencilDepthFail { depth: 0 };
-    // Layer 0 has no depth, layer 1 has: there, floor and plate turn their fronts up and are not before themselves.
+    // Layer 0 has no depth, layer 1 has: there, floor and plate turn their fronts up and are not
+    // before themselves.
     recipe.casts[0].layer = 1;
     recipe.casts.extend((0..2).map(|layer| Cast {
         mode,

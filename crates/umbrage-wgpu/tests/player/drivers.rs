@@ -197,8 +197,8 @@ fn sums_are_reordered() {
 #[test]
 fn the_first_word_of_uniforms_is_compiled_in() {
     let gpu = gpu();
-    // So much text that compiling it takes much longer than running it; another one each time, since the driver keeps compiled
-    // shaders on disk.
+    // So much text that compiling it takes much longer than running it; another one each time,
+    // since the driver keeps compiled shaders on disk.
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let salt = now.map_or(0, |now| now.subsec_nanos());
     let mut body = "    var x = given.floats.x;\n".to_owned();
@@ -212,7 +212,8 @@ fn the_first_word_of_uniforms_is_compiled_in() {
     }
     body += "    return bitcast<u32>(x);";
     let drawing = Drawing::new(&gpu, &body);
-    // The shorter of two: other programs may take the processor. For further values the driver makes one shader of all.
+    // The shorter of two: other programs may take the processor. For further values the driver
+    // makes one shader of all.
     let shorter = |word: usize| {
         let elapsed = [1, 2].map(|value| {
             let mut given = [0; 8];

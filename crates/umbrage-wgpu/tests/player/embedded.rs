@@ -12,7 +12,8 @@ use umbrage_wgpu::{
     wgpu::{BufferUsages, IndexFormat, TextureFormat, TextureView},
 };
 
-/// A stage in the caller's own buffers: 16-bit indices, padded vertices, moved and scaled out of place.
+/// A stage in the caller's own buffers: 16-bit indices, padded vertices, moved and scaled out of
+/// place.
 pub(crate) struct Embedded {
     pub(crate) stage: Stage,
     pub(crate) foreign: Foreign,

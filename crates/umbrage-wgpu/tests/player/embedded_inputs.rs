@@ -1,4 +1,5 @@
-//! Buffers, textures and matrices of the caller that can't be used: each is an error of ours before wgpu has one of its own.
+//! Buffers, textures and matrices of the caller that can't be used: each is an error of ours before
+//! wgpu has one of its own.
 
 use crate::{embedded::Embedded, foreign::Foreign, scene::Stage};
 use glam::{Affine3A, Mat4, Vec3};
@@ -324,7 +325,8 @@ fn empty_depth_is_not_the_nearest() {
     }
 }
 
-/// Without perspective nothing tells which end is near: what is said of empty depth is taken for true.
+/// Without perspective nothing tells which end is near: what is said of empty depth is taken for
+/// true.
 #[test]
 fn flat_cameras_take_either_empty_depth() {
     let stage = Stage::new();

@@ -149,7 +149,8 @@ fn forward_shaders_may_read_the_maps_of_both() {
     }
 }
 
-/// Buffers of faces are used again for others' once nobody can name them; but not while an encoder waits that draws them.
+/// Buffers of faces are used again for others' once nobody can name them; but not while an encoder
+/// waits that draws them.
 #[test]
 fn faces_stay_until_they_are_drawn() {
     let e = Embedded::new();

@@ -1,4 +1,5 @@
-//! A small wgpu program, as an application would write it: it knows nothing of the player's insides.
+//! A small wgpu program, as an application would write it: it knows nothing of the player's
+//! insides.
 
 use glam::{Mat4, UVec2, Vec4};
 use umbrage_core::Geometry;
@@ -75,7 +76,8 @@ impl Foreign {
         texture.create_view(&TextureViewDescriptor::default())
     }
 
-    /// Draws all triangles into a cast target with a pipeline of its own: no vertex buffer, vertices made in the shader.
+    /// Draws all triangles into a cast target with a pipeline of its own: no vertex buffer,
+    /// vertices made in the shader.
     pub(crate) fn draw_casters(
         &self,
         encoder: &mut CommandEncoder,

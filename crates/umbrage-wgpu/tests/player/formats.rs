@@ -1,4 +1,5 @@
-//! Images of few bits: what is handed out is what shaders load, and what is handed in is what they load again.
+//! Images of few bits: what is handed out is what shaders load, and what is handed in is what they
+//! load again.
 
 use crate::{
     kernels::{Paint, Same, kernel},
@@ -60,7 +61,8 @@ fn depth_of_16_bits_is_rounded_depth_of_32() {
             (coarse - coarse.round()).abs() <= coarse * 2.0_f64.powi(-23),
             "{coarse} is no whole step"
         );
-        // The driver rounds the product to a float before it rounds to a step: 2^-8 of a step at most.
+        // The driver rounds the product to a float before it rounds to a step: 2^-8 of a step at
+        // most.
         assert!(
             (fine - coarse.round()).abs() <= 0.5 + 1.0 / 256.0,
             "{fine} became {coarse}"
@@ -73,7 +75,8 @@ fn depth_of_16_bits_is_rounded_depth_of_32() {
     );
 }
 
-/// Mesa's software driver: the product is rounded to a float, that to a step, and the step times a float is loaded.
+/// Mesa's software driver: the product is rounded to a float, that to a step, and the step times a
+/// float is loaded.
 #[test]
 fn the_pinned_driver_rounds_depth_by_a_known_rule() {
     let stage = Stage::new();
@@ -240,7 +243,8 @@ impl FilterKernel for Spread {
     }
 }
 
-/// Steps of 16 bits are the nearest on every device that rounds sums and products to floats, whatever it does with textures.
+/// Steps of 16 bits are the nearest on every device that rounds sums and products to floats,
+/// whatever it does with textures.
 #[test]
 fn filters_write_the_nearest_step_of_16_bits() {
     let stage = Stage::new();

@@ -103,7 +103,8 @@ fn positions_and_normals_come_from_depth() {
             if r.triangle[i] == NO_TRIANGLE || !inner(&r, i) {
                 continue;
             }
-            // Depth has a step of 6e-8, which 10 m away and with near at .5 m is 1e-5 m; three such meet in a position.
+            // Depth has a step of 6e-8, which 10 m away and with near at .5 m is 1e-5 m; three such
+            // meet in a position.
             let position = seen.positions[i].truncate() * flip;
             let normal = seen.normals[i].truncate() * flip;
             assert!(

@@ -76,7 +76,8 @@ kernel!(
     }"
 );
 
-/// Reads a layered image, a table, pixel, normal and triangle, so that a mistake in any shows in the sum.
+/// Reads a layered image, a table, pixel, normal and triangle, so that a mistake in any shows in
+/// the sum.
 impl ReceiveKernel for Everything {
     fn receive(&self, _: &Inputs<'_>, _: &Span<'_>, out: &mut [f32]) {
         out.fill(0.0);

@@ -1,4 +1,5 @@
-//! The player on a real adapter. A missing adapter fails these tests, with the line that installs a software one.
+//! The player on a real adapter. A missing adapter fails these tests, with the line that installs a
+//! software one.
 
 mod comparing;
 mod counting;

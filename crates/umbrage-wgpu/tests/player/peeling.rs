@@ -61,7 +61,8 @@ fn the_floor_is_behind_the_plate_and_nothing_behind_the_floor() {
             let mut plates = 0;
             let mut floors = 0;
             for (i, &nearest) in images[0].texels.iter().enumerate() {
-                // Where the plate is before the floor, the floor is left; where there is but one of them, nothing.
+                // Where the plate is before the floor, the floor is left; where there is but one of
+                // them, nothing.
                 let plate = nearest < floor.texels[i];
                 let expected = if plate { floor.texels[i] } else { 1.0 };
                 assert_eq!(images[1].texels[i], expected, "{format:?}, texel {i}");

@@ -14,7 +14,8 @@ fn noise(i: usize) -> f32 {
     ((h ^ (h >> 15)).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / (1 << 23) as f32 - 1.0
 }
 
-/// Returns triangles about the origin, some across the frustum's planes, and every seventh with a corner at infinity.
+/// Returns triangles about the origin, some across the frustum's planes, and every seventh with a
+/// corner at infinity.
 fn triangles() -> Vec<[Vec4; 3]> {
     let mut out = Vec::new();
     for i in 0..COUNT {
@@ -123,7 +124,8 @@ fn peels_are_the_least_the_second_least_and_so_on() {
     }
 }
 
-/// 1 for a face whose front is seen, -1 for one whose back is seen: on screen, counter-clockwise is front.
+/// 1 for a face whose front is seen, -1 for one whose back is seen: on screen, counter-clockwise is
+/// front.
 fn facing(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
     let [a, b, c] = triangle
         .map(|v| clip_from_world * v.as_dvec4())
@@ -162,7 +164,8 @@ fn counts_are_backs_minus_fronts_that_are_not_before() {
     let clip_from_world = space.clip_from_world().as_dmat4();
     let mut kinds = std::collections::BTreeSet::new();
     for (texel, &stored) in images[0].texels.iter().enumerate() {
-        // Depth 1 is what is not drawn at all, or lies just there; so only texels before it are clear.
+        // Depth 1 is what is not drawn at all, or lies just there; so only texels before it are
+        // clear.
         if stored == 1.0 {
             continue;
         }

@@ -14,7 +14,8 @@ use umbrage_core::{
 fn the_map_holds_floor_and_plate() {
     let stage = Stage::new();
     let shadows = stage.render(&mut gpu(), &stage.recipe(40));
-    // Texels are .25 m: the floor covers 32 of 40 each way, the plate 8. From y = 5, with 1..9 m in 0..1.
+    // Texels are .25 m: the floor covers 32 of 40 each way, the plate 8. From y = 5, with 1..9 m in
+    // 0..1.
     let at = |x: usize, y: usize| shadows.images[0].texels[y * 40 + x];
     let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
     for y in 0..40 {

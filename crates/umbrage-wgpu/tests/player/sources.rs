@@ -91,7 +91,8 @@ fn faces_reach_to_infinity() {
         clip_from_view: perspective(std::f32::consts::FRAC_PI_2, 1.0, near, far)
             .expect("the numbers are in order"),
     };
-    // The ground 1 m below the eye, from 1 m before it to the horizon, as wide as the image everywhere.
+    // The ground 1 m below the eye, from 1 m before it to the horizon, as wide as the image
+    // everywhere.
     let edge = [
         Vec4::new(-1.0, -1.0, -1.0, 1.0),
         Vec4::new(1.0, -1.0, -1.0, 1.0),

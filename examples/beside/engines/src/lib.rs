@@ -1,4 +1,5 @@
-//! Judges the shadows of other renderers by ray-traced visibility: the command line, the table and the images.
+//! Judges the shadows of other renderers by ray-traced visibility: the command line, the table and
+//! the images.
 
 #[path = "../../../judge.rs"]
 pub mod judge;
@@ -186,7 +187,8 @@ fn save(judged: &JudgedScene, judged_mask: &JudgedMask, label: &str, folder: &Pa
 /// Triangles of a [`MeshPart`], at most.
 const PART_TRIANGLES: usize = 4096;
 
-/// A part of a scene's triangles, which a renderer can leave out. Each triangle has its own corners and its flat normal.
+/// A part of a scene's triangles, which a renderer can leave out. Each triangle has its own corners
+/// and its flat normal.
 pub struct MeshPart {
     /// Three for each triangle.
     pub positions: Vec<Vec3>,

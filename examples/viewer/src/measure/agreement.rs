@@ -1,6 +1,9 @@
-//! Compares the device's mask with the mask that the CPU makes of the same recipe and the same receivers.
+//! Compares the device's mask with the mask that the CPU makes of the same recipe and the same
+//! receivers.
 //!
-//! Rasterisers round vertices in different ways, which browsers don't report: known ways are tried, and the best fit is reported. A pixel is undecided if the CPU's own result changes as maps or receivers move by as much as rounding may move them.
+//! Rasterisers round vertices in different ways, which browsers don't report: known ways are tried,
+//! and the best fit is reported. A pixel is undecided if the CPU's own result changes as maps or
+//! receivers move by as much as rounding may move them.
 
 use super::subject::Subject;
 use anyhow::{Context as _, Result};
@@ -90,7 +93,8 @@ fn moved_receivers(receivers: &Receivers, part: f32) -> Receivers {
     out
 }
 
-/// Known ways of devices to round, the usual one first: the finest grid on hardware, and two of software drivers.
+/// Known ways of devices to round, the usual one first: the finest grid on hardware, and two of
+/// software drivers.
 fn roundings() -> [Snapping; 3] {
     let usual = Snapping::default();
     let over_grid = Snapping {

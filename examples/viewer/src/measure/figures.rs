@@ -1,4 +1,5 @@
-//! Figures of both sides at the present view: measured when nothing moves, and forgotten when something does.
+//! Figures of both sides at the present view: measured when nothing moves, and forgotten when
+//! something does.
 
 use super::{
     cost::Cost,
@@ -26,7 +27,8 @@ pub(crate) struct MaskError {
     pub wrong: usize,
     /// Number of pixels that count.
     pub pixels: usize,
-    /// Number of pixels that are left out since truth depends on rounding there; `None` before that is known.
+    /// Number of pixels that are left out since truth depends on rounding there; `None` before that
+    /// is known.
     pub ambiguous: Option<usize>,
 }
 
@@ -57,7 +59,8 @@ struct LookupPicture {
     kind: Picture,
     /// Until the picture is made.
     job: Option<Job<Option<Vec<u8>>>>,
-    /// sRGB and opacity, a byte each; `None` before it is made, and if there is nothing of that kind.
+    /// sRGB and opacity, a byte each; `None` before it is made, and if there is nothing of that
+    /// kind.
     rgba: Option<Vec<u8>>,
 }
 
@@ -166,7 +169,8 @@ impl ViewFigures {
         Ok(is_new)
     }
 
-    /// Requests the masks of sides that were prepared for the subject, and takes masks. Returns whether there is a new one.
+    /// Requests the masks of sides that were prepared for the subject, and takes masks. Returns
+    /// whether there is a new one.
     fn fetch_masks(
         &mut self,
         renderer: &mut Renderer,

@@ -56,7 +56,8 @@ impl MapPicture {
     }
 }
 
-/// Returns a label and a picture of the first image that a technique draws; `None` if it draws none.
+/// Returns a label and a picture of the first image that a technique draws; `None` if it draws
+/// none.
 fn draw(subject: &Subject, settings: &SideSettings) -> Result<Option<(String, ColorImage)>> {
     // Nothing is looked up: only the maps are needed.
     let nothing = Receivers::empty(subject.camera.size);

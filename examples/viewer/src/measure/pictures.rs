@@ -1,4 +1,5 @@
-//! Pictures that are laid over the scene: errors, truth, masks; and where lookups go: texels of maps, cascades, lists of casters, and their times.
+//! Pictures that are laid over the scene: errors, truth, masks; and where lookups go: texels of
+//! maps, cascades, lists of casters, and their times.
 
 use super::{subject::Subject, truth::TruthSoFar};
 use anyhow::Result;
@@ -16,7 +17,8 @@ use umbrage::{
     techniques::{AskedCell, Exact},
 };
 
-/// Colours of layers, sRGB: those of Okabe and Ito 2008, "Color universal design", which most people can distinguish.
+/// Colours of layers, sRGB: those of Okabe and Ito 2008, "Color universal design", which most
+/// people can distinguish.
 const LAYERS: [[u8; 3]; 8] = [
     [230, 159, 0],
     [86, 180, 233],
@@ -66,13 +68,15 @@ impl Picture {
         (Self::Heat, "heat"),
     ];
 
-    /// Returns whether the picture shows lookups: it depends on the camera, the light and the settings, and not on truth.
+    /// Returns whether the picture shows lookups: it depends on the camera, the light and the
+    /// settings, and not on truth.
     pub(crate) const fn is_of_lookups(self) -> bool {
         matches!(self, Self::Texels | Self::Layers | Self::Lists | Self::Heat)
     }
 }
 
-/// Returns a picture of errors, truth or the mask as sRGB and opacity, a byte each; `None` if there is nothing to lay over.
+/// Returns a picture of errors, truth or the mask as sRGB and opacity, a byte each; `None` if there
+/// is nothing to lay over.
 pub(crate) fn of_mask(kind: Picture, truth: &TruthSoFar, mask: Option<&[f32]>) -> Option<Vec<u8>> {
     if mask.is_none() && kind != Picture::Truth {
         return None;
@@ -94,7 +98,8 @@ fn gray(value: f32) -> [u8; 4] {
     [level, level, level, 255]
 }
 
-/// Too light (light leaks in) is red, too dark (acne) is blue, and what is right lets the picture through.
+/// Too light (light leaks in) is red, too dark (acne) is blue, and what is right lets the picture
+/// through.
 fn error_color(off: f32) -> [u8; 4] {
     // Small errors show, too.
     let strength = off.abs().min(1.0).sqrt();
@@ -106,7 +111,8 @@ fn error_color(off: f32) -> [u8; 4] {
     }
 }
 
-/// Returns a picture of lookups as sRGB and opacity, a byte each; `None` if the technique has nothing of that kind.
+/// Returns a picture of lookups as sRGB and opacity, a byte each; `None` if the technique has
+/// nothing of that kind.
 ///
 /// # Errors
 /// Errors if the technique refuses the light.
@@ -172,9 +178,11 @@ fn lists(
     Ok(Some(cells.iter().flat_map(length_color).collect()))
 }
 
-/// Pixels of a block whose lookups are timed together: fewer take about as long as reading the clock.
+/// Pixels of a block whose lookups are timed together: fewer take about as long as reading the
+/// clock.
 const TIMED: UVec2 = UVec2::new(16, 8);
-/// Number of times that each block is timed. The least counts, since other programs only make it longer.
+/// Number of times that each block is timed. The least counts, since other programs only make it
+/// longer.
 const RUNS: u32 = 3;
 
 /// Times a technique's lookups on the CPU, block by block.
@@ -200,7 +208,8 @@ fn heat(
     Ok((0..receivers.len()).flat_map(texel).collect())
 }
 
-/// Nanoseconds a pixel at which [`heat_color`] is blue, white and red: the white one is the mean of the others' logarithms.
+/// Nanoseconds a pixel at which [`heat_color`] is blue, white and red: the white one is the mean of
+/// the others' logarithms.
 pub(crate) const HEAT_NANOSECONDS: [f32; 3] = [4.0, 64.0, 1024.0];
 
 fn heat_color(nanoseconds: f32) -> [u8; 4] {
@@ -211,7 +220,8 @@ fn heat_color(nanoseconds: f32) -> [u8; 4] {
 /// Numbers of casters at which [`length_color`] is white and red.
 pub(crate) const LIST_LENGTHS: [u32; 2] = [7, 63];
 
-/// From blue (none) over white to red, as in the panel's legend; green if one caster covers the whole cell.
+/// From blue (none) over white to red, as in the panel's legend; green if one caster covers the
+/// whole cell.
 fn length_color(cell: &Option<AskedCell>) -> [u8; 4] {
     let Some(cell) = cell else {
         return TRANSPARENT;

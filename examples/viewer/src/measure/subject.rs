@@ -9,7 +9,8 @@ pub(crate) struct Subject {
     pub camera: Camera,
     pub light: Light,
     pub geometry: Geometry,
-    /// Box for which a light set plans: a little larger than the casters. For another box the texels of maps would be elsewhere.
+    /// Box for which a light set plans: a little larger than the casters. For another box the
+    /// texels of maps would be elsewhere.
     pub casters: Aabb,
 }
 

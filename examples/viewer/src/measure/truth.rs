@@ -1,4 +1,5 @@
-//! Truth for what the camera sees, from coarse to fine, in small steps. On the desktop a thread does them, in browsers the frames do.
+//! Truth for what the camera sees, from coarse to fine, in small steps. On the desktop a thread
+//! does them, in browsers the frames do.
 
 use super::subject::Subject;
 #[cfg(not(target_arch = "wasm32"))]
@@ -18,7 +19,8 @@ const RAYS: u32 = 256;
 const PASSES: [u32; 4] = [8, 4, 2, 1];
 /// Pixels traced in a step.
 const STEP: usize = 4096;
-/// Pixels traced in a step inside frames of browsers, for lights with an extent: each pixel takes hundreds of rays.
+/// Pixels traced in a step inside frames of browsers, for lights with an extent: each pixel takes
+/// hundreds of rays.
 const STEP_OF_FRAMES: usize = 128;
 /// Pixels checked for ambiguity in a step. Many, since each step copies what the moved cameras see.
 const CHECKED: usize = 16_384;
@@ -29,9 +31,11 @@ const CHECKED_OF_EXTENTS: usize = 2048;
 #[derive(Clone)]
 pub(crate) struct TruthSoFar {
     pub receivers: Arc<Receivers>,
-    /// Visible share of the light, 0..=1, rows from the top. A pixel that is not traced yet has the value of its block's first pixel.
+    /// Visible share of the light, 0..=1, rows from the top. A pixel that is not traced yet has the
+    /// value of its block's first pixel.
     pub visibility: Vec<f32>,
-    /// Pixels that are not traced yet are `Unsampled`. Pixels whose truth depends on rounding are `Ambiguous` once that is checked.
+    /// Pixels that are not traced yet are `Unsampled`. Pixels whose truth depends on rounding are
+    /// `Ambiguous` once that is checked.
     pub pixels: Vec<Pixel>,
     /// Whether ambiguity is checked.
     pub is_checked: bool,
@@ -85,7 +89,8 @@ impl TruthJob {
         Ok(job)
     }
 
-    /// Traces or checks some pixels. Returns whether a pass ended, so that there is something new to show.
+    /// Traces or checks some pixels. Returns whether a pass ended, so that there is something new
+    /// to show.
     ///
     /// # Errors
     /// Errors if the light is not valid.
@@ -196,7 +201,8 @@ impl TruthJob {
         Ok(())
     }
 
-    /// Returns the pixels to trace in this pass; behind the last pass, the pixels to check. The next one is the last.
+    /// Returns the pixels to trace in this pass; behind the last pass, the pixels to check. The
+    /// next one is the last.
     fn pixels_of_pass(&mut self) -> Vec<u32> {
         let pixels = &self.so_far.pixels;
         let Some(&side) = PASSES.get(self.pass) else {

@@ -1,4 +1,5 @@
-//! The planner, and a chart of speed against accuracy: both sides, and the settings that a plan found.
+//! The planner, and a chart of speed against accuracy: both sides, and the settings that a plan
+//! found.
 
 use crate::{measure::cost::Cost, plan::PlanRequest, side::SIDES, viewer::Viewer};
 use egui::Color32;
@@ -144,8 +145,9 @@ fn plot(viewer: &Viewer, ui: &mut egui::Ui) {
         });
 }
 
-/// Returns the time of a side's shadows of the chosen light on the device, milliseconds; `None` without timestamps. Drawing is timed for all
-/// lights together, so that it is only known for a single light.
+/// Returns the time of a side's shadows of the chosen light on the device, milliseconds; `None`
+/// without timestamps. Drawing is timed for all lights together, so that it is only known for a
+/// single light.
 fn measured(viewer: &Viewer, side: usize, cost: &Cost) -> Option<f64> {
     let lookups = viewer.figures.sides[side].lookup_ms?;
     if !cost.draws(viewer.settings.motion) {
@@ -189,7 +191,8 @@ fn power_of_ten(logarithm: f64) -> String {
     }
 }
 
-/// Removes grid lines whose labels, which are centred below them, would be cut off by the edge of the chart.
+/// Removes grid lines whose labels, which are centred below them, would be cut off by the edge of
+/// the chart.
 fn within(mut marks: Vec<egui_plot::GridMark>, bounds: (f64, f64)) -> Vec<egui_plot::GridMark> {
     let (least, most) = bounds;
     // Half of a digit has 3.5 of the chart's 260 points.

@@ -24,7 +24,8 @@ const BLUE: egui::Color32 = egui::Color32::from_rgb(100, 150, 255);
 const RED: egui::Color32 = egui::Color32::from_rgb(255, 90, 70);
 const GREEN: egui::Color32 = egui::Color32::from_rgb(60, 190, 130);
 
-/// The panel's width until the user drags its edge, and the least, points: its longest lines fit, so that no text moves the edge.
+/// The panel's width until the user drags its edge, and the least, points: its longest lines fit,
+/// so that no text moves the edge.
 const WIDTH: f32 = 346.0;
 
 /// Draws the panel, unless it is folded.

@@ -134,7 +134,8 @@ fn help(viewer: &mut Viewer, ui: &egui::Ui) {
         .show(ui.ctx(), keys);
 }
 
-/// Draws the button that unfolds a folded panel. Returns its height with a margin, points; 0 while there is none.
+/// Draws the button that unfolds a folded panel. Returns its height with a margin, points; 0 while
+/// there is none.
 fn unfold(viewer: &mut Viewer, ui: &egui::Ui, rect: Rect) -> f32 {
     if !viewer.is_folded(ui.ctx()) {
         return 0.0;

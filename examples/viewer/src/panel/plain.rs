@@ -1,4 +1,5 @@
-//! Settings as plain data: whatever a technique and its map have is shown without this program knowing their names.
+//! Settings as plain data: whatever a technique and its map have is shown without this program
+//! knowing their names.
 
 use super::side::labelled;
 use toml::{Table, Value};
@@ -24,7 +25,8 @@ pub(super) fn own(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<Techniq
     taken(&table, &changed)
 }
 
-/// Shows the settings of a technique's map without its size, fit and number of layers. Returns the technique with the user's changes.
+/// Shows the settings of a technique's map without its size, fit and number of layers. Returns the
+/// technique with the user's changes.
 pub(super) fn of_map(ui: &mut egui::Ui, preset: &TechniquePreset) -> Option<TechniquePreset> {
     let table: Table = preset.to_toml().ok()?.parse().ok()?;
     let mut changed = table.clone();
@@ -53,7 +55,8 @@ fn taken(before: &Table, after: &Table) -> Option<TechniquePreset> {
     TechniquePreset::from_toml(&toml::to_string(after).ok()?).ok()
 }
 
-/// Shows a value, and the values in it. `preset` has all settings, `path` is the value's path in them.
+/// Shows a value, and the values in it. `preset` has all settings, `path` is the value's path in
+/// them.
 fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) {
     let label = path
         .last()
@@ -95,7 +98,8 @@ fn setting(ui: &mut egui::Ui, preset: &Table, path: &[&str], value: &mut Value) 
     }
 }
 
-/// Returns the words that are valid at a path of a preset, without those that need more than a word.
+/// Returns the words that are valid at a path of a preset, without those that need more than a
+/// word.
 fn taken_choices(preset: &Table, path: &[&str]) -> Vec<String> {
     let mut words = choices(preset, path);
     words.retain(|word| {
@@ -116,7 +120,8 @@ fn with_word(preset: &Table, path: &[&str], word: &str) -> Option<String> {
     toml::to_string(&changed).ok()
 }
 
-/// Returns the words that the reader of presets expects at a path: it lists them in its error for an unknown word.
+/// Returns the words that the reader of presets expects at a path: it lists them in its error for
+/// an unknown word.
 fn choices(preset: &Table, path: &[&str]) -> Vec<String> {
     // No identifier of Rust, and so no word of any list.
     const UNKNOWN: &str = "-";

@@ -110,7 +110,8 @@ fn map_settings(ui: &mut egui::Ui, settings: &mut SideSettings, mut map: ShadowM
     map
 }
 
-/// Returns the layout of so many maps of a directional light: their other settings stay, and are shown with the rest of the map.
+/// Returns the layout of so many maps of a directional light: their other settings stay, and are
+/// shown with the rest of the map.
 fn layout(maps: u32, before: Layout) -> Layout {
     let known = match before {
         Layout::Cascades(cascades) => Some(cascades),

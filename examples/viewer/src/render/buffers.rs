@@ -18,7 +18,8 @@ use wgpu::util::DeviceExt as _;
 
 /// Triangles of a caster of the light sets: few enough that a lamp leaves out what it can't reach.
 const CASTER_TRIANGLES: u32 = 16_384;
-/// Triangles that are drawn together: few enough that a camera leaves out what it doesn't see, and that all are about as far away.
+/// Triangles that are drawn together: few enough that a camera leaves out what it doesn't see, and
+/// that all are about as far away.
 const DRAWN_TRIANGLES: u32 = 1024;
 
 /// A vertex without its position.
@@ -225,8 +226,8 @@ struct Run {
     convex: Option<Aabb>,
 }
 
-/// Returns all triangles sorted by whether they are alpha-tested, by material, by whether they are closed convex parts, and by position; and
-/// the runs of that list that are drawn together.
+/// Returns all triangles sorted by whether they are alpha-tested, by material, by whether they are
+/// closed convex parts, and by position; and the runs of that list that are drawn together.
 fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<Run>) {
     let triangles = geometry.triangles();
     let materials = geometry.materials();
@@ -269,7 +270,8 @@ fn sorted_triangles(geometry: &Geometry) -> (SortedTriangles, Vec<Run>) {
     (SortedTriangles { ids, corners }, runs)
 }
 
-/// Returns the vertices of a geometry, and behind them those of alpha-tested triangles, which have vertices of their own.
+/// Returns the vertices of a geometry, and behind them those of alpha-tested triangles, which have
+/// vertices of their own.
 fn vertices(
     geometry: &Geometry,
     runs: &[Run],
@@ -302,8 +304,9 @@ fn vertices(
     (positions, looks)
 }
 
-/// Returns the position of a point along a curve that fills a box and keeps neighbours together: the bits of its coordinates in turn
-/// (Morton 1966, "A computer oriented geodetic data base and a new technique in file sequencing").
+/// Returns the position of a point along a curve that fills a box and keeps neighbours together:
+/// the bits of its coordinates in turn (Morton 1966, "A computer oriented geodetic data base and a
+/// new technique in file sequencing").
 fn position_on_curve(point: Vec3, bounds: &Aabb) -> u32 {
     let size = (bounds.max - bounds.min).max(Vec3::splat(1e-20));
     let cell = ((point - bounds.min) / size * 1023.0).clamp(Vec3::ZERO, Vec3::splat(1023.0));

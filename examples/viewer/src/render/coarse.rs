@@ -1,8 +1,11 @@
-//! Fewer triangles for pictures of few pixels: vertices that are less than about a pixel apart are merged.
+//! Fewer triangles for pictures of few pixels: vertices that are less than about a pixel apart are
+//! merged.
 //!
-//! On software drivers each triangle costs more than the pixels that it covers. Vertices are merged by the cells of a grid (Rossignac and
-//! Borrel 1993, "Multi-resolution 3D approximations for rendering complex scenes"); one of a cell's own vertices stands for all, so that
-//! flat surfaces stay flat. Corners of long triangles stay where they are: else whole walls would lean, and shadow themselves.
+//! On software drivers each triangle costs more than the pixels that it covers. Vertices are merged
+//! by the cells of a grid (Rossignac and Borrel 1993, "Multi-resolution 3D approximations for
+//! rendering complex scenes"); one of a cell's own vertices stands for all, so that flat surfaces
+//! stay flat. Corners of long triangles stay where they are: else whole walls would lean, and
+//! shadow themselves.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -35,8 +38,8 @@ pub(super) struct CoarseLevel {
     pub indices: Range<u32>,
 }
 
-/// Returns for each run of a list of triangles its coarser levels, whose triangles are added to the list. Runs are ranges of indices, of
-/// which a triangle has three.
+/// Returns for each run of a list of triangles its coarser levels, whose triangles are added to the
+/// list. Runs are ranges of indices, of which a triangle has three.
 pub(super) fn add_levels(
     geometry: &Geometry,
     triangles: &mut Vec<[u32; 3]>,
@@ -98,7 +101,8 @@ fn merged(geometry: &Geometry, cell: f32) -> Vec<u32> {
     (0..).zip(positions).map(stands_for).collect()
 }
 
-/// Returns the side of a cube that a normal points to: surfaces that face elsewhere keep their own shade.
+/// Returns the side of a cube that a normal points to: surfaces that face elsewhere keep their own
+/// shade.
 fn side_of(normal: Vec3) -> u8 {
     let along = normal.abs();
     let axis = if along.x >= along.y.max(along.z) {

@@ -1,6 +1,7 @@
-//! Closed convex parts of a scene, such as boxes and balls: the backs of their triangles are never seen from outside, so that software
-//! rasterisers, whose frames take as long as there are triangles, may leave them out. Other parts may be open, or show their backs through
-//! folds: all of their triangles are drawn.
+//! Closed convex parts of a scene, such as boxes and balls: the backs of their triangles are never
+//! seen from outside, so that software rasterisers, whose frames take as long as there are
+//! triangles, may leave them out. Other parts may be open, or show their backs through folds: all
+//! of their triangles are drawn.
 
 use std::collections::HashMap;
 use umbrage::{Aabb, Geometry, glam::Vec3};
@@ -10,7 +11,8 @@ const MOST: usize = 256;
 /// Distance of a corner in front of a plane that rounding explains, as a share of the part's size.
 const ROUNDING: f32 = 1e-5;
 
-/// Returns for each triangle the box of the closed convex part to which it belongs, if it belongs to one.
+/// Returns for each triangle the box of the closed convex part to which it belongs, if it belongs
+/// to one.
 pub(crate) fn boxes(geometry: &Geometry) -> Vec<Option<Aabb>> {
     let triangles = geometry.triangles();
     let corners = welded(geometry);
@@ -42,7 +44,8 @@ pub(crate) fn boxes(geometry: &Geometry) -> Vec<Option<Aabb>> {
     out
 }
 
-/// Returns for each vertex the first one at the same place: meshes repeat vertices whose normals differ.
+/// Returns for each vertex the first one at the same place: meshes repeat vertices whose normals
+/// differ.
 fn welded(geometry: &Geometry) -> Vec<u32> {
     let mut known = HashMap::new();
     // The sum makes -0 the same as 0.
@@ -93,7 +96,8 @@ mod tests {
     use super::*;
     use umbrage::scenes;
 
-    /// Returns how many triangles of an object belong to closed convex parts, and how many there are.
+    /// Returns how many triangles of an object belong to closed convex parts, and how many there
+    /// are.
     fn counted(object: &str) -> (usize, usize) {
         let text = format!(
             "[[light]]\nkind = \"directional\"\ndirection = [1, -2, 0.5]\n[[object]]\n{object}"

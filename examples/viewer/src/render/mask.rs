@@ -46,7 +46,8 @@ pub(crate) struct PendingMask {
     size: UVec2,
     bytes_per_row: u32,
     mask: Readback,
-    /// Timestamps around the mask's pass; `None` without timestamps, and if the light has no shadow to look up.
+    /// Timestamps around the mask's pass; `None` without timestamps, and if the light has no shadow
+    /// to look up.
     time: Option<(Timestamps, Readback)>,
 }
 
@@ -112,7 +113,8 @@ impl PendingMask {
         })
     }
 
-    /// Returns the mask, rows from the top, and the time of all its lookups on the device, milliseconds, once they are there.
+    /// Returns the mask, rows from the top, and the time of all its lookups on the device,
+    /// milliseconds, once they are there.
     ///
     /// # Errors
     /// Errors if the device failed.

@@ -1,4 +1,5 @@
-//! Draws the scene through light sets, as any program would: one set for each of the two techniques that are compared.
+//! Draws the scene through light sets, as any program would: one set for each of the two techniques
+//! that are compared.
 
 mod buffers;
 mod coarse;
@@ -38,8 +39,8 @@ pub(crate) struct FrameSettings<'a> {
     pub camera: &'a Camera,
     pub stage: &'a Stage,
     pub settings: &'a Settings,
-    /// Whether something moves. If nothing does, a hidden side is prepared, too, since its mask may be requested, and maps whose time isn't
-    /// known are drawn once more.
+    /// Whether something moves. If nothing does, a hidden side is prepared, too, since its mask may
+    /// be requested, and maps whose time isn't known are drawn once more.
     pub is_moving: bool,
     /// Whether details smaller than a pixel may be left out.
     pub is_coarse: bool,
@@ -172,7 +173,8 @@ impl Renderer {
             let casters = side.set.casters_box();
             let draws_all = !frame.is_moving && is_unknown;
             if draws_all && !casters.is_empty() {
-                // Draw all maps in one frame that is timed. The frame after a change mostly isn't: timestamps of another are on their way.
+                // Draw all maps in one frame that is timed. The frame after a change mostly isn't:
+                // timestamps of another are on their way.
                 side.set.touch(&casters)?;
             }
             side.prepare(&self.device, &self.queue, &self.layouts, &self.scene, frame)?;
@@ -201,12 +203,14 @@ impl Renderer {
         clock.is_some_and(|clock| clock.drawn_ms.contains(&None))
     }
 
-    /// Returns the last frame that was timed while something moved, once: its size, pixels, and its time on the device.
+    /// Returns the last frame that was timed while something moved, once: its size, pixels, and its
+    /// time on the device.
     pub(crate) fn take_moving_frame(&mut self) -> Option<(UVec2, Duration)> {
         self.clock.as_mut()?.moving_frame.take()
     }
 
-    /// Lays a picture of a size over a side: rows from the top, sRGB and opacity, a byte each. `None` removes it.
+    /// Lays a picture of a size over a side: rows from the top, sRGB and opacity, a byte each.
+    /// `None` removes it.
     pub(crate) fn show_overlay(&mut self, side: usize, picture: Option<(UVec2, Vec<u8>)>) {
         self.overlays[side].show(&self.device, &self.queue, &self.layouts, picture);
     }
@@ -274,7 +278,8 @@ impl Renderer {
                 clip_from_world: clip_from_world(frame.camera),
                 part: [part.start, part.end].map(share),
                 eye: has_perspective.then(|| frame.camera.eye()),
-                // Its corners are farther away than its centre: twice is enough for views of 120 degrees.
+                // Its corners are farther away than its centre: twice is enough for views of 120
+                // degrees.
                 near: 2.0 * near(frame.camera),
                 coarse_pixel: frame.is_coarse.then(|| pixel(frame.camera)),
             };
@@ -296,7 +301,8 @@ impl Renderer {
     }
 }
 
-/// Returns the distance of the near plane, metres: depth is reversed and infinite, so that it is `near / distance`.
+/// Returns the distance of the near plane, metres: depth is reversed and infinite, so that it is
+/// `near / distance`.
 fn near(camera: &Camera) -> f32 {
     camera.clip_from_view.w_axis.z
 }

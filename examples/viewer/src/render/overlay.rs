@@ -23,7 +23,8 @@ impl Overlay {
         }
     }
 
-    /// Shows a picture of a size, if there is one: rows from the top, sRGB and opacity, a byte each.
+    /// Shows a picture of a size, if there is one: rows from the top, sRGB and opacity, a byte
+    /// each.
     pub(super) fn show(
         &mut self,
         device: &wgpu::Device,

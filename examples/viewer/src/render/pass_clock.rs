@@ -22,7 +22,8 @@ struct FrameStamps {
     moving: Option<UVec2>,
 }
 
-/// Times one frame after the other: the next one once the timestamps of the last one have been read.
+/// Times one frame after the other: the next one once the timestamps of the last one have been
+/// read.
 pub(crate) struct PassClock {
     stamps: Timestamps,
     frame: FrameStamps,
@@ -33,7 +34,8 @@ pub(crate) struct PassClock {
     pub times: Vec<(String, f64)>,
     /// Time to draw all maps and lists of each side, milliseconds; `None` before that is timed.
     pub drawn_ms: [Option<f64>; 2],
-    /// The last frame that was timed while something moved: its size, pixels, and its time on the device. It is taken.
+    /// The last frame that was timed while something moved: its size, pixels, and its time on the
+    /// device. It is taken.
     pub moving_frame: Option<(UVec2, Duration)>,
 }
 
@@ -51,7 +53,8 @@ impl PassClock {
         })
     }
 
-    /// Starts to time a frame; `moving` is its size if something moves. Returns false while timestamps of another frame are on their way.
+    /// Starts to time a frame; `moving` is its size if something moves. Returns false while
+    /// timestamps of another frame are on their way.
     pub(super) fn begin(&mut self, moving: Option<UVec2>) -> bool {
         self.take();
         if self.pending.is_some() {
@@ -64,7 +67,8 @@ impl PassClock {
         true
     }
 
-    /// Forgets the time of a side's maps and lists, since they changed; also that of a frame that is on its way.
+    /// Forgets the time of a side's maps and lists, since they changed; also that of a frame that
+    /// is on its way.
     pub(super) fn forget_drawn(&mut self, side: usize) {
         self.drawn_ms[side] = None;
         self.frame.draws_all[side] = false;

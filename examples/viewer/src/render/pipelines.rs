@@ -60,7 +60,8 @@ pub(crate) struct Forward {
     pub alpha_tested: Option<wgpu::RenderPipeline>,
 }
 
-/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text precedes the renderer's own.
+/// Returns the pipelines that draw lit surfaces with a set's shadows. The set's text precedes the
+/// renderer's own.
 ///
 /// # Errors
 /// Errors if the library has no text for the alpha test.

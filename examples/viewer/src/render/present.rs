@@ -1,7 +1,8 @@
 //! Puts the picture into the window.
 //!
-//! The panel's own shader would do, but for each pixel it also filters by hand, dithers and blends. On software drivers, which run all
-//! branches of a shader, that took longer than most frames of the scene.
+//! The panel's own shader would do, but for each pixel it also filters by hand, dithers and blends.
+//! On software drivers, which run all branches of a shader, that took longer than most frames of
+//! the scene.
 
 use super::pipelines;
 use egui_wgpu::CallbackTrait;
@@ -40,7 +41,8 @@ impl Presenter {
         }
     }
 
-    /// Returns what shows a picture of a size in a part of the window, which has its own number of pixels.
+    /// Returns what shows a picture of a size in a part of the window, which has its own number of
+    /// pixels.
     pub(crate) fn shape(
         &self,
         rect: egui::Rect,

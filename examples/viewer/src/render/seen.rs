@@ -14,7 +14,8 @@ pub(crate) struct SeenPart {
     pub eye: Option<Vec3>,
     /// Distance from the eye within which the near plane may cut, metres.
     pub near: f32,
-    /// Width of a pixel, metres, if smaller details may be left out; in perspective, at a distance of one metre.
+    /// Width of a pixel, metres, if smaller details may be left out; in perspective, at a distance
+    /// of one metre.
     pub coarse_pixel: Option<f32>,
 }
 
@@ -28,7 +29,8 @@ impl SeenPart {
         nearest.distance(eye) > self.near
     }
 
-    /// Returns the width of a pixel at the nearest point of a box, metres, if details may be left out.
+    /// Returns the width of a pixel at the nearest point of a box, metres, if details may be left
+    /// out.
     pub(super) fn pixel_at(&self, bounds: &Aabb) -> Option<f32> {
         let pixel = self.coarse_pixel?;
         let nearest = |eye: Vec3| eye.clamp(bounds.min, bounds.max).distance(eye);

@@ -21,7 +21,8 @@ use umbrage::{
     wgpu::{FrameGeometry, LightId, LightSet, LightSetOptions, SetFrame, SetLight, Unserved},
 };
 
-/// Bytes of the uniform `frame`: a matrix, three vectors, the rays through pixels, four vectors for each lamp.
+/// Bytes of the uniform `frame`: a matrix, three vectors, the rays through pixels, four vectors for
+/// each lamp.
 const FRAME_BYTES: u64 = 16 * (4 + 3 + 6 + 4 * MAX_LIGHTS as u64);
 
 /// A small scene for [`Side::refused_techniques`]: planes that receive, closed casters, a sun.
@@ -74,7 +75,8 @@ impl Side {
         })
     }
 
-    /// Applies settings to the set's lights; `nth` is this side, 0 or 1. Returns whether they have other maps now.
+    /// Applies settings to the set's lights; `nth` is this side, 0 or 1. Returns whether they have
+    /// other maps now.
     pub(super) fn apply(&mut self, settings: &Settings, nth: usize) -> Result<bool> {
         let wanted: Vec<Light> = lit(settings).collect();
         let settings = &settings.sides[nth];
@@ -146,17 +148,20 @@ impl Side {
         Ok(())
     }
 
-    /// Returns whether the set was prepared for this camera and these settings; `nth` is this side, 0 or 1.
+    /// Returns whether the set was prepared for this camera and these settings; `nth` is this side,
+    /// 0 or 1.
     pub(crate) fn is_ready_for(&self, camera: &Camera, settings: &Settings, nth: usize) -> bool {
         self.camera.as_ref() == Some(camera)
             && self.settings == settings.sides[nth]
             && lit(settings).eq(self.lights.iter().copied())
     }
 
-    /// Returns the names of the techniques that the set refuses for a kind of light, with their default settings.
+    /// Returns the names of the techniques that the set refuses for a kind of light, with their
+    /// default settings.
     ///
-    /// A small scene is checked: refusals depend on the passes of a technique, the kind of light and the device. Some techniques make lists of
-    /// all triangles first, which took 11 seconds for a scene of 2.4 million.
+    /// A small scene is checked: refusals depend on the passes of a technique, the kind of light
+    /// and the device. Some techniques make lists of all triangles first, which took 11 seconds for
+    /// a scene of 2.4 million.
     ///
     /// # Errors
     /// Errors if there is no such scene.

@@ -1,5 +1,6 @@
-//! Functions for tests and the curious in the browser's console. All return JSON: `umbrage_report()` what is shown and its errors,
-//! `umbrage_agreement()` how well the device's masks agree with the CPU's, `umbrage_widgets()` the positions of the panel's parts.
+//! Functions for tests and the curious in the browser's console. All return JSON:
+//! `umbrage_report()` what is shown and its errors, `umbrage_agreement()` how well the device's
+//! masks agree with the CPU's, `umbrage_widgets()` the positions of the panel's parts.
 
 use crate::{app::App, report};
 use eframe::WebRunner;

@@ -1,4 +1,5 @@
-//! The program in a worker: does a task, and reports to the page. [`worker`](super::worker) has the page's half.
+//! The program in a worker: does a task, and reports to the page. [`worker`](super::worker) has the
+//! page's half.
 
 use super::{
     scenes::{MadeStage, make, read_files},

@@ -32,7 +32,8 @@ impl MadeStage {
     }
 }
 
-/// Starts a worker that makes or reads a scene. Without workers the page makes built-in scenes itself.
+/// Starts a worker that makes or reads a scene. Without workers the page makes built-in scenes
+/// itself.
 pub(crate) fn start(ctx: &egui::Context, source: &Source) -> Job<MadeStage> {
     let read = |bytes: &[u8]| {
         postcard::from_bytes(bytes)

@@ -1,8 +1,10 @@
 //! Workers of the page do what takes long, while the page goes on drawing.
 //!
-//! A worker is a second instance of the program, with memory of its own, in a thread of the browser. It does one [`WorkerTask`] and ends. The
-//! page sends `{ program, job, parts }`; the worker sends any number of `{ step: text }`, and at last `{ done: bytes }` or `{ failed: text }`.
-//! Threads that share memory would need headers from the web server that many servers don't send.
+//! A worker is a second instance of the program, with memory of its own, in a thread of the
+//! browser. It does one [`WorkerTask`] and ends. The page sends `{ program, job, parts }`; the
+//! worker sends any number of `{ step: text }`, and at last `{ done: bytes }` or
+//! `{ failed: text }`. Threads that share memory would need headers from the web server that many
+//! servers don't send.
 
 use crate::job::Job;
 use anyhow::{Result, anyhow};
@@ -21,7 +23,8 @@ pub(crate) enum WorkerTask {
     Plan,
     /// Parts: a built-in scene's name. Done: a [`MadeStage`](super::scenes::MadeStage).
     Make,
-    /// Parts: each file's name, then the file; the scene comes first. Done: a [`MadeStage`](super::scenes::MadeStage).
+    /// Parts: each file's name, then the file; the scene comes first. Done: a
+    /// [`MadeStage`](super::scenes::MadeStage).
     Read,
 }
 
@@ -35,7 +38,8 @@ impl WorkerTask {
     }
 }
 
-/// Starts a worker. `read` reads its outcome; `without_worker` returns the outcome where the worker never began, for that reason.
+/// Starts a worker. `read` reads its outcome; `without_worker` returns the outcome where the worker
+/// never began, for that reason.
 pub(crate) fn start<T: 'static>(
     ctx: &egui::Context,
     task: WorkerTask,
@@ -114,7 +118,8 @@ impl PageWorker {
     /// Starts a worker. `on_message` is called between frames.
     ///
     /// # Errors
-    /// Errors if the browser starts no worker. If it can't load the worker's script, a message reports that later.
+    /// Errors if the browser starts no worker. If it can't load the worker's script, a message
+    /// reports that later.
     fn start(
         task: WorkerTask,
         parts: &Array,

@@ -47,7 +47,8 @@ pub(super) struct Boxes {
 /// A large caster's edges and plane, as functions on a face.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct FaceOutline {
-    /// Factors of the coordinates across and down, and a summand; a lane each for three edges and the plane.
+    /// Factors of the coordinates across and down, and a summand; a lane each for three edges and
+    /// the plane.
     pub(super) factors: [Vec4; 3],
     /// Whether the plane's function means anything.
     pub(super) knows_depth: bool,
@@ -228,7 +229,8 @@ impl Boxes {
             let at = |v: &Eight| four(v, first);
             let low = [at(&self.low[0]), at(&self.low[1])];
             let high = [at(&self.high[0]), at(&self.high[1])];
-            // The greatest that a linear function is in the box, or the least where its factors are turned round.
+            // The greatest that a linear function is in the box, or the least where its factors are
+            // turned round.
             let extreme = |edge: usize, sign: f32| {
                 let [x, y] = [across[edge], down[edge]];
                 let u = if x * sign > 0.0 { high[0] } else { low[0] };

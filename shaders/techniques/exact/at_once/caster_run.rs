@@ -49,7 +49,8 @@ pub(super) struct CasterRun {
     outline: OfEach<FaceOutline>,
 }
 
-/// Returns the least of the numbers of all casters; of vectors side by side, so that it is found by vector instructions.
+/// Returns the least of the numbers of all casters; of vectors side by side, so that it is found by
+/// vector instructions.
 #[inline(always)]
 fn least(numbers: &OfEach<f32>) -> f32 {
     let mut out = Vec4::INFINITY;
@@ -135,8 +136,9 @@ impl CasterRun {
         };
     }
 
-    /// Places all casters under a sun, as [`FaceBounds::under_sun`] does one of them. Without closures over arrays, which compilers don't put in
-    /// place, so that loops become ones of vector instructions.
+    /// Places all casters under a sun, as [`FaceBounds::under_sun`] does one of them. Without
+    /// closures over arrays, which compilers don't put in place, so that loops become ones of
+    /// vector instructions.
     #[inline(always)]
     fn place_under_sun(&mut self, frame: &LightFrame) {
         // A copy, since what the loop writes can't be what it reads.
@@ -234,7 +236,8 @@ impl CasterRun {
         ]
     }
 
-    /// Returns the boxes of eight in which caster `i` may hide the light, and those in which it surely hides it.
+    /// Returns the boxes of eight in which caster `i` may hide the light, and those in which it
+    /// surely hides it.
     #[inline(always)]
     pub(super) fn meets(&mut self, frame: &LightFrame, i: usize, boxes: &Boxes) -> ByOutline {
         let met = boxes.met_by(&self.reach_of(i));
@@ -267,7 +270,8 @@ impl CasterRun {
         }
     }
 
-    /// Returns a bit for each caster that may hide the light in a box; bits of those that don't show mean nothing.
+    /// Returns a bit for each caster that may hide the light in a box; bits of those that don't
+    /// show mean nothing.
     #[inline(always)]
     pub(super) fn meeting(&self, bounds: &FaceBox) -> u64 {
         let left = Vec4::splat(bounds.low.x);

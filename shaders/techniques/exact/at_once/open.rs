@@ -1,4 +1,5 @@
-//! Which rays are not known to be blocked: a bit for each ray of a block, each block of a group, and so on up to the top.
+//! Which rays are not known to be blocked: a bit for each ray of a block, each block of a group,
+//! and so on up to the top.
 
 use super::boxes::BOXES;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -9,7 +10,8 @@ use umbrage_core::parallel::prelude::*;
 pub(super) struct Open {
     /// A bit for each ray of each block.
     rays: Vec<AtomicU8>,
-    /// A bit for each block of eight, then for each of eight groups of these, and so on up to one word.
+    /// A bit for each block of eight, then for each of eight groups of these, and so on up to one
+    /// word.
     groups: Vec<Vec<AtomicU8>>,
 }
 
@@ -40,7 +42,8 @@ impl Open {
         self.rays[block].load(Ordering::Relaxed).into()
     }
 
-    /// Returns a bit for each part of a group that has open rays. Parts of groups of level 0 are blocks.
+    /// Returns a bit for each part of a group that has open rays. Parts of groups of level 0 are
+    /// blocks.
     #[inline(always)]
     pub(super) fn parts(&self, level: usize, group: usize) -> u32 {
         self.groups[level][group].load(Ordering::Relaxed).into()
@@ -73,7 +76,8 @@ impl Open {
         }
     }
 
-    /// Calls `tell` with each block that has open rays, and a bit for each of these. A thread takes so many `at_least` of the lowest groups.
+    /// Calls `tell` with each block that has open rays, and a bit for each of these. A thread takes
+    /// so many `at_least` of the lowest groups.
     pub(super) fn for_each(&self, at_least: usize, tell: impl Fn(usize, u32) + Sync) {
         let tell_group = |group: usize| {
             if !self.is_open(group) {

@@ -1,5 +1,6 @@
-//! Sorts rays by where they lie: two passes of a radix sort from the lowest digit up (Knuth 1998, "The Art of Computer Programming" 3, section
-//! 5.2.5), which keep the order of equal keys. A comparison sort takes three times as long.
+//! Sorts rays by where they lie: two passes of a radix sort from the lowest digit up (Knuth 1998,
+//! "The Art of Computer Programming" 3, section 5.2.5), which keep the order of equal keys. A
+//! comparison sort takes three times as long.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use umbrage_core::parallel::prelude::*;
@@ -78,7 +79,8 @@ pub(super) fn sort(parts: &[Vec<Entry>]) -> Sorted {
     pass(&ranges, 1, read, ExactSizeIterator::len)
 }
 
-/// Sorts the entries of all parts by one digit. `read` gives an entry of a part, `len` their number.
+/// Sorts the entries of all parts by one digit. `read` gives an entry of a part, `len` their
+/// number.
 fn pass<P: Sync>(
     parts: &[P],
     pass: u32,

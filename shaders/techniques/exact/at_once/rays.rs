@@ -1,8 +1,11 @@
-//! The rays of all receivers in the order in which the light sees them, and boxes around them, level by level.
+//! The rays of all receivers in the order in which the light sees them, and boxes around them,
+//! level by level.
 //!
-//! Rays are sorted along a curve over the light's frame that goes through all of a square before it leaves it (Morton 1966, "A Computer Oriented
-//! Geodetic Data Base and a New Technique in File Sequencing"), so that eight that follow one another lie side by side, and so do eight such
-//! blocks, and so on: wherever many pixels see little of the scene, or few see much, a box holds the same number of rays.
+//! Rays are sorted along a curve over the light's frame that goes through all of a square before it
+//! leaves it (Morton 1966, "A Computer Oriented Geodetic Data Base and a New Technique in File
+//! Sequencing"), so that eight that follow one another lie side by side, and so do eight such
+//! blocks, and so on: wherever many pixels see little of the scene, or few see much, a box holds
+//! the same number of rays.
 
 use super::{
     super::{
@@ -45,7 +48,8 @@ const FACE_BITS: u32 = 3;
 #[derive(Debug)]
 pub(super) struct FaceRays {
     pub(super) face: u32,
-    /// Apart from what else is known of blocks, since most casters that are near a block miss all of its rays.
+    /// Apart from what else is known of blocks, since most casters that are near a block miss all
+    /// of its rays.
     places: Vec<BlockPlaces>,
     blocks: Vec<Block>,
     pub(super) open: Open,
@@ -74,7 +78,8 @@ struct Block {
 
 /// Which way rays go.
 pub(super) enum Rays {
-    /// Those of a directional light, from anywhere. In a box of its own, since it is much larger than a position.
+    /// Those of a directional light, from anywhere. In a box of its own, since it is much larger
+    /// than a position.
     Parallel(Box<FourSegments>),
     /// Those of a light at this position.
     Towards(Vec3),
@@ -176,8 +181,8 @@ pub(super) fn make_rays(
     AllRays { faces, mask }
 }
 
-/// Places a band of receivers, whole batches but for the last: returns entries of those whose rays are asked, and notes which see the light
-/// without being asked.
+/// Places a band of receivers, whole batches but for the last: returns entries of those whose rays
+/// are asked, and notes which see the light without being asked.
 struct Place<'a, const LAMP: bool> {
     uniforms: &'a ExactUniforms,
     frame: &'a LightFrame,
@@ -213,7 +218,8 @@ impl<const LAMP: bool> Place<'_, LAMP> {
         let mut padded = PaddedReceivers::new();
         let receivers = ReceiverBatch::from(&span, 0, &mut padded);
         let u = self.uniforms;
-        // Copies, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
+        // Copies, so that the loop becomes one of vector instructions: what it writes can't be what
+        // it reads.
         let frame = *self.frame;
         let eye = u.eye.truncate();
         let sun = segment(&u.light, Vec3::ZERO, Vec2::ZERO, u.far);
@@ -255,7 +261,8 @@ impl<const LAMP: bool> Place<'_, LAMP> {
 /// Numbers from here to twice this are whole.
 const WHOLE: f32 = 8_388_608.0;
 
-/// Returns the first bits of a number of 0 to 1 (others are taken for the nearest of these), with a zero above each.
+/// Returns the first bits of a number of 0 to 1 (others are taken for the nearest of these), with a
+/// zero above each.
 #[inline(always)]
 fn curve_bits(number: f32, count: u32) -> u32 {
     let most = ((1_u32 << count) - 1) as f32;
@@ -336,7 +343,8 @@ impl<const LAMP: bool> BlockMaker<'_, LAMP> {
             normal[1][i] = r.ny[pixel];
             normal[2][i] = r.nz[pixel];
         }
-        // A copy, so that the loop becomes one of vector instructions: what it writes can't be what it reads.
+        // A copy, so that the loop becomes one of vector instructions: what it writes can't be what
+        // it reads.
         let frame = *self.source.frame;
         let u = self.source.uniforms;
         let eye = u.eye.truncate();
@@ -437,7 +445,8 @@ impl FaceRays {
         }
     }
 
-    /// Hides the light from those rays of a block that meet a caster, but for those that start on it.
+    /// Hides the light from those rays of a block that meet a caster, but for those that start on
+    /// it.
     #[inline(always)]
     pub(super) fn hide(
         &self,
@@ -465,7 +474,8 @@ impl FaceRays {
         }
     }
 
-    /// Returns a bit for each of some rays of a block, which meet a caster, that meets it in a hole.
+    /// Returns a bit for each of some rays of a block, which meet a caster, that meets it in a
+    /// hole.
     fn through_holes(
         &self,
         block: usize,
@@ -493,7 +503,8 @@ impl FaceRays {
         bits
     }
 
-    /// Returns a bit for each ray of a block that meets a triangle; those of rays beside which no `wanted` bit is mean nothing.
+    /// Returns a bit for each ray of a block that meets a triangle; those of rays beside which no
+    /// `wanted` bit is mean nothing.
     #[inline(always)]
     fn hits(&self, block: usize, rays: &Rays, wanted: u32, corners: &[Vec3; 3]) -> u32 {
         let mut bits = 0;

@@ -1,10 +1,13 @@
-// A caster's outline as seen from the light, as outline.rs has it, in 32 bits: what these round is added to the margins.
+// A caster's outline as seen from the light, as outline.rs has it, in 32 bits: what these round is
+// added to the margins.
 
-// What products of a lamp's directions are wrong by: 8 roundings of 1. A sun's are of differences within the triangle, and far less.
+// What products of a lamp's directions are wrong by: 8 roundings of 1. A sun's are of differences
+// within the triangle, and far less.
 const LAMP_SLACK = 4.8e-7;
-// How much of the margin in depth a plane may be wrong by, for it to be asked. Edges of casters of few cells are found anew in each pass, and
-// may be rounded otherwise there: no plane is asked where items are counted that isn't where they are filled in, so that the count is
-// never too small. Edges of casters of many cells are found once.
+// How much of the margin in depth a plane may be wrong by, for it to be asked. Edges of casters of
+// few cells are found anew in each pass, and may be rounded otherwise there: no plane is asked
+// where items are counted that isn't where they are filled in, so that the count is never too
+// small. Edges of casters of many cells are found once.
 const FILLED_SLOPE = 0.5;
 const COUNTED_SLOPE = 0.48;
 
@@ -22,7 +25,8 @@ struct Edges {
     knows_depth: bool,
 }
 
-// One over a plane's depth, from the lamp, as a function on a face. w: 0 where differences of the corners are too inexact for that.
+// One over a plane's depth, from the lamp, as a function on a face. w: 0 where differences of the
+// corners are too inexact for that.
 fn plane_of_lamp(face: u32, corners: array<vec3f, 3>) -> vec4f {
     let u = corners[1] - corners[0];
     let v = corners[2] - corners[0];
@@ -30,7 +34,8 @@ fn plane_of_lamp(face: u32, corners: array<vec3f, 3>) -> vec4f {
     let offset = dot(normal, corners[0]);
     let longest = max(length(u), length(v));
     let farthest = max(max(length(corners[0]), length(corners[1])), length(corners[2]));
-    // Corners are wrong by a rounding of their distance, and with them the normal by that times the edges.
+    // Corners are wrong by a rounding of their distance, and with them the normal by that times the
+    // edges.
     let error = LAMP_SLACK * longest * farthest * farthest;
     let is_exact = abs(offset) > 0.0 && error <= exact_slope() * grid.down.w * abs(offset);
     return vec4f(turned(normal, face) / offset, select(0.0, 1.0, is_exact));
@@ -67,9 +72,11 @@ fn edges_of(face: u32, corners: array<vec3f, 3>) -> Edges {
     let longest = max(max(lengths.x, lengths.y), lengths.z);
     let whole = dot(directions[0], e0);
     let sign = select(1.0, -1.0, whole < 0.0);
-    // Along a short edge the direction is known only roughly: at its far end the error is longest / length as large.
+    // Along a short edge the direction is known only roughly: at its far end the error is longest /
+    // length as large.
     let factors = sign / max(around * (lengths + longest) + slack, vec3f(1e-30));
-    // The plane through the corners' depths. What the edges are wrong by moves it by the sum of their shares.
+    // The plane through the corners' depths. What the edges are wrong by moves it by the sum of
+    // their shares.
     let steps = depths - depths.x;
     let shares = dot(abs(steps), around * lengths + slack);
     var slope = shares;
@@ -98,8 +105,8 @@ fn edges_of(face: u32, corners: array<vec3f, 3>) -> Edges {
     );
 }
 
-// The functions along a row of cells: their values at the first corner of the face's first cell, and what they grow by from cell to cell
-// and to the next row.
+// The functions along a row of cells: their values at the first corner of the face's first cell,
+// and what they grow by from cell to cell and to the next row.
 struct Row {
     first: vec4f,
     across: vec4f,
@@ -112,15 +119,17 @@ fn row_of(edges: Edges, y: u32, cell_side: f32) -> Row {
     return Row(first, edges.across * cell_side, edges.down * cell_side);
 }
 
-// The cells of a row in which the edges' greatest values are at least `least`; the first and the last one, maybe none. Linear functions have
-// their greatest values at corners. Divisions are rounded: `more`, in cells, makes up for it.
+// The cells of a row in which the edges' greatest values are at least `least`; the first and the
+// last one, maybe none. Linear functions have their greatest values at corners. Divisions are
+// rounded: `more`, in cells, makes up for it.
 fn touched_cells(row: Row, least: f32, more: f32) -> vec2f {
     let corner = row.first.xyz + max(row.across.xyz, vec3f(0.0)) + max(row.down.xyz, vec3f(0.0));
     let cells = cells_above(row.across.xyz, vec3f(least) - corner);
     return vec2f(ceil(cells.x - more), floor(cells.y + more));
 }
 
-// The cells of a row in which the edges' least values are above 1: here a 16th of a cell makes up for rounded divisions.
+// The cells of a row in which the edges' least values are above 1: here a 16th of a cell makes up
+// for rounded divisions.
 fn covered_cells(row: Row) -> vec2f {
     let corner = row.first.xyz + min(row.across.xyz, vec3f(0.0)) + min(row.down.xyz, vec3f(0.0));
     let cells = cells_above(row.across.xyz, vec3f(1.0) - corner);

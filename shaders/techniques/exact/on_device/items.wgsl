@@ -25,7 +25,8 @@ fn fill_item(number: u32, id: u32, nearest: f32, touch: Touch, cell: vec2u) {
 // No receiver is in this box: its least step lies behind its greatest one.
 const NOWHERE = LAST | (LAST << FIELD) | (LAST << (2u * FIELD)) | (LAST << (3u * FIELD));
 
-// Sorts each cell's list by steps of depth. What was counted and not filled in then comes last, and asks nobody.
+// Sorts each cell's list by steps of depth. What was counted and not filled in then comes last, and
+// asks nobody.
 @compute @workgroup_size(64)
 fn sort_items(@builtin(global_invocation_id) at: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let cell = at.x + at.y * groups.x * 64u;

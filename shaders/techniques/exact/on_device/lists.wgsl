@@ -1,6 +1,8 @@
-// Makes the tables that exact.wgsl reads, from the casters' corners, by the compute passes that `DeviceLists` of `umbrage-core` lists.
+// Makes the tables that exact.wgsl reads, from the casters' corners, by the compute passes that
+// `DeviceLists` of `umbrage-core` lists.
 //
-// Counting, summing up and filling in is the counting sort of Knuth 1973, "The Art of Computer Programming" 3, 5.2.
+// Counting, summing up and filling in is the counting sort of Knuth 1973, "The Art of Computer
+// Programming" 3, 5.2.
 
 struct ListsPlace {
     // First rows of tiles, cells, items and corners among the tables.
@@ -30,8 +32,8 @@ const NEEDED = 3u;
 const LARGE = 4u;
 const SMALL = 5u;
 const HEAD = 16u;
-// Sums of blocks, then two words a cell: items, and what is deeper is in shadow (the bits of a positive float, which compare like it, taken
-// from those of infinity, so that 0 is the farthest).
+// Sums of blocks, then two words a cell: items, and what is deeper is in shadow (the bits of a
+// positive float, which compare like it, taken from those of infinity, so that 0 is the farthest).
 const BLOCK = 1024u;
 const CELL_WORDS = 2u;
 const FAR = 0x7f800000u;

@@ -2,7 +2,8 @@
 
 var<workgroup> sums: array<u32, 256>;
 
-// Returns the sum of what the lanes before this one have. The last lane's sum and its own value are all of it.
+// Returns the sum of what the lanes before this one have. The last lane's sum and its own value are
+// all of it.
 fn sum_before(lane: u32, value: u32) -> u32 {
     sums[lane] = value;
     workgroupBarrier();
@@ -43,8 +44,8 @@ fn sum_blocks(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
 // Groups of threads of each pass of a further try.
 @group(1) @binding(0) var<storage, read_write> further: array<u32>;
 
-// Turns the blocks' sums into the sums of all blocks before, and says whether lists fit. If they do, further tries have no threads; if they
-// don't, cells become twice as wide.
+// Turns the blocks' sums into the sums of all blocks before, and says whether lists fit. If they
+// do, further tries have no threads; if they don't, cells become twice as wide.
 @compute @workgroup_size(256)
 fn sum_all(@builtin(local_invocation_index) lane: u32) {
     let is_done = atomicLoad(&work[FITS]) != 0u;

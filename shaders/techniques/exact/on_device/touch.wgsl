@@ -1,18 +1,21 @@
-// Which part of a light's grid a caster touches, as light_frame.rs and touches.rs have it: in the arithmetic of a device, whose roundings
-// are within the margins.
+// Which part of a light's grid a caster touches, as light_frame.rs and touches.rs have it: in the
+// arithmetic of a device, whose roundings are within the margins.
 
 struct ListsGrid {
     // Frame space's origin, world space; w: what the triangle test is wrong by.
     origin: vec4f,
-    // Rows of the matrix from the world, less the origin, to frame space. w: the least margin across the rays.
+    // Rows of the matrix from the world, less the origin, to frame space. w: the least margin
+    // across the rays.
     across: vec4f,
     // w: the margin in depth.
     down: vec4f,
     // w: what is subtracted from a sun's depth.
     away: vec4f,
-    // Half the size of a face, across and down; tiles a unit of a direction; casters nearer to a lamp than this may be anywhere.
+    // Half the size of a face, across and down; tiles a unit of a direction; casters nearer to a
+    // lamp than this may be anywhere.
     face: vec4f,
-    // Tiles of a face, across and down; whether the light is a lamp; cells along a tile's side at most, as a power of two.
+    // Tiles of a face, across and down; whether the light is a lamp; cells along a tile's side at
+    // most, as a power of two.
     tiles: vec4u,
 }
 
@@ -100,8 +103,8 @@ fn touch_in_box(face: u32, low: vec2f, high: vec2f, nearest: f32) -> Touch {
     return Touch(select(face, NO_FACE, misses), inside, vec2u(clamp(last, vec2i(0), end - 1)), max(before(nearest), 0.0));
 }
 
-// A lamp's face, seen through the pyramid around it: nothing where all corners lie beyond one of its sides, else the box around the corners,
-// or all of the face where some lie behind the lamp.
+// A lamp's face, seen through the pyramid around it: nothing where all corners lie beyond one of
+// its sides, else the box around the corners, or all of the face where some lie behind the lamp.
 fn touch_on_cube(face: u32, corners: array<vec3f, 3>, distance: f32) -> Touch {
     let around = margin(distance);
     let rim = 1.0 + 2.0 * around;

@@ -1,13 +1,14 @@
-// What passes do for each cell that a caster may touch: find what covers it, count its items, fill them in.
+// What passes do for each cell that a caster may touch: find what covers it, count its items, fill
+// them in.
 
-// What a pass does for each cell that a caster may touch: a constant of its pipeline, since drivers that run on the CPU go through all
-// branches of a shader, taken or not.
+// What a pass does for each cell that a caster may touch: a constant of its pipeline, since drivers
+// that run on the CPU go through all branches of a shader, taken or not.
 override DOES: u32 = 0u;
 const COVER = 0u;
 const COUNT = 1u;
 const FILL = 2u;
-// How far the edges' functions may be below -1, and how much further the cells of a row reach: both more where items are counted, since
-// both passes round as they like.
+// How far the edges' functions may be below -1, and how much further the cells of a row reach: both
+// more where items are counted, since both passes round as they like.
 const COUNTED_MISS = -1.0625;
 const FILLED_MISS = -1.0;
 const COUNTED_MORE = 0.125;

@@ -1,4 +1,5 @@
-//! `cargo xtask card --pack`: packs what a machine with a graphics card needs to run the measurements, without a compiler or a network.
+//! `cargo xtask card --pack`: packs what a machine with a graphics card needs to run the
+//! measurements, without a compiler or a network.
 
 #[path = "../../../../crates/umbrage-lab/src/compare/commit.rs"]
 mod commit;
@@ -19,7 +20,8 @@ use std::{
 /// What runs on that machine.
 const RUN_SCRIPT: &str = include_str!("run.sh");
 
-/// Debian's packages of Vulkan's loader, and of what NVIDIA's driver loads besides: machines for computing lack them.
+/// Debian's packages of Vulkan's loader, and of what NVIDIA's driver loads besides: machines for
+/// computing lack them.
 const LOADER: [&str; 7] = [
     "libvulkan1",
     "libegl1",
@@ -191,7 +193,8 @@ mod tests {
         assert_eq!(fs::read_to_string(&kept).expect("still there"), "mine");
     }
 
-    /// Packs the program that `cargo test` has built, and runs its first part as on a machine with a card.
+    /// Packs the program that `cargo test` has built, and runs its first part as on a machine with
+    /// a card.
     #[cfg(unix)]
     #[test]
     fn the_adapter_part_runs_from_a_packed_folder() {

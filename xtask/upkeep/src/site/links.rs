@@ -70,7 +70,8 @@ impl MarkdownPage {
         page
     }
 
-    /// Adds a heading in lower case with hyphens. As in mdBook and on GitHub, repeated ones are numbered.
+    /// Adds a heading in lower case with hyphens. As in mdBook and on GitHub, repeated ones are
+    /// numbered.
     fn add_anchor(&mut self, words: &str) {
         let kept = |c: &char| c.is_alphanumeric() || "_- ".contains(*c);
         let plain: String = words.chars().filter(kept).collect();
@@ -83,7 +84,8 @@ impl MarkdownPage {
         }
     }
 
-    /// Returns the target of a link of this page; `None` for external ones and for code that looks like a link.
+    /// Returns the target of a link of this page; `None` for external ones and for code that looks
+    /// like a link.
     pub(super) fn resolved(&self, path: &str, target: &str) -> Option<LinkTarget> {
         let is_link = self.links.iter().any(|(link, _)| link == target);
         resolve(path, target).filter(|_| is_link)
@@ -119,7 +121,8 @@ impl MarkdownPages {
         targets.map(|target| target.path).collect()
     }
 
-    /// Errors, naming every fault, unless all links lead to something and the list names all pages of `docs`.
+    /// Errors, naming every fault, unless all links lead to something and the list names all pages
+    /// of `docs`.
     pub(super) fn check(&self, root: &Path) -> Result<()> {
         let listed = self.of_site();
         let mut faults = Vec::new();

@@ -1,5 +1,6 @@
-//! The folder that mdBook makes the site from. Pages keep their links as they are in the repository, where they may lead out of `docs`;
-//! here each page and file has its place on the site, and every link leads there.
+//! The folder that mdBook makes the site from. Pages keep their links as they are in the
+//! repository, where they may lead out of `docs`; here each page and file has its place on the
+//! site, and every link leads there.
 
 use super::{
     links::{LIVE, LinkTarget, MarkdownPage, MarkdownPages, SUMMARY},
@@ -19,7 +20,8 @@ const VIEWER_ENDS: &str = "<!-- end of viewer -->";
 const LEFT_OUT: &str = "**This site was built without the viewer** (`cargo xtask site --without-viewer`), so a picture stands \
                         here: `cargo xtask site` builds it with the viewer.\n\n";
 
-/// Writes the folder. Links to the viewer's page with a query lead to the viewer itself if the site has it.
+/// Writes the folder. Links to the viewer's page with a query lead to the viewer itself if the site
+/// has it.
 pub(super) fn write(
     root: &Path,
     pages: &MarkdownPages,
@@ -133,7 +135,8 @@ fn frame(query: &str) -> String {
     )
 }
 
-/// Returns the place of a file that is not a page: pictures are copied, all others become pages that show their text.
+/// Returns the place of a file that is not a page: pictures are copied, all others become pages
+/// that show their text.
 fn place_of_file(path: &str) -> String {
     match path.rsplit_once('.') {
         Some((_, "png" | "svg")) => place_of(path).to_owned(),

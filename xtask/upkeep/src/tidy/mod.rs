@@ -1,5 +1,5 @@
-//! House style that clippy and rustfmt don't check: sizes of functions and files, density of code, one meaning for every public type
-//! name, and WGSL, TOML and Markdown files.
+//! House style that clippy and rustfmt don't check: sizes of functions and files, density of code,
+//! one meaning for every public type name, and WGSL, TOML and Markdown files.
 
 pub(crate) mod files;
 mod rules;
@@ -12,7 +12,8 @@ use comfy_table::Table;
 use files::Source;
 use std::collections::BTreeMap;
 
-/// What is measured, and its bound. Density counts the tokens of a file over its lines of code, without comments.
+/// What is measured, and its bound. Density counts the tokens of a file over its lines of code,
+/// without comments.
 const LIMITS: [(&str, usize); 6] = [
     ("tokens of Rust functions", 850),
     ("lines of Rust functions", 220),

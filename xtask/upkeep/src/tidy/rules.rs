@@ -1,4 +1,5 @@
-//! Rules for the text of files. Clippy refuses `todo!`, `unimplemented!` and attributes without a reason.
+//! Rules for the text of files. Clippy refuses `todo!`, `unimplemented!` and attributes without a
+//! reason.
 
 use super::files::Source;
 

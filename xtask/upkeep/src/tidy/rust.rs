@@ -1,7 +1,7 @@
 //! Measures Rust files, and finds names that house style refuses.
 //!
-//! Functions that are short because their lines are packed are harder to read than longer plain ones, so lengths are bounded in
-//! tokens, too.
+//! Functions that are short because their lines are packed are harder to read than longer plain
+//! ones, so lengths are bounded in tokens, too.
 
 use super::{Findings, Length, files::Source, lines_of};
 use anyhow::{Result, anyhow};

@@ -1,6 +1,7 @@
-//! Ray queries against the casters. `obvhs` finds the hierarchies' shape; the tests of boxes and triangles are ours,
-//! because truth needs answers that have no cracks and don't depend on the order of the search (`ray_triangle.rs` says why
-//! they don't), and because they have twins on the GPU.
+//! Ray queries against the casters. `obvhs` finds the hierarchies' shape; the tests of boxes and
+//! triangles are ours, because truth needs answers that have no cracks and don't depend on the
+//! order of the search (`ray_triangle.rs` says why they don't), and because they have twins on the
+//! GPU.
 
 #[cfg(feature = "rays")]
 mod build;

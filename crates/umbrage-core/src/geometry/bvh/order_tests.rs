@@ -1,4 +1,5 @@
-//! Answers don't depend on the order of the search: both hierarchies and lists in any order, up to 1e6 m from the origin.
+//! Answers don't depend on the order of the search: both hierarchies and lists in any order, up to
+//! 1e6 m from the origin.
 
 use crate::{
     geometry::{
@@ -12,7 +13,8 @@ use crate::{
 };
 use glam::{EulerRot, Quat, Vec3};
 
-/// The two-way hierarchy as shaders hold it, searched by their rule; which child comes first is up to `turn`.
+/// The two-way hierarchy as shaders hold it, searched by their rule; which child comes first is up
+/// to `turn`.
 struct Tables {
     nodes: Vec<[u32; 4]>,
     triangles: Vec<[u32; 4]>,
@@ -74,8 +76,8 @@ fn shuffled(g: &Geometry, random: &mut Random) -> Geometry {
     geometry(g.positions().to_vec(), triangles)
 }
 
-/// A ball of radius .2 over a floor and a fence of thin wires, so far from the origin. At 1e6 m steps are 6 cm: most of the
-/// ball's triangles lose their area.
+/// A ball of radius .2 over a floor and a fence of thin wires, so far from the origin. At 1e6 m
+/// steps are 6 cm: most of the ball's triangles lose their area.
 fn far_scene(metres: f32) -> Geometry {
     let at = Vec3::new(1.0, 0.0, 0.9) * metres;
     let mut positions = Vec::new();
@@ -116,9 +118,9 @@ fn far_scene(metres: f32) -> Geometry {
     geometry(positions, triangles)
 }
 
-/// From points of the scene's surfaces to the sun or a lamp; some along the floor, some along an axis. The suns' quotients
-/// are no short numbers, but whole multiples of each other: on a coarse grid many upright triangles without area lie in line
-/// with a segment, all but for rounding.
+/// From points of the scene's surfaces to the sun or a lamp; some along the floor, some along an
+/// axis. The suns' quotients are no short numbers, but whole multiples of each other: on a coarse
+/// grid many upright triangles without area lie in line with a segment, all but for rounding.
 fn segment(g: &Geometry, random: &mut Random, i: u32) -> (Vec3, Vec3, u32) {
     let id = hash(i) % g.triangles().len() as u32;
     let [a, b, c] = g.corners(id);
@@ -150,7 +152,8 @@ fn every_order_gives_the_same_answer() {
         for i in 0..4_000 {
             let (o, d, id) = segment(&g, &mut random, i);
             let [a, b, c] = g.corners(id);
-            // The same triangle has another number in the other list; duplicates of it count as well.
+            // The same triangle has another number in the other list; duplicates of it count as
+            // well.
             let segment = Segment::new(o, d);
             let expected = g
                 .casters()
@@ -198,7 +201,8 @@ fn the_nearest_hit_is_the_same_in_every_order() {
     }
 }
 
-/// Clusters of every size, each within the box of the next: the deepest trees, with more than one way to go on everywhere.
+/// Clusters of every size, each within the box of the next: the deepest trees, with more than one
+/// way to go on everywhere.
 #[test]
 fn deep_trees_are_searched_to_the_end() {
     let mut random = Random(2);

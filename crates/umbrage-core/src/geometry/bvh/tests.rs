@@ -115,7 +115,8 @@ fn an_occluder_answers_like_the_search() {
     }
 }
 
-/// `obvhs`'s box test skips boxes that end before t = 1e-4: they must not be lost, however long the segment.
+/// `obvhs`'s box test skips boxes that end before t = 1e-4: they must not be lost, however long the
+/// segment.
 #[test]
 fn occluders_close_to_the_origin_are_found() {
     let g = geometry(vec![Vec3::ZERO, Vec3::X, Vec3::Z], vec![[0, 1, 2]]);
@@ -142,7 +143,8 @@ fn nothing_casts_nothing_occludes() {
     );
 }
 
-/// From within a closed, finely cut ball no segment escapes, wherever it is aimed: at corners, edges or insides.
+/// From within a closed, finely cut ball no segment escapes, wherever it is aimed: at corners,
+/// edges or insides.
 #[test]
 fn closed_meshes_have_no_cracks() {
     let rings = 48_u32;
@@ -182,7 +184,8 @@ fn closed_meshes_have_no_cracks() {
     }
 }
 
-/// Where a region is clear no segment within it is hidden; and regions are found clear, and found not to be.
+/// Where a region is clear no segment within it is hidden; and regions are found clear, and found
+/// not to be.
 #[test]
 fn clear_regions_hide_nothing() {
     let mut random = Random(23);

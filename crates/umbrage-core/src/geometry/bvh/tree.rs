@@ -76,14 +76,16 @@ impl Bvh {
         }
     }
 
-    /// Returns whether any caster but triangle `skip` meets the segment from `o` to `o + d`, elsewhere than in a hole that is cut out.
+    /// Returns whether any caster but triangle `skip` meets the segment from `o` to `o + d`,
+    /// elsewhere than in a hole that is cut out.
     #[inline]
     pub fn occluded(&self, o: Vec3, d: Vec3, skip: u32) -> bool {
         self.occluder(o, d, skip).is_some()
     }
 
-    /// Returns a caster other than triangle `skip` that meets the segment from `o` to `o + d`, so that similar segments can be
-    /// tested against it first by [`Bvh::hits`]. The number is the hierarchy's own, not a triangle id.
+    /// Returns a caster other than triangle `skip` that meets the segment from `o` to `o + d`, so
+    /// that similar segments can be tested against it first by [`Bvh::hits`]. The number is the
+    /// hierarchy's own, not a triangle id.
     #[inline]
     pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
         let segment = Segment::new(o, d);
@@ -99,7 +101,8 @@ impl Bvh {
         found
     }
 
-    /// Returns where the segment from `o` to `o + d` first meets a caster other than triangle `skip`: a fraction of `d`, 0..=1.
+    /// Returns where the segment from `o` to `o + d` first meets a caster other than triangle
+    /// `skip`: a fraction of `d`, 0..=1.
     pub fn nearest(&self, geometry: &Geometry, o: Vec3, d: Vec3, skip: u32) -> Option<f32> {
         let segment = Segment::new(o, d);
         let mut nearest = None;
@@ -110,7 +113,8 @@ impl Bvh {
                     .map(|corner| corner.as_dvec3());
                 let normal = (b - a).cross(c - a);
                 let t = normal.dot(a - o.as_dvec3()) / normal.dot(d.as_dvec3());
-                // Within the triangle's box, so that no box around it is passed over that is entered before.
+                // Within the triangle's box, so that no box around it is passed over that is
+                // entered before.
                 let [entry, exit] = span(
                     segment.origin,
                     segment.inverse,
@@ -124,7 +128,8 @@ impl Bvh {
         nearest
     }
 
-    /// Returns whether a segment passes through a hole of the hierarchy's triangle `i`, which it hits.
+    /// Returns whether a segment passes through a hole of the hierarchy's triangle `i`, which it
+    /// hits.
     #[inline(always)]
     fn is_hole(&self, segment: &Segment, i: usize) -> bool {
         match &self.cut_outs {
@@ -133,8 +138,8 @@ impl Bvh {
         }
     }
 
-    /// Appends the triangle ids of the casters that may come within `radius` of the segment from `o` to `o + d`, measured
-    /// along each axis. Cautious: it may name others, too.
+    /// Appends the triangle ids of the casters that may come within `radius` of the segment from
+    /// `o` to `o + d`, measured along each axis. Cautious: it may name others, too.
     pub fn near(&self, o: Vec3, d: Vec3, radius: f32, out: &mut Vec<u32>) {
         let inverse = slab_inverse(d);
         let mut stack = self.narrow_root();
@@ -156,15 +161,17 @@ impl Bvh {
         }
     }
 
-    /// Passes on all casters that segments of a shaft may meet, roughly from near to far, until the search has enough. Cautious: it may
-    /// pass on others, too. What is cut out of casters is not asked.
+    /// Passes on all casters that segments of a shaft may meet, roughly from near to far, until the
+    /// search has enough. Cautious: it may pass on others, too. What is cut out of casters is not
+    /// asked.
     #[inline(always)]
     pub fn in_shaft(&self, shaft: &Shaft, search: &mut impl ShaftSearch) {
         let caster = |i: usize| (self.ids[i], self.corners[i].points());
         self.wide.search_shaft(shaft, caster, search);
     }
 
-    /// Returns whether the caster that [`Bvh::occluder`] returned meets the segment, too, unless it is triangle `skip`.
+    /// Returns whether the caster that [`Bvh::occluder`] returned meets the segment, too, unless it
+    /// is triangle `skip`.
     ///
     /// # Panics
     /// Panics if it came from another hierarchy with more triangles.
@@ -175,8 +182,9 @@ impl Bvh {
         self.ids[i] != skip && segment.hits(&self.corners[i]) && !self.is_hole(&segment, i)
     }
 
-    /// Returns whether no caster reaches into the convex region `normal.dot(x) >= distance` of all these planes (normals of any
-    /// length). Cautious: it may return false where one only comes near. One such query can spare a thousand rays.
+    /// Returns whether no caster reaches into the convex region `normal.dot(x) >= distance` of all
+    /// these planes (normals of any length). Cautious: it may return false where one only comes
+    /// near. One such query can spare a thousand rays.
     pub fn is_clear(&self, geometry: &Geometry, planes: &[(Vec3, f32)]) -> bool {
         let mut stack = self.narrow_root();
         while let Some(i) = stack.pop() {
@@ -198,7 +206,8 @@ impl Bvh {
         true
     }
 
-    /// Returns a stack of nodes of the two-way hierarchy that holds its root; an empty one where nothing casts.
+    /// Returns a stack of nodes of the two-way hierarchy that holds its root; an empty one where
+    /// nothing casts.
     fn narrow_root(&self) -> Vec<usize> {
         if self.ids.is_empty() {
             Vec::new()
@@ -207,7 +216,8 @@ impl Bvh {
         }
     }
 
-    /// Returns the greatest number of nodes from the root of the two-way hierarchy to a leaf: the size of a shader's stack.
+    /// Returns the greatest number of nodes from the root of the two-way hierarchy to a leaf: the
+    /// size of a shader's stack.
     pub fn depth(&self) -> usize {
         *self.depth.get_or_init(|| self.find_depth())
     }
@@ -230,9 +240,10 @@ impl Bvh {
         deepest
     }
 
-    /// Returns the two-way hierarchy as rows of four words, for shaders: row 2i is node i's least corner and its first child or
-    /// triangle, row 2i + 1 its greatest corner and its triangle count (0 for an inner node, whose children are
-    /// adjacent). Two rows of zeros where nothing casts.
+    /// Returns the two-way hierarchy as rows of four words, for shaders: row 2i is node i's least
+    /// corner and its first child or triangle, row 2i + 1 its greatest corner and its triangle
+    /// count (0 for an inner node, whose children are adjacent). Two rows of zeros where nothing
+    /// casts.
     pub fn node_rows(&self) -> Vec<[u32; 4]> {
         let mut rows = Vec::new();
         for node in &self.narrow.nodes {
@@ -246,9 +257,10 @@ impl Bvh {
         }
     }
 
-    /// Returns the triangles in the order in which [`Bvh::node_rows`] names them, three rows each: a corner, and the id as the
-    /// fourth word. Three rows of zeros where nothing casts. If the geometry has cut-outs, the second row's fourth word is the row of
-    /// the triangle's record in [`CutOuts::rows`], 0 for those without holes.
+    /// Returns the triangles in the order in which [`Bvh::node_rows`] names them, three rows each:
+    /// a corner, and the id as the fourth word. Three rows of zeros where nothing casts. If the
+    /// geometry has cut-outs, the second row's fourth word is the row of the triangle's record in
+    /// [`CutOuts::rows`], 0 for those without holes.
     pub fn triangle_rows(&self, geometry: &Geometry) -> Vec<[u32; 4]> {
         let mut rows = Vec::new();
         for &id in &self.narrow_order {
@@ -266,8 +278,8 @@ impl Bvh {
         }
     }
 
-    /// Returns the eight-way hierarchy as `obvhs` makes it of the casters, and each of its primitives' triangle id: to time
-    /// `obvhs` by itself. `None` if nothing casts.
+    /// Returns the eight-way hierarchy as `obvhs` makes it of the casters, and each of its
+    /// primitives' triangle id: to time `obvhs` by itself. `None` if nothing casts.
     pub fn obvhs_alone(geometry: &Geometry) -> Option<(CwBvh, Vec<u32>)> {
         let ids: Vec<u32> = geometry.casters().collect();
         if ids.is_empty() {
@@ -306,8 +318,9 @@ fn is_triangle_outside(half_spaces: &[(Vec3, f32)], corners: [Vec3; 3]) -> bool 
         .any(|&half_space| corners.iter().all(|&c| is_outside(half_space, c)))
 }
 
-/// Returns whether a point is outside a half space (its inner normal and distance), whatever rounding (eight units in the
-/// last place) does to it and to the hit of a triangle that has it as a corner (`ray_triangle.rs`).
+/// Returns whether a point is outside a half space (its inner normal and distance), whatever
+/// rounding (eight units in the last place) does to it and to the hit of a triangle that has it as
+/// a corner (`ray_triangle.rs`).
 fn is_outside(half_space: (Vec3, f32), p: Vec3) -> bool {
     let (n, distance) = half_space;
     n.dot(p) < distance - 8.0 * f32::EPSILON * (n.abs().dot(p.abs()) + distance.abs())

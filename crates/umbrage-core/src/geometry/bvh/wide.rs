@@ -1,8 +1,10 @@
-//! An eight-way hierarchy whose boxes are kept in full: `obvhs` finds its shape (Ylitie et al. 2017, "Efficient
-//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"), the boxes and the search are ours.
+//! An eight-way hierarchy whose boxes are kept in full: `obvhs` finds its shape (Ylitie et al.
+//! 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"), the boxes and
+//! the search are ours.
 //!
-//! `obvhs` keeps boxes as bytes relative to their parent's, and its box test rounds in another way than the triangle test
-//! does, so it may pass over a triangle that is hit. Here boxes are tested as `ray_box.rs` does it, four at once.
+//! `obvhs` keeps boxes as bytes relative to their parent's, and its box test rounds in another way
+//! than the triangle test does, so it may pass over a triangle that is hit. Here boxes are tested
+//! as `ray_box.rs` does it, four at once.
 
 use crate::geometry::{
     aabb::Aabb,
@@ -16,8 +18,8 @@ use obvhs::cwbvh::CwBvh;
 /// A node's eight children: their boxes, and their nodes or triangles.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Six planes of the children's boxes: least x, y, z, then greatest x, y, z. Each is an array of two: those of children 0 to
-    /// 3, and those of children 4 to 7.
+    /// Six planes of the children's boxes: least x, y, z, then greatest x, y, z. Each is an array
+    /// of two: those of children 0 to 3, and those of children 4 to 7.
     planes: [[Vec4; 2]; 6],
     /// For an inner child its index among the nodes, for a leaf its first triangle.
     first: [u32; 8],
@@ -54,14 +56,17 @@ pub(super) struct Wide {
     pub(super) depth: usize,
 }
 
-/// Greatest depth of a hierarchy whose search keeps its stack in a fixed array rather than on the heap.
+/// Greatest depth of a hierarchy whose search keeps its stack in a fixed array rather than on the
+/// heap.
 pub(super) const SHALLOW: usize = 24;
 
-/// Children that are still to be visited: their parent's index, and a bit for each in the order of visits.
+/// Children that are still to be visited: their parent's index, and a bit for each in the order of
+/// visits.
 type Group = (u32, u32);
 
 impl Wide {
-    /// Returns a hierarchy of a tree's shape; `boxes` are those of its triangles, in the order in which its leaves name them.
+    /// Returns a hierarchy of a tree's shape; `boxes` are those of its triangles, in the order in
+    /// which its leaves name them.
     pub(super) fn new(tree: &CwBvh, boxes: &[Aabb]) -> Self {
         let mut nodes = vec![Node::EMPTY; tree.nodes.len()];
         // The box around each node, and the number of nodes from it to its deepest leaf.
@@ -94,8 +99,9 @@ impl Wide {
         Self { nodes, depth }
     }
 
-    /// Calls `visit` with the triangles whose leaves' boxes the segment enters, roughly from near to far, until it returns
-    /// true. `visit` may lower its second argument, at first 1, the fraction of the segment beyond which nothing is searched.
+    /// Calls `visit` with the triangles whose leaves' boxes the segment enters, roughly from near
+    /// to far, until it returns true. `visit` may lower its second argument, at first 1, the
+    /// fraction of the segment beyond which nothing is searched.
     #[inline(always)]
     pub(super) fn search(&self, segment: &Segment, visit: impl FnMut(usize, &mut f32) -> bool) {
         if self.nodes.is_empty() {
@@ -108,7 +114,8 @@ impl Wide {
         }
     }
 
-    /// Passes on what a shaft enters, roughly from near to far, until the search has enough. `caster` returns a triangle's id and corners.
+    /// Passes on what a shaft enters, roughly from near to far, until the search has enough.
+    /// `caster` returns a triangle's id and corners.
     #[inline(always)]
     pub(super) fn search_shaft(
         &self,
@@ -235,7 +242,8 @@ struct Lanes {
     /// The planes by which boxes are entered and left along x, y, z.
     near: [usize; 3],
     far: [usize; 3],
-    /// Children lie in slots by the octants of their parent's box; which slots are far, as a pattern of the slot's bits.
+    /// Children lie in slots by the octants of their parent's box; which slots are far, as a
+    /// pattern of the slot's bits.
     octant: u32,
 }
 
@@ -260,8 +268,8 @@ impl Lanes {
         }
     }
 
-    /// Returns a bit for each child whose box is entered: bit by bit what `enters_box` of `ray_box.rs` returns, as the product
-    /// with the plane that is named near is the lesser one.
+    /// Returns a bit for each child whose box is entered: bit by bit what `enters_box` of
+    /// `ray_box.rs` returns, as the product with the plane that is named near is the lesser one.
     #[inline(always)]
     fn entered(&self, node: &Node, limit: f32) -> u32 {
         let mut out = 0;
@@ -280,7 +288,8 @@ impl Lanes {
     }
 }
 
-/// Moves the bits of slots to the order of visits, the first in the highest place: bit `i` to place `i ^ octant`.
+/// Moves the bits of slots to the order of visits, the first in the highest place: bit `i` to place
+/// `i ^ octant`.
 #[inline(always)]
 fn turned(slots: u32, octant: u32) -> u32 {
     let mut bits = slots;

@@ -1,10 +1,12 @@
 //! Fits of cascades: where what the camera sees is cut, and the light space of each slice.
 //!
-//! A lookup takes the first layer that holds the receiver with all that the kernel reaches, wherever the slices end. So any layer must answer
-//! rightly for everything on it: tight slices begin, in depth, at the first caster in their *column*, not at the first that their own
-//! receivers need, and go sideways around all from where a kernel may find a caster. A slice without shadows lies beside the scene, where
-//! nothing is looked up. Slices overlap where answers blend. Recipes stay pure: what holds slices over frames is a function of two frames'
-//! ends ([`SliceEnds::held`]).
+//! A lookup takes the first layer that holds the receiver with all that the kernel reaches,
+//! wherever the slices end. So any layer must answer rightly for everything on it: tight slices
+//! begin, in depth, at the first caster in their *column*, not at the first that their own
+//! receivers need, and go sideways around all from where a kernel may find a caster. A slice
+//! without shadows lies beside the scene, where nothing is looked up. Slices overlap where answers
+//! blend. Recipes stay pure: what holds slices over frames is a function of two frames' ends
+//! ([`SliceEnds::held`]).
 
 use crate::{
     geometry::aabb::Aabb,
@@ -33,8 +35,8 @@ use glam::{DAffine3, DVec3, Mat4, Vec3};
 const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 /// Least distance at which the split begins, as a part of that at which it ends.
 const MIN_BEGIN_OVER_END: f64 = 1.0 / (1 << 20) as f64;
-/// How far a slice reaches back into the one before it, as a multiple of how far that one's answers blend: the way along the
-/// camera's view may be longer than that over the map.
+/// How far a slice reaches back into the one before it, as a multiple of how far that one's answers
+/// blend: the way along the camera's view may be longer than that over the map.
 const OVERLAP: f64 = 2.0;
 
 /// What the fits of all slices share.
@@ -81,8 +83,8 @@ impl<'a> CascadeInput<'a> {
         };
         let input = FitInput::new(view);
         let frustum = CameraFrustum::new(view.camera);
-        // Slices lie one behind the other along the camera's view: turned so that this goes up the maps, boxes around them are
-        // smallest.
+        // Slices lie one behind the other along the camera's view: turned so that this goes up the
+        // maps, boxes around them are smallest.
         let view_from_world = parallel::view(&input, direction, frustum.forward())?;
         Ok(Self {
             fit: *fit,
@@ -178,8 +180,8 @@ impl<'a> CascadeInput<'a> {
         least - least.abs() * ROUNDING
     }
 
-    /// Returns the size of the map of a slice, metres: what its texels' size is proportional to. `receivers` is the box around its
-    /// receivers, light's view.
+    /// Returns the size of the map of a slice, metres: what its texels' size is proportional to.
+    /// `receivers` is the box around its receivers, light's view.
     pub(super) fn side(&self, slice: Slice, receivers: &[DVec3; 2]) -> f64 {
         match self.fit {
             Fit::Stable { .. } | Fit::AroundCamera { .. } => {
@@ -271,8 +273,8 @@ impl<'a> CascadeInput<'a> {
         Ok(out)
     }
 
-    /// Returns how far along the camera's view the slice behind one with this space reaches back into it, metres: so far that
-    /// receivers whose answers blend lie in both.
+    /// Returns how far along the camera's view the slice behind one with this space reaches back
+    /// into it, metres: so far that receivers whose answers blend lie in both.
     fn overlap(&self, space: Option<&LightSpace>, size: u32, margin: f32) -> f64 {
         let Some(space) = space.filter(|_| self.cascades.blend > 0.0) else {
             return 0.0;

@@ -1,7 +1,8 @@
 //! Culling to need: which casters can shadow what is seen, and where on the map.
 //!
-//! A coarse grid over the map holds, for each cell, the farthest receiver that looks up the map there. A caster matters
-//! if somewhere it lies before that: tested with its box, so that one too many may be kept, but never one too few.
+//! A coarse grid over the map holds, for each cell, the farthest receiver that looks up the map
+//! there. A caster matters if somewhere it lies before that: tested with its box, so that one too
+//! many may be kept, but never one too few.
 
 use crate::{
     gbuffer::seen_points::SeenPoints,
@@ -21,17 +22,19 @@ use std::{
 
 /// Cells along each side: finer ones tell more casters apart, but cost more to fill and to query.
 const CELLS: usize = 64;
-/// Tiles of seen points that are looked into one by one; beyond that, sorting all points into cells takes less time.
+/// Tiles of seen points that are looked into one by one; beyond that, sorting all points into cells
+/// takes less time.
 const MAX_TILES_OPENED: usize = 512;
 /// Parts into which seen points are shared out among threads.
 const PARTS: usize = 16;
-/// Texels added to what kernels reach: one to the corner of the receiver's own texel, one half for what lookups in 32 bits
-/// round.
+/// Texels added to what kernels reach: one to the corner of the receiver's own texel, one half for
+/// what lookups in 32 bits round.
 const OWN_TEXEL: f64 = 1.5;
-/// Greatest slope, clip depth a texel, at which taps are taken to follow the receiver's plane away from the light: that of
-/// the techniques' own biases.
+/// Greatest slope, clip depth a texel, at which taps are taken to follow the receiver's plane away
+/// from the light: that of the techniques' own biases.
 const STEEPEST: f64 = 0.1;
-/// Least depth, as a fraction of the map's range, by which a bias may move a receiver away from the light.
+/// Least depth, as a fraction of the map's range, by which a bias may move a receiver away from the
+/// light.
 const DEEPEST_BIAS: f64 = 1.0 / 64.0;
 
 /// How far from a receiver lookups may find casters that change its answer.
@@ -57,9 +60,9 @@ pub(super) struct Lookups {
 }
 
 impl Lookups {
-    /// Returns the reach, where the first caster has rank `first` and the last receiver has rank `last`. A search for
-    /// blockers goes as far as the light's extent lets a caster at the near plane matter to the last receiver, which is
-    /// linear in the ranks: `extent (last - first)`.
+    /// Returns the reach, where the first caster has rank `first` and the last receiver has rank
+    /// `last`. A search for blockers goes as far as the light's extent lets a caster at the near
+    /// plane matter to the last receiver, which is linear in the ranks: `extent (last - first)`.
     pub(super) fn reach(&self, light: &Light, first: f64, last: f64) -> Reach {
         let range = (last - first).max(0.0);
         let search = extent(light) * (1.0 + self.tangent) * range;
@@ -104,8 +107,8 @@ struct SeenOnMap<'a> {
 }
 
 impl<'a> Receiving<'a> {
-    /// Returns what may receive within `column`: those of the `seen` points that lie there; if they aren't known, boxes around all
-    /// receivers.
+    /// Returns what may receive within `column`: those of the `seen` points that lie there; if they
+    /// aren't known, boxes around all receivers.
     pub(super) fn new(
         seen: Option<&'a SeenPoints<'_>>,
         geometry: &Geometry,
@@ -165,8 +168,8 @@ impl<'a> Receiving<'a> {
 }
 
 impl SeenOnMap<'_> {
-    /// Passes the tiles for which `is_wanted` is true of the boxes around them, one inside the other, to `visit`, until that returns
-    /// true. Returns whether it did.
+    /// Passes the tiles for which `is_wanted` is true of the boxes around them, one inside the
+    /// other, to `visit`, until that returns true. Returns whether it did.
     fn any_tile(
         &self,
         is_wanted: impl Fn(&MapBounds) -> bool,
@@ -224,14 +227,14 @@ pub(super) struct Need<'a> {
     shown: MapBounds,
     /// Sides of a cell, map space.
     cell: DVec2,
-    /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there; minus infinity without any. Where seen
-    /// points are known, that of the boxes around tiles of them.
+    /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there; minus
+    /// infinity without any. Where seen points are known, that of the boxes around tiles of them.
     last: Vec<f64>,
     seen: Option<SeenInCells<'a>>,
 }
 
-/// What tells the cells' seen points from the boxes around tiles of them. Most casters lie before some point of each tile or behind
-/// the whole tile, so that few tiles need to be looked into.
+/// What tells the cells' seen points from the boxes around tiles of them. Most casters lie before
+/// some point of each tile or behind the whole tile, so that few tiles need to be looked into.
 #[derive(Clone, Debug)]
 struct SeenInCells<'a> {
     points: SeenOnMap<'a>,
@@ -293,7 +296,8 @@ impl<'a> Need<'a> {
         Some(out)
     }
 
-    /// Returns the greatest ranks, in each cell, of one seen point a tile, and of the boxes around tiles.
+    /// Returns the greatest ranks, in each cell, of one seen point a tile, and of the boxes around
+    /// tiles.
     fn last_of_tiles(&self, points: &SeenOnMap<'_>) -> [Vec<f64>; 2] {
         let mut certain = vec![f64::NEG_INFINITY; CELLS * CELLS];
         let mut possible = certain.clone();
@@ -313,8 +317,8 @@ impl<'a> Need<'a> {
         [certain, possible]
     }
 
-    /// Returns the same for a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
-    /// do not count.
+    /// Returns the same for a map that shows no more than `column`: lookups that leave it find
+    /// nothing, so casters beside it do not count.
     pub(super) fn on_map(self, column: &MapBounds) -> Self {
         Self {
             shown: self.column.within(column),
@@ -405,8 +409,9 @@ impl<'a> Need<'a> {
         )
     }
 
-    /// Passes the casters of runs of which some may matter, in order, to `visit`, with a box around each run. Passes over runs in
-    /// boxes for which `is_known` is true, which must then be so of what lies in them.
+    /// Passes the casters of runs of which some may matter, in order, to `visit`, with a box around
+    /// each run. Passes over runs in boxes for which `is_known` is true, which must then be so of
+    /// what lies in them.
     fn visit_runs<T>(
         &self,
         state: &mut T,
@@ -444,8 +449,8 @@ impl<'a> Need<'a> {
         found
     }
 
-    /// Returns the least rank of those parts of casters that may matter; infinity if there are none. It is that of
-    /// [`Need::around_casters`], and takes less time.
+    /// Returns the least rank of those parts of casters that may matter; infinity if there are
+    /// none. It is that of [`Need::around_casters`], and takes less time.
     pub(super) fn first_rank(&self) -> f64 {
         let least = Cell::new(f64::INFINITY);
         let bound = |b: &Aabb| {
@@ -467,8 +472,8 @@ impl<'a> Need<'a> {
         })
     }
 
-    /// Returns a box around the part of a caster that may matter; empty if there is none, or if `is_known` is true of the box around
-    /// the caster.
+    /// Returns a box around the part of a caster that may matter; empty if there is none, or if
+    /// `is_known` is true of the box around the caster.
     fn part_that_matters(&self, caster: u32, is_known: impl Fn(&MapBounds) -> bool) -> MapBounds {
         let corners = self.geometry.corners(caster);
         // Most casters are known, which their box says before a polygon is made.
@@ -518,7 +523,8 @@ impl<'a> Need<'a> {
     }
 }
 
-/// Returns the column and the row of the cell on which a point falls, of a grid of cells with sides `cell` over `grid`.
+/// Returns the column and the row of the cell on which a point falls, of a grid of cells with sides
+/// `cell` over `grid`.
 fn column_and_row(grid: &MapBounds, cell: DVec2, p: DVec3) -> [usize; 2] {
     let position = (p - grid.min).truncate() / cell;
     // Casts saturate: what lies outside counts for the outermost cells.
@@ -556,10 +562,12 @@ fn widened(values: &[f64], reach: [usize; 2]) -> Vec<f64> {
     out
 }
 
-/// Puts into each cell the greatest value up to `by` cells away in one direction, in which the next cell is `stride` entries on.
+/// Puts into each cell the greatest value up to `by` cells away in one direction, in which the next
+/// cell is `stride` entries on.
 fn spread(values: &mut [f64], by: usize, stride: usize) {
     let mut reached = 0;
-    // Steps grow: what has spread by r each way leaves no gap after a step of up to r + 1 both ways.
+    // Steps grow: what has spread by r each way leaves no gap after a step of up to r + 1 both
+    // ways.
     while reached < by {
         let step = (reached + 1).min(by - reached);
         let before = values.to_vec();

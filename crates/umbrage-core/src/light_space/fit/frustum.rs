@@ -9,8 +9,8 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3, Vec4};
 
-/// A face of a slice or of a box, cut by the six planes of the other: four corners and one more for each plane, with room for
-/// those that rounding adds.
+/// A face of a slice or of a box, cut by the six planes of the other: four corners and one more for
+/// each plane, with room for those that rounding adds.
 type CutFace = Polygon<DVec3, 16>;
 
 /// A camera's pyramid (a box without perspective), from its near plane on.
@@ -98,7 +98,8 @@ impl CameraFrustum {
         }
     }
 
-    /// Returns the distance of the near plane along the view; that of its nearest corner, if it is oblique.
+    /// Returns the distance of the near plane along the view; that of its nearest corner, if it is
+    /// oblique.
     pub(super) fn near(&self) -> f64 {
         let distances = self.near_corners.map(|corner| -corner.z);
         distances.into_iter().fold(f64::INFINITY, f64::min)
@@ -118,7 +119,8 @@ impl CameraFrustum {
         distance.min(self.far)
     }
 
-    /// Returns the corners of the view at a distance along it, but not before the near plane; view space.
+    /// Returns the corners of the view at a distance along it, but not before the near plane; view
+    /// space.
     pub(super) fn corners_at(&self, distance: f64) -> [DVec3; 4] {
         self.near_corners.map(|near| {
             let distance = distance.max(-near.z);
@@ -143,7 +145,8 @@ impl CameraFrustum {
         distance_along(&self.view_from_world, p)
     }
 
-    /// Returns the distances along the view at which what is seen of a box begins and ends; none if nothing of it is seen.
+    /// Returns the distances along the view at which what is seen of a box begins and ends; none if
+    /// nothing of it is seen.
     pub(super) fn seen_part(&self, b: &Aabb) -> Option<Slice> {
         if b.is_empty() {
             return None;
@@ -166,7 +169,8 @@ impl CameraFrustum {
         (part.begin <= part.end).then_some(part)
     }
 
-    /// Returns the corners (world space) of what a slice of the view and a box have in common; nothing if they don't meet.
+    /// Returns the corners (world space) of what a slice of the view and a box have in common;
+    /// nothing if they don't meet.
     pub(super) fn part_of_box(&self, slice: Slice, b: &Aabb) -> Vec<DVec3> {
         if b.is_empty() || slice.begin >= slice.end {
             return Vec::new();
@@ -194,10 +198,12 @@ impl CameraFrustum {
     }
 }
 
-/// A convex body with six faces of four corners. Corner `i` lies at the greater x if bit 0 of `i` is set, y bit 1, z bit 2.
+/// A convex body with six faces of four corners. Corner `i` lies at the greater x if bit 0 of `i`
+/// is set, y bit 1, z bit 2.
 struct Hexahedron {
     corners: [DVec3; 8],
-    /// Planes of the faces: points on the inner side have a product with the normal that is no less than the distance.
+    /// Planes of the faces: points on the inner side have a product with the normal that is no less
+    /// than the distance.
     planes: [(DVec3, f64); 6],
 }
 

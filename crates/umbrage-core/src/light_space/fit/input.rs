@@ -88,8 +88,8 @@ impl<'a> FitInput<'a> {
             let corners = self.view.casters.corners();
             return corners.map(|p| direction(eye, p)).sum();
         };
-        // A vertex is used by six triangles or so, and its direction takes longer than the sum, whose order counts: in symmetric
-        // scenes what is left of it is what rounding left.
+        // A vertex is used by six triangles or so, and its direction takes longer than the sum,
+        // whose order counts: in symmetric scenes what is left of it is what rounding left.
         let positions = geometry.positions().par_iter();
         let directions: Vec<DVec3> = positions.map(|&p| direction(eye, p)).collect();
         geometry.box_tree().count(&geometry.casters());
@@ -103,7 +103,8 @@ fn direction(eye: Vec3, p: Vec3) -> DVec3 {
     (p - eye).as_dvec3().normalize_or_zero()
 }
 
-/// Returns a bound of the least cosine of the angle, at `eye`, between a unit axis and a point in a box.
+/// Returns a bound of the least cosine of the angle, at `eye`, between a unit axis and a point in a
+/// box.
 fn least_cosine(b: &Aabb, eye: Vec3, axis: DVec3) -> f64 {
     // More than directions from 32-bit differences round by.
     const ROUNDING: f64 = 1e-6;

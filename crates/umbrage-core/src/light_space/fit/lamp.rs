@@ -19,19 +19,20 @@ use glam::{DAffine3, DVec3, Mat4, Vec3};
 
 /// Widest half angle, degrees, of the cone that one perspective map may have to cover.
 pub(super) const WIDEST_HALF_ANGLE: f32 = 75.0;
-/// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are distinct to within 2^-10 of
-/// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
+/// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are
+/// distinct to within 2^-10 of their distance; a caster nearer than that (.6 mm from a lamp over 10
+/// m) is lost rather than everyone's precision.
 pub(super) const MIN_NEAR_OVER_FAR: f32 = 1.0 / 16_384.0;
 /// Room beside the outermost directions, as a fraction of their tangent, for rounding.
 const TANGENT_SLACK: f64 = 1e-3;
 /// Half angle, radians, of the pyramid where no caster can shadow a receiver: any would do.
 const DEFAULT_HALF_ANGLE: f64 = 0.5;
-/// A pyramid is turned off its axis only if that makes its tangent smaller than this share of the tangent on the axis:
-/// biases in texels and the search for blockers are exact for surfaces parallel to the map, and lamps are mostly set up
-/// straight above what they light.
+/// A pyramid is turned off its axis only if that makes its tangent smaller than this share of the
+/// tangent on the axis: biases in texels and the search for blockers are exact for surfaces
+/// parallel to the map, and lamps are mostly set up straight above what they light.
 const MAX_TURNED_OVER_STRAIGHT: f64 = 0.5;
-/// Steps of the search for the axis that makes the widest angle least. Each turns the axis to the centre of what the last
-/// step saw.
+/// Steps of the search for the axis that makes the widest angle least. Each turns the axis to the
+/// centre of what the last step saw.
 const MAX_AXIS_STEPS: usize = 4;
 
 /// A light with a position, amid known triangles.
@@ -72,8 +73,9 @@ impl<'a> Lamp<'a> {
         })
     }
 
-    /// Returns a box, in map space, around what casts onto receivers within a pyramid: sideways no larger than the box
-    /// around these receivers. Empty if nothing there can shadow anything. `tangent` is that of half the pyramid's angle.
+    /// Returns a box, in map space, around what casts onto receivers within a pyramid: sideways no
+    /// larger than the box around these receivers. Empty if nothing there can shadow anything.
+    /// `tangent` is that of half the pyramid's angle.
     fn needed(&self, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
         let space = MapSpace {
@@ -95,8 +97,8 @@ impl<'a> Lamp<'a> {
             need.map(|need| need.on_map(&column))
         };
         let mut first = cull::first_rank(self.geometry, &space, &column).unwrap_or(last);
-        // As for parallel light: of a light with an extent, how far a search for blockers goes depends on the first caster
-        // that matters.
+        // As for parallel light: of a light with an extent, how far a search for blockers goes
+        // depends on the first caster that matters.
         if !self.input.view.light.is_ideal() {
             first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
         }
@@ -104,7 +106,8 @@ impl<'a> Lamp<'a> {
         found.within(&around)
     }
 
-    /// What lookups on a map over a pyramid depend on; `receivers` is the box around what receives there.
+    /// What lookups on a map over a pyramid depend on; `receivers` is the box around what receives
+    /// there.
     fn lookups(&self, space: &MapSpace, receivers: &MapBounds, tangent: f64) -> Lookups {
         let texel = 2.0 * tangent / f64::from(inner(self.size, self.margin));
         let nearest = if receivers.is_empty() {
@@ -122,7 +125,8 @@ impl<'a> Lamp<'a> {
         }
     }
 
-    /// Returns the distance, metres along the view, of the first caster that matters within a pyramid; none if there is none.
+    /// Returns the distance, metres along the view, of the first caster that matters within a
+    /// pyramid; none if there is none.
     pub(super) fn near(&self, view_from_world: &Mat4, tangent: f64) -> Option<f32> {
         first_distance(&self.needed(view_from_world, tangent))
     }
@@ -139,8 +143,8 @@ impl<'a> Lamp<'a> {
         Ok(cube_face_views(self.eye)?.map(|view| (view, self.needed(&view, tangent))))
     }
 
-    /// Returns the pyramid around all that matters within a given one: on its axis, or on another axis if it is narrower
-    /// there by [`MAX_TURNED_OVER_STRAIGHT`].
+    /// Returns the pyramid around all that matters within a given one: on its axis, or on another
+    /// axis if it is narrower there by [`MAX_TURNED_OVER_STRAIGHT`].
     pub(super) fn narrowed(&self, pyramid: SquarePyramid) -> Result<SquarePyramid, Invalid> {
         let view_from_world = look_along(self.eye, pyramid.axis, Vec3::Y)?;
         let needed = self.needed(&view_from_world, pyramid.tangent);
@@ -160,8 +164,8 @@ impl<'a> Lamp<'a> {
         }
     }
 
-    /// Returns the pyramid around all that matters in any direction; none if it would be too wide, an arbitrary one if
-    /// nothing matters.
+    /// Returns the pyramid around all that matters in any direction; none if it would be too wide,
+    /// an arbitrary one if nothing matters.
     pub(super) fn aimed(&self) -> Result<Option<SquarePyramid>, Invalid> {
         let mut directions = Vec::new();
         for (face, needed) in self.faces(1.0)? {
@@ -180,11 +184,11 @@ impl<'a> Lamp<'a> {
         }
     }
 
-    /// Returns a narrow pyramid around directions (world space, any length); none if they don't all lie in front of one plane
-    /// through the light, or there are none.
+    /// Returns a narrow pyramid around directions (world space, any length); none if they don't all
+    /// lie in front of one plane through the light, or there are none.
     ///
-    /// The search starts at the mean direction and then repeats: look along the axis, put a box around the directions on the
-    /// plane at distance 1, and turn the axis to the box's centre.
+    /// The search starts at the mean direction and then repeats: look along the axis, put a box
+    /// around the directions on the plane at distance 1, and turn the axis to the box's centre.
     fn around(&self, directions: &[DVec3]) -> Result<Option<SquarePyramid>, Invalid> {
         let mut axis = directions.iter().map(|d| d.normalize()).sum::<DVec3>();
         let mut best: Option<SquarePyramid> = None;
@@ -233,12 +237,14 @@ fn greatest_distance(eye: Vec3, points: &Points<'_>) -> f64 {
     (-points.least(bound, value)).max(0.0).sqrt()
 }
 
-/// Returns the tangent of half the angle of the square pyramid, around the view's axis, that holds a box in map space.
+/// Returns the tangent of half the angle of the square pyramid, around the view's axis, that holds
+/// a box in map space.
 fn greatest_tangent(b: &MapBounds) -> f64 {
     b.min.abs().max(b.max.abs()).truncate().max_element()
 }
 
-/// Returns the distance, metres along the view, just before the first caster in a box in map space; none if the box is empty.
+/// Returns the distance, metres along the view, just before the first caster in a box in map space;
+/// none if the box is empty.
 fn first_distance(needed: &MapBounds) -> Option<f32> {
     // The rank is minus one over the distance.
     (!needed.is_empty()).then(|| (-(1.0 - TANGENT_SLACK) / needed.min.z) as f32)

@@ -1,8 +1,9 @@
 //! Where things fall on a map that has no size yet.
 //!
-//! **Map space**: x and y are metres in the light's view, or with perspective tangents (metres across over metres along);
-//! z, the *rank*, grows away from the light: metres along the view, or with perspective minus one over them. Triangles
-//! stay triangles, and clip depth is linear in the rank, with perspective as without.
+//! **Map space**: x and y are metres in the light's view, or with perspective tangents (metres
+//! across over metres along); z, the *rank*, grows away from the light: metres along the view, or
+//! with perspective minus one over them. Triangles stay triangles, and clip depth is linear in the
+//! rank, with perspective as without.
 
 use crate::{
     geometry::{
@@ -13,8 +14,8 @@ use crate::{
 };
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
-/// A polygon in view or map space. Triangles are cut by the near plane and by the four sides of a map, so that it has at most
-/// eight corners.
+/// A polygon in view or map space. Triangles are cut by the near plane and by the four sides of a
+/// map, so that it has at most eight corners.
 pub(super) type MapPolygon = Polygon<DVec3, 8>;
 
 /// Returns the part of a polygon where `normal . p >= distance`.
@@ -26,7 +27,8 @@ pub(super) fn clip(polygon: &MapPolygon, normal: DVec3, distance: f64) -> MapPol
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapSpace {
     pub(super) view_from_world: DAffine3,
-    /// With perspective, what is nearer than this (metres along the view) is not looked at; none without.
+    /// With perspective, what is nearer than this (metres along the view) is not looked at; none
+    /// without.
     pub(super) nearest: Option<f64>,
 }
 
@@ -124,8 +126,8 @@ impl MapSpace {
         }
     }
 
-    /// Returns a point of the world in map space; none if it falls beside the column, or with perspective is too near or behind
-    /// the light.
+    /// Returns a point of the world in map space; none if it falls beside the column, or with
+    /// perspective is too near or behind the light.
     #[inline]
     pub(super) fn point_within(&self, p: Vec3, column: &MapBounds) -> Option<DVec3> {
         let p = self.view_from_world.transform_point3(p.as_dvec3());
@@ -141,8 +143,8 @@ impl MapSpace {
         inside.then(|| self.project(p))
     }
 
-    /// Returns the box around a triangle of the world, as around the corners of [`MapSpace::triangle`]; none with perspective, where
-    /// a part of it is too near.
+    /// Returns the box around a triangle of the world, as around the corners of
+    /// [`MapSpace::triangle`]; none with perspective, where a part of it is too near.
     pub(super) fn whole_triangle_bounds(&self, corners: &[Vec3; 3]) -> Option<MapBounds> {
         let in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));
         let is_cut = self
@@ -151,7 +153,8 @@ impl MapSpace {
         (!is_cut).then(|| MapBounds::around(in_view.map(|p| self.project(p))))
     }
 
-    /// Returns a triangle of the world in map space; with perspective, the part of it that is not too near.
+    /// Returns a triangle of the world in map space; with perspective, the part of it that is not
+    /// too near.
     pub(super) fn triangle(&self, corners: [Vec3; 3]) -> MapPolygon {
         let corners_in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));
         let in_view = MapPolygon::triangle(corners_in_view);
@@ -164,8 +167,8 @@ impl MapSpace {
         far_enough.map(|p| self.project(p))
     }
 
-    /// Returns the box in map space around a box of the world; with perspective, around the part of it that is not too near.
-    /// Empty if no part is left.
+    /// Returns the box in map space around a box of the world; with perspective, around the part of
+    /// it that is not too near. Empty if no part is left.
     pub(super) fn block(&self, b: &Aabb) -> MapBounds {
         if b.is_empty() {
             return MapBounds::EMPTY;
@@ -173,8 +176,9 @@ impl MapSpace {
         self.bounds_of(&ViewBox::new(&self.view_from_world, b))
     }
 
-    /// Returns a box in map space that holds, after rounding too, all that [`MapSpace::block`], [`MapSpace::triangle`] and
-    /// [`MapSpace::point_within`] make of what lies in a box of the world. Empty if they make nothing of it.
+    /// Returns a box in map space that holds, after rounding too, all that [`MapSpace::block`],
+    /// [`MapSpace::triangle`] and [`MapSpace::point_within`] make of what lies in a box of the
+    /// world. Empty if they make nothing of it.
     pub(super) fn group(&self, b: &Aabb) -> MapBounds {
         if b.is_empty() {
             return MapBounds::EMPTY;
@@ -182,7 +186,8 @@ impl MapSpace {
         self.bounds_of(&ViewBox::padded(&self.view_from_world, b))
     }
 
-    /// Returns the box in map space around a box of the view, or the part of it that is not too near.
+    /// Returns the box in map space around a box of the view, or the part of it that is not too
+    /// near.
     fn bounds_of(&self, in_view: &ViewBox) -> MapBounds {
         let min = in_view.min();
         let max = in_view.max();
@@ -213,8 +218,8 @@ impl MapSpace {
     }
 }
 
-/// Returns the least of `across / distance` over distances from `near` to `far`: a negative coordinate is farthest out where
-/// it is nearest.
+/// Returns the least of `across / distance` over distances from `near` to `far`: a negative
+/// coordinate is farthest out where it is nearest.
 fn least_tangent(across: f64, near: f64, far: f64) -> f64 {
     if across < 0.0 {
         across / near

@@ -12,9 +12,9 @@ use crate::{
 use glam::Vec3;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// The light spaces that were found for one view, so that techniques with the same fit, layout, size and margin share the
-/// search. A program that tries many settings on one view gives it to that view:
-/// [`View::with_fits`](crate::View::with_fits).
+/// The light spaces that were found for one view, so that techniques with the same fit, layout,
+/// size and margin share the search. A program that tries many settings on one view gives it to
+/// that view: [`View::with_fits`](crate::View::with_fits).
 #[derive(Debug, Default)]
 pub struct FitMemory {
     found: Mutex<Vec<FoundFit>>,
@@ -45,7 +45,8 @@ pub(super) struct Cone {
 }
 
 impl FitMemory {
-    /// Returns what was found for `key` before, else what `find` returns, which it remembers. Errors are remembered, too.
+    /// Returns what was found for `key` before, else what `find` returns, which it remembers.
+    /// Errors are remembered, too.
     pub(super) fn recall(
         &self,
         key: FitKey,
@@ -79,7 +80,8 @@ impl FitMemory {
     }
 
     fn lock(&self) -> MutexGuard<'_, Vec<FoundFit>> {
-        // Entries are pushed whole, so a thread that panicked while it held the lock has left no broken one.
+        // Entries are pushed whole, so a thread that panicked while it held the lock has left no
+        // broken one.
         self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

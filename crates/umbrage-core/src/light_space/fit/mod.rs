@@ -1,14 +1,18 @@
 //! Fitting light spaces: where a shadow map's texels go.
 //!
-//! [`Fit::Tight`] goes around the casters that can shadow seen receivers (`cull.rs`: a grid of 64 x 64 over the map), [`Fit::Stable`] around a
-//! sphere in steps of whole texels, [`Fit::AroundCamera`] likewise around the camera, [`Fit::Whole`] around everything, and [`Fit::Manual`] where
-//! the caller says. Clip depth is linear in what `map_space.rs` calls a point's rank: its depth for parallel light, minus one over that for
-//! lamps. So both kinds share the code.
+//! [`Fit::Tight`] goes around the casters that can shadow seen receivers (`cull.rs`: a grid of 64 x
+//! 64 over the map), [`Fit::Stable`] around a sphere in steps of whole texels,
+//! [`Fit::AroundCamera`] likewise around the camera, [`Fit::Whole`] around everything, and
+//! [`Fit::Manual`] where the caller says. Clip depth is linear in what `map_space.rs` calls a
+//! point's rank: its depth for parallel light, minus one over that for lamps. So both kinds share
+//! the code.
 //!
-//! Fits are searches for extremes, and go by boxes. `BoxTree` has one around every 64 triangles, around every 8 boxes, and so on, once a
-//! geometry; `SeenPoints` is the same over tiles of 8 x 8 seen points, once a view. `BoxTree::least` opens boxes in the order of their bounds
-//! until no other can hold less. Bounds have room for what arithmetic rounds (`ViewBox::padded`), so results have the bits of a search
-//! through all points. Whoever tries many settings on one view gives it a [`FitMemory`].
+//! Fits are searches for extremes, and go by boxes. `BoxTree` has one around every 64 triangles,
+//! around every 8 boxes, and so on, once a geometry; `SeenPoints` is the same over tiles of 8 x 8
+//! seen points, once a view. `BoxTree::least` opens boxes in the order of their bounds until no
+//! other can hold less. Bounds have room for what arithmetic rounds (`ViewBox::padded`), so results
+//! have the bits of a search through all points. Whoever tries many settings on one view gives it a
+//! [`FitMemory`].
 
 mod cascades;
 mod cull;
@@ -61,11 +65,12 @@ impl Fit {
         }
     }
 
-    /// One light space for the view. `size` is the map's side in texels; `margin` is how far, in texels, a kernel
-    /// reaches beyond the texel that a receiver falls on.
+    /// One light space for the view. `size` is the map's side in texels; `margin` is how far, in
+    /// texels, a kernel reaches beyond the texel that a receiver falls on.
     ///
     /// # Errors
-    /// Errors with `Unsupported` if what matters surrounds the light, so that no single map can see it all; with `Invalid` for bad input.
+    /// Errors with `Unsupported` if what matters surrounds the light, so that no single map can see
+    /// it all; with `Invalid` for bad input.
     pub fn light_space(
         &self,
         view: &View<'_>,
@@ -105,7 +110,8 @@ impl Fit {
         })
     }
 
-    /// Errors if a number is not finite. What depends on the light is checked when its light space is made.
+    /// Errors if a number is not finite. What depends on the light is checked when its light space
+    /// is made.
     fn validate(&self) -> Result<(), Invalid> {
         let Self::Manual { eye, extents } = self else {
             return Ok(());
@@ -132,7 +138,8 @@ impl Fit {
         Ok(())
     }
 
-    /// Returns the view without the seen receivers for fits that stand still while the camera moves.
+    /// Returns the view without the seen receivers for fits that stand still while the camera
+    /// moves.
     fn without_what_it_ignores<'a>(&self, view: &View<'a>) -> View<'a> {
         match self {
             Self::Tight | Self::Manual { .. } => *view,
@@ -146,8 +153,9 @@ impl Fit {
     /// Returns the light spaces of a layout; parameters as [`Fit::light_space`].
     ///
     /// # Errors
-    /// Errors if [`Fit::light_space`] does; with `Unsupported` for a cube around a light without a position, and for cascades of a
-    /// light with one; and with `Invalid` for cascades whose numbers are out of range, or whose fit doesn't follow the camera.
+    /// Errors if [`Fit::light_space`] does; with `Unsupported` for a cube around a light without a
+    /// position, and for cascades of a light with one; and with `Invalid` for cascades whose
+    /// numbers are out of range, or whose fit doesn't follow the camera.
     pub fn light_spaces(
         &self,
         layout: Layout,
@@ -243,7 +251,8 @@ impl Fit {
         Ok(CascadeInput::new(self, cascades, view, direction)?)
     }
 
-    /// Returns where the slices of cascades end, for programs that hold them over many frames: see [`SliceEnds::held`].
+    /// Returns where the slices of cascades end, for programs that hold them over many frames: see
+    /// [`SliceEnds::held`].
     ///
     /// # Errors
     /// Errors if [`Fit::light_spaces`] with [`Layout::Cascades`] does.

@@ -20,8 +20,9 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
-/// Returns the light space that goes, sideways, around what both casts and receives, and in depth from the first caster to
-/// the last receiver. With `cull`, only those casters count that can shadow a receiver.
+/// Returns the light space that goes, sideways, around what both casts and receives, and in depth
+/// from the first caster to the last receiver. With `cull`, only those casters count that can
+/// shadow a receiver.
 pub(super) fn tight(
     input: &FitInput<'_>,
     direction: Vec3,
@@ -38,7 +39,8 @@ pub(super) fn tight(
         None => bounds_in(&view_from_world, &caster_points(input)),
     };
     let mut b = casters.intersection(&receivers);
-    // View z falls away from the light: from the first caster (greatest z) to the last receiver (least z).
+    // View z falls away from the light: from the first caster (greatest z) to the last receiver
+    // (least z).
     b.min.z = receivers.min.z;
     b.max.z = casters.max.z;
     if b.is_empty() {
@@ -62,11 +64,12 @@ pub(super) fn view(input: &FitInput<'_>, direction: Vec3, up: Vec3) -> Result<Ma
     look_along(eye, direction, up)
 }
 
-/// Returns the light space for some of all receivers: those in the box `receivers` of the light's view, and, where seen points are
-/// known, those of `input`. None if nothing can fall on them.
+/// Returns the light space for some of all receivers: those in the box `receivers` of the light's
+/// view, and, where seen points are known, those of `input`. None if nothing can fall on them.
 ///
-/// Other receivers may be looked up on the map, too, wherever all that a kernel reaches lies on it: so in depth it runs from the
-/// first of all casters that show on it, and sideways it goes around all that a kernel may find a caster from.
+/// Other receivers may be looked up on the map, too, wherever all that a kernel reaches lies on it:
+/// so in depth it runs from the first of all casters that show on it, and sideways it goes around
+/// all that a kernel may find a caster from.
 pub(super) fn tight_part(
     input: &FitInput<'_>,
     view_from_world: Mat4,
@@ -88,7 +91,8 @@ pub(super) fn tight_part(
     if b.is_empty() {
         return Ok(None);
     }
-    // A kernel finds casters from as far as it reaches, and one more texel for where they lie in theirs.
+    // A kernel finds casters from as far as it reaches, and one more texel for where they lie in
+    // theirs.
     let texel = b.extent() / inner(size, margin);
     let reach = texel * (margin + 2.0);
     let reached = Aabb {
@@ -163,12 +167,14 @@ fn with_depths(b: &Aabb, last: f32, first: f32) -> Aabb {
     }
 }
 
-/// Returns how many texels of a map's side are left for receivers: all but the kernel's reach and one texel on each side.
+/// Returns how many texels of a map's side are left for receivers: all but the kernel's reach and
+/// one texel on each side.
 pub(super) fn inner(size: u32, margin: f32) -> f32 {
     (size as f32 - 2.0 * margin - 2.0).max(1.0)
 }
 
-/// Returns the box, in the light's view, around casters that can shadow a receiver; `receivers` is the box around these.
+/// Returns the box, in the light's view, around casters that can shadow a receiver; `receivers` is
+/// the box around these.
 fn needed_casters(
     input: &FitInput<'_>,
     geometry: &Geometry,
@@ -204,8 +210,8 @@ fn needed_casters(
         Need::new(space, geometry, &receiving, &reach)
     };
     let mut first = all.min.z;
-    // Of a light with an extent, how far a search for blockers goes depends on the first caster that matters, which may be
-    // farther than the first of all.
+    // Of a light with an extent, how far a search for blockers goes depends on the first caster
+    // that matters, which may be farther than the first of all.
     if !input.view.light.is_ideal() {
         first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
     }

@@ -63,7 +63,8 @@ pub(super) fn single(
     })
 }
 
-/// Six faces, each a little wider than 90 degrees, so that kernels never reach beyond the face they start in.
+/// Six faces, each a little wider than 90 degrees, so that kernels never reach beyond the face they
+/// start in.
 pub(super) fn cube(
     fit: &Fit,
     input: &FitInput<'_>,
@@ -71,8 +72,8 @@ pub(super) fn cube(
     size: u32,
     margin: f32,
 ) -> Result<LightSpaces, RecipeError> {
-    // A face of half angle a, widened by the kernel's reach, gets the tangent `tan(a) size / inner`: with a = 45 degrees it
-    // must be at most that of the widest half angle.
+    // A face of half angle a, widened by the kernel's reach, gets the tangent
+    // `tan(a) size / inner`: with a = 45 degrees it must be at most that of the widest half angle.
     let widest_tangent = WIDEST_HALF_ANGLE.to_radians().tan();
     let inner = size as f32 - 2.0 * margin - 2.0;
     if inner < size as f32 / widest_tangent && margin > 0.0 {
@@ -120,8 +121,8 @@ pub(super) fn cube(
     Ok(out)
 }
 
-/// Whether one map may take a cube's place: if it is for a spot, if its texels are no larger than a cube's, or if it could
-/// hold all casters.
+/// Whether one map may take a cube's place: if it is for a spot, if its texels are no larger than a
+/// cube's, or if it could hold all casters.
 pub(super) fn suffices(
     one: &LightSpace,
     input: &FitInput<'_>,
@@ -135,7 +136,8 @@ pub(super) fn suffices(
         || input.cone_around_casters(eye).half_angle.to_degrees() <= WIDEST_HALF_ANGLE
 }
 
-/// Returns a half angle (radians) made wider by the kernel's reach, so that the outermost receivers' taps stay on the map.
+/// Returns a half angle (radians) made wider by the kernel's reach, so that the outermost
+/// receivers' taps stay on the map.
 fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
     let tangent = half_angle.tan() * size as f32 / super::parallel::inner(size, margin);
     // A kernel as wide as the map would open the angle without end.
@@ -160,8 +162,8 @@ fn spot_cone(light: &Light) -> Option<Cone> {
     }
 }
 
-/// Returns the cone of what one map has to show: a spot's own, else one around casters; narrower where a lamp knows what
-/// matters.
+/// Returns the cone of what one map has to show: a spot's own, else one around casters; narrower
+/// where a lamp knows what matters.
 fn cone(input: &FitInput<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<Cone, RecipeError> {
     let own_cone = spot_cone(input.view.light);
     let widest = own_cone.unwrap_or_else(|| input.cone_around_casters(eye));
@@ -235,8 +237,8 @@ fn whole_range(input: &FitInput<'_>, view_from_world: &Mat4, half_angle: f32) ->
     range(near, far_plane(input, view_from_world))
 }
 
-/// The far plane: at twice the distance of the farthest receiver along the view. Perspective depth hardly depends on it,
-/// and rounding cannot push receivers beyond it.
+/// The far plane: at twice the distance of the farthest receiver along the view. Perspective depth
+/// hardly depends on it, and rounding cannot push receivers beyond it.
 fn far_plane(input: &FitInput<'_>, view_from_world: &Mat4) -> f32 {
     let receivers = bounds_in(view_from_world, &receiver_points(input));
     let far = if receivers.is_empty() {
@@ -251,7 +253,8 @@ fn far_plane(input: &FitInput<'_>, view_from_world: &Mat4) -> f32 {
     }
 }
 
-/// Returns near and far planes; the near one at most halfway to the far one, and there if nothing is near.
+/// Returns near and far planes; the near one at most halfway to the far one, and there if nothing
+/// is near.
 fn range(near: Option<f32>, far: f32) -> [f32; 2] {
     [
         near.unwrap_or(far * 0.5)

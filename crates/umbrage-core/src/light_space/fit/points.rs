@@ -26,8 +26,8 @@ pub(super) enum Points<'a> {
 }
 
 impl Points<'_> {
-    /// Returns the least `value` of all points; infinity without any. No point in a box may have less than the `bound` of the box,
-    /// which is that of rounded values, too.
+    /// Returns the least `value` of all points; infinity without any. No point in a box may have
+    /// less than the `bound` of the box, which is that of rounded values, too.
     pub(super) fn least(&self, bound: impl Fn(&Aabb) -> f64, value: impl Fn(Vec3) -> f64) -> f64 {
         match self {
             Self::Corners(b) => least_of(b.corners(), value),
@@ -75,7 +75,8 @@ pub(super) fn receiver_points<'a>(input: &'a FitInput<'_>) -> Points<'a> {
     }
 }
 
-/// Returns the box around points in view space, grown so that the rounding of later lookups cannot put a point outside.
+/// Returns the box around points in view space, grown so that the rounding of later lookups cannot
+/// put a point outside.
 pub(super) fn bounds_in(view_from_world: &Mat4, points: &Points<'_>) -> Aabb {
     let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
     // Of the coordinate along an axis, the least times `sign`, rounded to 32 bits.
@@ -97,8 +98,8 @@ pub(super) fn bounds_in(view_from_world: &Mat4, points: &Points<'_>) -> Aabb {
     padded(around, reach(&points.bounds()))
 }
 
-/// A view-space box, grown by 2^-16 of its reach, and by 8 units in the last place of the world coordinates (up to
-/// `world`) that lookups start from.
+/// A view-space box, grown by 2^-16 of its reach, and by 8 units in the last place of the world
+/// coordinates (up to `world`) that lookups start from.
 pub(super) fn padded(b: Aabb, world: f32) -> Aabb {
     let pad = rounding(&b, world);
     Aabb {
@@ -161,8 +162,9 @@ pub(super) fn seen_on(space: &MapSpace, seen: &SeenPoints<'_>, column: &MapBound
     })
 }
 
-/// Returns the box around the boxes of all runs: `group` returns a box around all that a box of the world may hold, and
-/// `search(bound, value)` the least `value` of the runs' boxes, by the `least` of their tree.
+/// Returns the box around the boxes of all runs: `group` returns a box around all that a box of the
+/// world may hold, and `search(bound, value)` the least `value` of the runs' boxes, by the `least`
+/// of their tree.
 fn least_bounds(
     group: impl Fn(&Aabb) -> MapBounds,
     search: impl Fn(&dyn Fn(&Aabb) -> f64, &dyn Fn(&MapBounds) -> f64) -> f64,

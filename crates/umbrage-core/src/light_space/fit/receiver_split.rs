@@ -1,8 +1,10 @@
-//! Cuts of the camera's view that follow what is seen: see [`Split::Receivers`](crate::Split::Receivers).
+//! Cuts of the camera's view that follow what is seen: see
+//! [`Split::Receivers`](crate::Split::Receivers).
 //!
-//! Seen receivers are sorted into bins by their distance along the view. A slice of some of the bins has a map around their
-//! receivers, whose texels are as large as its side says; on the picture a texel is the larger the nearer the receiver. So a
-//! slice costs its side times the sum over its receivers of one over their distance, and the cheapest cuts are found by dynamic
+//! Seen receivers are sorted into bins by their distance along the view. A slice of some of the
+//! bins has a map around their receivers, whose texels are as large as its side says; on the
+//! picture a texel is the larger the nearer the receiver. So a slice costs its side times the sum
+//! over its receivers of one over their distance, and the cheapest cuts are found by dynamic
 //! programming over the bins (Bellman 1954).
 
 use crate::{
@@ -11,7 +13,8 @@ use crate::{
 };
 use glam::{DAffine3, DVec3};
 
-/// Bins in which a distance doubles. Ends are those of bins, so that small moves of the camera mostly leave them where they are.
+/// Bins in which a distance doubles. Ends are those of bins, so that small moves of the camera
+/// mostly leave them where they are.
 const BINS_PER_OCTAVE: f64 = 8.0;
 /// Most bins: more doublings than coordinates of 32 bits can tell apart.
 const MAX_BINS: i64 = 1024;
@@ -48,7 +51,8 @@ struct Bins {
     bins: Vec<Bin>,
 }
 
-/// Returns where `count` slices end, metres along the camera's view; none if receivers aren't known, or none is seen.
+/// Returns where `count` slices end, metres along the camera's view; none if receivers aren't
+/// known, or none is seen.
 pub(super) fn ends(input: &CascadeInput<'_>, count: usize) -> Option<Vec<f64>> {
     let bins = bins(input)?;
     // A stable fit ends at its range.
@@ -136,7 +140,8 @@ fn cheapest_cuts(input: &CascadeInput<'_>, bins: &Bins, count: usize) -> Vec<usi
             }
         }
     }
-    // `least[b]`: the least cost of the bins up to `b` in the slices so far; `from[slice][b]`: where the last of them begins.
+    // `least[b]`: the least cost of the bins up to `b` in the slices so far; `from[slice][b]`:
+    // where the last of them begins.
     let mut least = cost[0].clone();
     let mut from = vec![vec![0; n]];
     for _ in 1..count {

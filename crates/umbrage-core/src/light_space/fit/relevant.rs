@@ -15,14 +15,16 @@ use crate::{
 };
 use glam::DVec3;
 
-/// Ids of the casters that can change the answer of a lookup: for each receiver that is seen (each triangle that receives,
-/// where that is unknown), what lies before it within reach. The others may be left out of the maps that lie in `spaces`
-/// without changing any answer. It is what [`Fit::Tight`](super::Fit::Tight) goes around.
+/// Ids of the casters that can change the answer of a lookup: for each receiver that is seen (each
+/// triangle that receives, where that is unknown), what lies before it within reach. The others may
+/// be left out of the maps that lie in `spaces` without changing any answer. It is what
+/// [`Fit::Tight`](super::Fit::Tight) goes around.
 ///
-/// `size` is the maps' side in texels; `margin` is how far, in texels, a kernel reaches beyond the texel that a receiver
-/// falls on; searches for blockers, as wide as the light's extent asks for, come on top. Biases may move receivers away
-/// from the light by 1/64 of the map's depth range, and along their plane by a tenth a texel; casters' depths are taken as
-/// they are, so polygon offsets must not be negative.
+/// `size` is the maps' side in texels; `margin` is how far, in texels, a kernel reaches beyond the
+/// texel that a receiver falls on; searches for blockers, as wide as the light's extent asks for,
+/// come on top. Biases may move receivers away from the light by 1/64 of the map's depth range, and
+/// along their plane by a tenth a texel; casters' depths are taken as they are, so polygon offsets
+/// must not be negative.
 ///
 /// In order, each once; empty where the view has no triangles.
 pub fn relevant_casters(view: &View<'_>, spaces: &LightSpaces, size: u32, margin: f32) -> Vec<u32> {

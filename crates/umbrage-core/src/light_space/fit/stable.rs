@@ -1,13 +1,15 @@
 //! Stable fits of parallel light: a map that a moving camera moves by whole texels.
 //!
-//! Three things make shadows shimmer while a camera moves: texels that change size, texels that turn, and texels that
-//! slide over the world. So the map goes around a sphere, which is as large however it turns; its axes hang on the light
-//! alone; and it moves in steps of a texel (Valient 2008, "Stable rendering of cascaded shadow maps").
+//! Three things make shadows shimmer while a camera moves: texels that change size, texels that
+//! turn, and texels that slide over the world. So the map goes around a sphere, which is as large
+//! however it turns; its axes hang on the light alone; and it moves in steps of a texel (Valient
+//! 2008, "Stable rendering of cascaded shadow maps").
 //!
-//! Steps are whole texels in the 32-bit matrix, not only before it is rounded: the view turns about the world's origin, so
-//! that its linear part never changes, and translations are whole numbers of texels in clip space, which 32-bit floats
-//! hold exactly if the map's side is a power of two and no more than 2^24 texels lie between it and the origin. A point's
-//! sum of products is then the same in every frame, and its place within a texel stays.
+//! Steps are whole texels in the 32-bit matrix, not only before it is rounded: the view turns about
+//! the world's origin, so that its linear part never changes, and translations are whole numbers of
+//! texels in clip space, which 32-bit floats hold exactly if the map's side is a power of two and
+//! no more than 2^24 texels lie between it and the origin. A point's sum of products is then the
+//! same in every frame, and its place within a texel stays.
 
 use crate::{
     geometry::aabb::Aabb,
@@ -34,7 +36,8 @@ const RADIUS_STEPS_PER_OCTAVE: f64 = 8.0;
 const BORDER_TEXELS: f64 = 1.0;
 /// Steps of a map's side in which a map around the camera moves.
 const CAMERA_STEPS_PER_SIDE: u32 = 32;
-/// Steps of the radius to which the camera's place is rounded: a camera's matrix holds it only as well as 32-bit floats turn it.
+/// Steps of the radius to which the camera's place is rounded: a camera's matrix holds it only as
+/// well as 32-bit floats turn it.
 const CAMERA_STEPS_PER_RADIUS: f64 = 4096.0;
 /// Least radius, as a fraction of the coordinates: below, 32-bit positions could not be told apart.
 const MIN_RADIUS_OVER_COORDINATE: f64 = 1.0 / 1_048_576.0;
@@ -113,8 +116,8 @@ pub(super) fn slice_radius(frustum: &CameraFrustum, slice: Slice, center: Sphere
     slice_sphere(frustum, slice, center).radius
 }
 
-/// Returns the sphere around a slice of what a camera sees, its radius rounded up to a step: so texels seldom change size while a field
-/// of view does, or the slices' ends.
+/// Returns the sphere around a slice of what a camera sees, its radius rounded up to a step: so
+/// texels seldom change size while a field of view does, or the slices' ends.
 fn slice_sphere(frustum: &CameraFrustum, slice: Slice, center: SphereCenter) -> Sphere {
     let near_corners = frustum.corners_at(slice.begin);
     let far_corners = frustum.corners_at(slice.end);
@@ -176,9 +179,10 @@ fn around_sphere(
     })
 }
 
-/// Returns the near plane's distance and the depth of the space behind it, metres. Both go in steps, so that clip depths
-/// (and with them biases) seldom change: the near plane by quarters of the radius, the depth by factors of two. `half_side` is that of
-/// the column in which casters count, metres.
+/// Returns the near plane's distance and the depth of the space behind it, metres. Both go in
+/// steps, so that clip depths (and with them biases) seldom change: the near plane by quarters of
+/// the radius, the depth by factors of two. `half_side` is that of the column in which casters
+/// count, metres.
 fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f64) -> [f64; 2] {
     let space = MapSpace {
         view_from_world: DAffine3::from_mat4(view_from_world.as_dmat4()),
@@ -215,8 +219,8 @@ pub(super) fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds
     need.map_or(f64::INFINITY, |need| need.first_rank())
 }
 
-/// Returns the smallest of the spheres around what the camera may see (`seen`), what casts, and what receives; not so small that
-/// 32-bit positions in it could not be told apart.
+/// Returns the smallest of the spheres around what the camera may see (`seen`), what casts, and
+/// what receives; not so small that 32-bit positions in it could not be told apart.
 fn smallest(view: &View<'_>, seen: Sphere) -> Sphere {
     let receivers = view.geometry.map(|g| g.box_tree().around(g.receivers()));
     let boxes = [Some(view.casters), receivers]
@@ -246,8 +250,8 @@ fn around(b: &Aabb) -> Sphere {
     }
 }
 
-/// Returns the sphere, world space, around what a camera sees between two rectangles across its view (view space). The radius depends on
-/// the projection alone.
+/// Returns the sphere, world space, around what a camera sees between two rectangles across its
+/// view (view space). The radius depends on the projection alone.
 fn around_view(
     frustum: &CameraFrustum,
     near_corners: &[DVec3; 4],
@@ -273,9 +277,11 @@ fn around_view(
     }
 }
 
-/// Returns a sphere around another one, its centre at a place that stays the same whatever 32-bit floats rounded.
+/// Returns a sphere around another one, its centre at a place that stays the same whatever 32-bit
+/// floats rounded.
 fn at_rounded_place(sphere: Sphere) -> Sphere {
-    // A power of two, so that places like 0 or 3.5 lie in the middle between the bounds of rounding.
+    // A power of two, so that places like 0 or 3.5 lie in the middle between the bounds of
+    // rounding.
     let step = (sphere.radius / CAMERA_STEPS_PER_RADIUS)
         .log2()
         .floor()
@@ -287,14 +293,15 @@ fn at_rounded_place(sphere: Sphere) -> Sphere {
     }
 }
 
-/// Returns the point on the line between the middles of two rectangles across a view that is as far from the corners of both as can be.
+/// Returns the point on the line between the middles of two rectangles across a view that is as far
+/// from the corners of both as can be.
 fn center_of_view(near_corners: &[DVec3; 4], far_corners: &[DVec3; 4]) -> DVec3 {
     let near_middle = middle(near_corners);
     let far_middle = middle(far_corners);
     let near_radius_squared = radius_squared(near_corners, near_middle);
     let far_radius_squared = radius_squared(far_corners, far_middle);
-    // With l the distance of the middles and s the centre's share of it, the corners are equally far from the centre where
-    // near_radius^2 + (s l)^2 = far_radius^2 + ((1 - s) l)^2.
+    // With l the distance of the middles and s the centre's share of it, the corners are equally
+    // far from the centre where near_radius^2 + (s l)^2 = far_radius^2 + ((1 - s) l)^2.
     let length_squared = near_middle
         .distance_squared(far_middle)
         .max(f64::MIN_POSITIVE);

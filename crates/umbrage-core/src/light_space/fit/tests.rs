@@ -68,8 +68,9 @@ fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
     assert!(near > 3.5 && near < 4.2, "{near}");
 }
 
-/// A ceiling just below a lamp with an extent lies beside its map. Lookups near the map's edge would search there for blockers,
-/// but a map cannot show them: so they do not pull its near plane up to the lamp.
+/// A ceiling just below a lamp with an extent lies beside its map. Lookups near the map's edge
+/// would search there for blockers, but a map cannot show them: so they do not pull its near plane
+/// up to the lamp.
 #[test]
 fn casters_beside_the_map_cost_no_precision() {
     let position = Vec3::new(0.0, 5.0, 0.0);
@@ -113,7 +114,8 @@ fn casters_beside_the_map_cost_no_precision() {
     assert_eq!(near(&[floor, table, left, right]), bare);
 }
 
-/// However the lamp is tilted, and with a caster close to it, no receiver is pushed beyond the far plane.
+/// However the lamp is tilted, and with a caster close to it, no receiver is pushed beyond the far
+/// plane.
 #[test]
 fn rounding_keeps_receivers_before_the_far_plane() {
     for i in 0..50 {
@@ -133,7 +135,8 @@ fn rounding_keeps_receivers_before_the_far_plane() {
     }
 }
 
-/// What is remembered is what would be found anew; and it is remembered, or another scene would not get the first one's fit.
+/// What is remembered is what would be found anew; and it is remembered, or another scene would not
+/// get the first one's fit.
 #[test]
 fn a_memory_gives_what_was_found() {
     let light = spot(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.28, -0.96, 0.0));

@@ -30,7 +30,8 @@ pub(crate) enum Command {
     Compare(CompareArguments),
     /// Play the catalogue of failures: where each technique passes, degrades or fails
     Stability(StabilityArguments),
-    /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
+    /// Find the least that a scene needs: the cheapest technique and setting within an error, time
+    /// or memory
     Plan(PlanArguments),
     /// Write which technique to use by light, size, motion and budget, from what was measured
     Which(WhichArguments),
@@ -87,8 +88,8 @@ fn with_own_examples(command: clap::Command, invocation: &str) -> clap::Command 
 mod tests {
     use super::{INVOCATION, command};
 
-    /// Every command's help, as `--help` prints it to a terminal of 100 columns. `cargo xtask` prints these files as long as the
-    /// program isn't built.
+    /// Every command's help, as `--help` prints it to a terminal of 100 columns. `cargo xtask`
+    /// prints these files as long as the program isn't built.
     #[test]
     fn help() {
         let mut whole = command(INVOCATION).term_width(100);

@@ -32,8 +32,8 @@ pub(crate) struct Shard {
 }
 
 impl Shard {
-    /// Whether the scene in this place, from 0, belongs to it. Neighbours in the list are alike and cost alike, so they
-    /// go to different shards.
+    /// Whether the scene in this place, from 0, belongs to it. Neighbours in the list are alike and
+    /// cost alike, so they go to different shards.
     pub(crate) fn takes(self, index: usize) -> bool {
         index % self.n == self.k - 1
     }

@@ -1,4 +1,5 @@
-//! Errors in a narrow part of the picture, where one kind of failure shows and a share of the whole picture would hide it.
+//! Errors in a narrow part of the picture, where one kind of failure shows and a share of the whole
+//! picture would hide it.
 
 use super::open::share;
 use glam::Vec3;
@@ -14,7 +15,8 @@ pub enum Band {
         /// Greatest distance from a line, metres.
         reach: f32,
     },
-    /// Along the rim of a spot's cone: where the tangent of the angle to its axis is at least this share of the outer one's.
+    /// Along the rim of a spot's cone: where the tangent of the angle to its axis is at least this
+    /// share of the outer one's.
     ConeRim {
         /// 0..=1.
         share: f32,
@@ -41,7 +43,8 @@ fn distance_to_line(p: Vec3, from: Vec3, to: Vec3) -> f32 {
     p.distance(nearest)
 }
 
-/// Returns the tangent of the angle between a spot's axis and a point, as a share of its outer angle's; 0 under other lights.
+/// Returns the tangent of the angle between a spot's axis and a point, as a share of its outer
+/// angle's; 0 under other lights.
 fn tangent_share(light: &Light, position: Vec3) -> f32 {
     let Light::Spot {
         position: apex,

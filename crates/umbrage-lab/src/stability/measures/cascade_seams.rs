@@ -13,13 +13,15 @@ const NEIGHBOURS: [Neighbour; 2] = [
     Neighbour { right: 0, down: 1 },
 ];
 
-/// Returns by how much more the answers of two neighbouring pixels differ than in truth where two cascades answer for them, beyond
-/// what they do right beside: percent, in the mean over all such neighbours; 0 where they don't, none if there are none.
+/// Returns by how much more the answers of two neighbouring pixels differ than in truth where two
+/// cascades answer for them, beyond what they do right beside: percent, in the mean over all such
+/// neighbours; 0 where they don't, none if there are none.
 ///
-/// Edges cross seams as they cross all of the picture, and every map has them in the wrong place by part of a texel: what a seam
-/// costs is only what the pairs one pixel to either side of it don't.
+/// Edges cross seams as they cross all of the picture, and every map has them in the wrong place by
+/// part of a texel: what a seam costs is only what the pairs one pixel to either side of it don't.
 ///
-/// `layers` holds the cascade of each pixel of a picture of this size, `counts` says which pixels count.
+/// `layers` holds the cascade of each pixel of a picture of this size, `counts` says which pixels
+/// count.
 pub fn excess(
     size: UVec2,
     mask: &[f32],

@@ -19,7 +19,8 @@ pub struct Contact {
 /// Strips that a contact is cut into along its length.
 const STRIPS: usize = 16;
 
-/// Pixels show the floor if their height differs from the contact's by less than this share of the contact's length.
+/// Pixels show the floor if their height differs from the contact's by less than this share of the
+/// contact's length.
 const LEVEL: f32 = 1e-4;
 
 impl Contact {
@@ -51,9 +52,9 @@ impl Contact {
             .filter_map(|i| self.pixel_behind(receivers, i))
     }
 
-    /// Returns the gap, metres: the distance on the floor from the contact to the first dark pixel (below half), the mean over
-    /// 16 strips along the contact, less the same of truth. Where a strip has no dark pixel, the gap is as long as the true
-    /// shadow there.
+    /// Returns the gap, metres: the distance on the floor from the contact to the first dark pixel
+    /// (below half), the mean over 16 strips along the contact, less the same of truth. Where a
+    /// strip has no dark pixel, the gap is as long as the true shadow there.
     pub fn gap(
         &self,
         mask: &[f32],
@@ -77,8 +78,8 @@ impl Contact {
         with_shadow.map(StripShadow::gap).sum::<f64>() / count.max(1) as f64
     }
 
-    /// Returns the percentage of the truly dark pixels within `reach` metres of the contact that the mask lights by more than
-    /// [`ERROR_THRESHOLD`].
+    /// Returns the percentage of the truly dark pixels within `reach` metres of the contact that
+    /// the mask lights by more than [`ERROR_THRESHOLD`].
     pub fn leak(
         &self,
         mask: &[f32],
@@ -93,8 +94,8 @@ impl Contact {
         share(dark.map(|pixel| mask[pixel.index] - truth[pixel.index] > ERROR_THRESHOLD))
     }
 
-    /// Returns the mean distance of neighbouring pixel rows on the floor within `reach` metres of the contact, metres: the
-    /// smallest gap that shows.
+    /// Returns the mean distance of neighbouring pixel rows on the floor within `reach` metres of
+    /// the contact, metres: the smallest gap that shows.
     pub fn pixel(&self, receivers: &Receivers, reach: f32, counts: impl Fn(usize) -> bool) -> f64 {
         let width = receivers.size.x as usize;
         let near = self
@@ -139,8 +140,8 @@ impl StripShadow {
     }
 }
 
-/// Returns the percentage of the truly dark floor pixels within `reach` metres of any of the places, at the place's height,
-/// that the mask lights by more than [`ERROR_THRESHOLD`].
+/// Returns the percentage of the truly dark floor pixels within `reach` metres of any of the
+/// places, at the place's height, that the mask lights by more than [`ERROR_THRESHOLD`].
 pub fn leak_around(
     places: &[Vec3],
     reach: f32,
@@ -166,7 +167,8 @@ mod tests {
     use super::*;
     use glam::UVec2;
 
-    /// A plate of a metre along x, seen on 160 rows of ground of 1 cm each behind it; its shadow is .5 m long.
+    /// A plate of a metre along x, seen on 160 rows of ground of 1 cm each behind it; its shadow is
+    /// .5 m long.
     fn stage() -> (Contact, Receivers, Vec<f32>) {
         let contact = Contact {
             from: Vec3::ZERO,

@@ -1,4 +1,5 @@
-//! The measures: pure functions of a mask, truth and places, each defined where it stands and tried on known input.
+//! The measures: pure functions of a mask, truth and places, each defined where it stands and tried
+//! on known input.
 
 pub mod band;
 pub mod cascade_seams;

@@ -1,11 +1,12 @@
 //! Errors away from shadow edges: acne, leaks, and acne by distance.
 //!
-//! Near a shadow's edge every map is wrong; farther away than kernels reach nothing may be. Pixels that far away are *open*:
-//! [`CaseTruth::open`](crate::stability::CaseTruth).
+//! Near a shadow's edge every map is wrong; farther away than kernels reach nothing may be. Pixels
+//! that far away are *open*: [`CaseTruth::open`](crate::stability::CaseTruth).
 
 use umbrage_core::metrics::ERROR_THRESHOLD;
 
-/// Returns the acne: the percentage of the open lit pixels that the mask darkens by more than [`ERROR_THRESHOLD`].
+/// Returns the acne: the percentage of the open lit pixels that the mask darkens by more than
+/// [`ERROR_THRESHOLD`].
 pub fn acne(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
@@ -14,7 +15,8 @@ pub fn acne(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     )
 }
 
-/// Returns the leaks: the percentage of the open dark pixels that the mask lights by more than [`ERROR_THRESHOLD`].
+/// Returns the leaks: the percentage of the open dark pixels that the mask lights by more than
+/// [`ERROR_THRESHOLD`].
 pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
@@ -23,16 +25,17 @@ pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     )
 }
 
-/// Returns the lost shadow: of the pixels that count and are dark in truth (below half), the percentage that the mask has lit
-/// (above half), those beside edges included. A kernel that blurs an edge evenly leaves its half where it is, and so loses
-/// nothing; what moves, shrinks or drops a shadow does. Exactly half is on neither side: four taps give it on both sides of an
-/// edge.
+/// Returns the lost shadow: of the pixels that count and are dark in truth (below half), the
+/// percentage that the mask has lit (above half), those beside edges included. A kernel that blurs
+/// an edge evenly leaves its half where it is, and so loses nothing; what moves, shrinks or drops a
+/// shadow does. Exactly half is on neither side: four taps give it on both sides of an edge.
 pub fn lost_shadow(mask: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> f64 {
     let dark = (0..mask.len()).filter(|&i| counts(i) && truth[i] < 0.5);
     share(dark.map(|i| mask[i] > 0.5))
 }
 
-/// Returns acne and leaks together: the percentage of the open pixels that are wrong by more than [`ERROR_THRESHOLD`].
+/// Returns acne and leaks together: the percentage of the open pixels that are wrong by more than
+/// [`ERROR_THRESHOLD`].
 pub fn wrong(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
@@ -44,7 +47,8 @@ pub fn wrong(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
 /// Bins that pixels are sorted into by distance.
 pub const BINS: usize = 5;
 
-/// Returns the [`acne`] in [`BINS`] bins of distance from the eye (`distance`, metres), each of as many open lit pixels, near first.
+/// Returns the [`acne`] in [`BINS`] bins of distance from the eye (`distance`, metres), each of as
+/// many open lit pixels, near first.
 pub fn acne_by_distance(
     mask: &[f32],
     truth: &[f32],

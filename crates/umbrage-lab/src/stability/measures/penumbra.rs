@@ -1,8 +1,8 @@
 //! Errors within penumbrae, and errors of their widths.
 //!
-//! Over a penumbra that runs linearly from 0 to 1 over a width w, the integral of v (1 - v) across it is w / 6; so the sum
-//! of v (1 - v) over pixels, each weighted alike in mask and truth, tells the ratio of widths without finding an edge.
-//! Dithering with n equal taps takes 1/n off the sum.
+//! Over a penumbra that runs linearly from 0 to 1 over a width w, the integral of v (1 - v) across
+//! it is w / 6; so the sum of v (1 - v) over pixels, each weighted alike in mask and truth, tells
+//! the ratio of widths without finding an edge. Dithering with n equal taps takes 1/n off the sum.
 
 use glam::Vec3;
 use umbrage_core::{Receivers, metrics::is_penumbra};
@@ -14,14 +14,16 @@ pub fn rmse(mask: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> f64 
     })
 }
 
-/// Returns the RMSE that `rays` independent rays a pixel would have over the same pixels: binomial, v (1 - v) / n each.
+/// Returns the RMSE that `rays` independent rays a pixel would have over the same pixels: binomial,
+/// v (1 - v) / n each.
 pub fn ray_noise(truth: &[f32], rays: u32, counts: impl Fn(usize) -> bool) -> f64 {
     root_mean(truth.len(), truth, counts, |i| {
         f64::from(truth[i]) * f64::from(1.0 - truth[i]) / f64::from(rays)
     })
 }
 
-/// Returns the square root of the mean of `square` over the pixels that count and that truth has in penumbra.
+/// Returns the square root of the mean of `square` over the pixels that count and that truth has in
+/// penumbra.
 fn root_mean(
     len: usize,
     truth: &[f32],
@@ -35,7 +37,8 @@ fn root_mean(
     (sum / in_penumbra.len().max(1) as f64).sqrt()
 }
 
-/// Points on the floor by which the shadows of several casters are told apart: of each shadow some, world space, metres.
+/// Points on the floor by which the shadows of several casters are told apart: of each shadow some,
+/// world space, metres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShadowPlaces(pub Vec<Vec<Vec3>>);
 
@@ -50,8 +53,9 @@ impl ShadowPlaces {
         places.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 
-    /// Returns for each shadow its penumbra's width over truth's, 1 if right: pixels on the floor (at the lowest place's
-    /// height, within `level` metres) belong to the nearest place. None where truth has no penumbra.
+    /// Returns for each shadow its penumbra's width over truth's, 1 if right: pixels on the floor
+    /// (at the lowest place's height, within `level` metres) belong to the nearest place. None
+    /// where truth has no penumbra.
     pub fn widths(
         &self,
         mask: &[f32],

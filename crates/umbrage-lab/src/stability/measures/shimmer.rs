@@ -2,27 +2,29 @@
 
 use std::collections::BTreeMap;
 
-/// Returns the mean of |V_t - V_(t-1)| over all pairs of neighbouring frames and all marked points, 0..=1. Each frame holds the
-/// visibility of the same world-locked points.
+/// Returns the mean of |V_t - V_(t-1)| over all pairs of neighbouring frames and all marked points,
+/// 0..=1. Each frame holds the visibility of the same world-locked points.
 pub fn change(frames: &[Vec<f32>], marked: &[bool]) -> f64 {
     mean(&steps(frames, marked))
 }
 
-/// Returns the shimmer beyond truth's own: a method's mean change less truth's, -1..=1; negative where the method hides true
-/// changes.
+/// Returns the shimmer beyond truth's own: a method's mean change less truth's, -1..=1; negative
+/// where the method hides true changes.
 pub fn shimmer(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool]) -> f64 {
     change(frames, marked) - change(truth, marked)
 }
 
-/// Side of the blocks of pixels in which [`change_error`] compares changes: wide beside the steps of texels and the noise of
-/// edges, which cancel within a block, and small beside the picture, so that crawl here can't make up for rest there.
+/// Side of the blocks of pixels in which [`change_error`] compares changes: wide beside the steps
+/// of texels and the noise of edges, which cancel within a block, and small beside the picture, so
+/// that crawl here can't make up for rest there.
 pub const BLOCK: usize = 16;
 
-/// Returns how far a method's change is from truth's, 0..=2. In each block of [`BLOCK`] x [`BLOCK`] pixels the increases of
-/// visibility from a frame to the next are added up, and so are the decreases, for the method and for truth. The result is the
-/// sum of the absolute differences of these sums, divided by the number of marked points, the mean over all pairs of frames. A
-/// shadow that stands still while truth's moves is as wrong as one that crawls, and one that runs backwards is wrong twice.
-/// Points are the pixels of a picture `width` wide, rows from the top.
+/// Returns how far a method's change is from truth's, 0..=2. In each block of [`BLOCK`] x [`BLOCK`]
+/// pixels the increases of visibility from a frame to the next are added up, and so are the
+/// decreases, for the method and for truth. The result is the sum of the absolute differences of
+/// these sums, divided by the number of marked points, the mean over all pairs of frames. A shadow
+/// that stands still while truth's moves is as wrong as one that crawls, and one that runs
+/// backwards is wrong twice. Points are the pixels of a picture `width` wide, rows from the top.
 pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool], width: usize) -> f64 {
     let blocks = blocks(marked, width);
     let count = blocks.iter().map(Vec::len).sum::<usize>().max(1) as f64;
@@ -132,7 +134,8 @@ mod tests {
         assert_eq!(change_error(&moving, &moving, &all, 2), 0.0);
         assert_eq!(change_error(&still, &moving, &all, 2), 0.25);
         assert_eq!(change_error(&moving, &still, &all, 2), 0.25);
-        // A jump doesn't make up for a rest: each frame is wrong, though the changes of all frames add up to the same.
+        // A jump doesn't make up for a rest: each frame is wrong, though the changes of all frames
+        // add up to the same.
         let jumping = vec![vec![0.0, 1.0], vec![0.0, 1.0], vec![0.5, 0.5]];
         assert_eq!(change(&jumping, &all), change(&moving, &all));
         assert_eq!(change_error(&jumping, &moving, &all, 2), 0.25);
@@ -161,7 +164,8 @@ mod tests {
     #[test]
     fn crawl_in_one_place_does_not_pay_for_rest_in_another() {
         let far = SIDE - 1;
-        // Truth darkens the pixel in the first block; the mask changes one in the block beside it, below it, or both.
+        // Truth darkens the pixel in the first block; the mask changes one in the block beside it,
+        // below it, or both.
         for (x, y) in [(far, 0), (0, far), (far, far)] {
             let lit_then_dark = [
                 picture([(0, 0, 1.0), (x, y, 0.0)]),
@@ -180,7 +184,8 @@ mod tests {
         }
     }
 
-    /// Within a block a pixel more or less of an edge is noise, but a change in the other direction is not.
+    /// Within a block a pixel more or less of an edge is noise, but a change in the other direction
+    /// is not.
     #[test]
     fn changes_within_a_block_make_up_for_each_other_in_one_direction_alone() {
         let far = SIDE - 1;

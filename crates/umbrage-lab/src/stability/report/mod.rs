@@ -17,9 +17,10 @@ use crate::{
 };
 use std::path::{Path, PathBuf};
 
-/// Writes `index.html`, the cells' pictures in `pictures/`, `matrix.svg`, `matrix.csv`, `windows.csv`, `results.json`, and for each
-/// sweep an SVG and a CSV in `sweeps/`. The page works from a file; the folder is to be kept together. Returns the page's path.
-/// The figures' files hold nothing that changes from run to run: no dates, no times.
+/// Writes `index.html`, the cells' pictures in `pictures/`, `matrix.svg`, `matrix.csv`,
+/// `windows.csv`, `results.json`, and for each sweep an SVG and a CSV in `sweeps/`. The page works
+/// from a file; the folder is to be kept together. Returns the page's path. The figures' files hold
+/// nothing that changes from run to run: no dates, no times.
 ///
 /// # Errors
 /// Errors if the folder can't be written.
@@ -68,8 +69,8 @@ const HEADER: [&str; 15] = [
     "reason",
 ];
 
-/// Returns the matrix as CSV: a line for each cell and each of the case's criteria. `cell` is the cell's verdict, the worst of
-/// its criteria's.
+/// Returns the matrix as CSV: a line for each cell and each of the case's criteria. `cell` is the
+/// cell's verdict, the worst of its criteria's.
 fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for case in &stability.cases {

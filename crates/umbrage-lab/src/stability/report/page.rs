@@ -1,4 +1,5 @@
-//! The page: elements, a style sheet, scripts, and one block of data. Pictures and charts are files beside it.
+//! The page: elements, a style sheet, scripts, and one block of data. Pictures and charts are files
+//! beside it.
 
 use super::{SWEEPS, results::StabilityResults};
 use crate::{

@@ -9,10 +9,12 @@ use crate::{
 /// The folder of the pictures, beside the page.
 pub(super) const FOLDER: &str = "pictures";
 
-/// For each case and each of its cells the file of its picture, relative to the page; none where there is no picture.
+/// For each case and each of its cells the file of its picture, relative to the page; none where
+/// there is no picture.
 pub(super) type PictureNames = Vec<Vec<Option<String>>>;
 
-/// Returns the names of all pictures: the case's, the technique's and the settings', each file once.
+/// Returns the names of all pictures: the case's, the technique's and the settings', each file
+/// once.
 pub(super) fn names(stability: &Stability) -> PictureNames {
     let mut taken: Vec<String> = Vec::new();
     let mut out = Vec::new();

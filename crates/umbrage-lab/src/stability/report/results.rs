@@ -30,7 +30,8 @@ pub struct StabilityResults {
     pub stability: Stability,
     /// The sweeps; empty if single rows or techniques were asked for.
     pub sweeps: Vec<Sweep>,
-    /// For each case and each of its cells the file of its picture, relative to this one; none where there is no picture.
+    /// For each case and each of its cells the file of its picture, relative to this one; none
+    /// where there is no picture.
     pub pictures: PictureNames,
 }
 

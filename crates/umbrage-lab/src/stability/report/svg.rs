@@ -1,4 +1,5 @@
-//! The matrix as one picture for a README: a line for each case, a column for each setting, and signs that read without color.
+//! The matrix as one picture for a README: a line for each case, a column for each setting, and
+//! signs that read without color.
 
 use crate::{
     output::html::escape,
@@ -9,9 +10,11 @@ use crate::{
 };
 use std::fmt::Write as _;
 
-/// Distance from the left side of a cell to that of the next, pixels; 2 of them are the gap between cells.
+/// Distance from the left side of a cell to that of the next, pixels; 2 of them are the gap between
+/// cells.
 const CELL_WIDTH: usize = 26;
-/// Distance from the top of a line to that of the next, pixels; 2 of them are the gap between lines.
+/// Distance from the top of a line to that of the next, pixels; 2 of them are the gap between
+/// lines.
 const CELL_HEIGHT: usize = 19;
 /// Gap between cells, pixels.
 const CELL_GAP: usize = 2;
@@ -35,7 +38,8 @@ struct CellColors {
     ink: &'static str,
 }
 
-/// Returns the colors of a cell. Blue to orange, as all kinds of color vision tell them apart (Okabe, Ito 2008).
+/// Returns the colors of a cell. Blue to orange, as all kinds of color vision tell them apart
+/// (Okabe, Ito 2008).
 fn colors(cell: &Cell) -> CellColors {
     let (background, ink) = match cell.verdict() {
         Some(Verdict::Pass) => ("#cfe3f5", "#134a7c"),
@@ -51,8 +55,8 @@ fn colors(cell: &Cell) -> CellColors {
 /// Returns the whole picture; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
     let cases: Vec<&CaseResult> = stability.telling().collect();
-    // Some rows try more settings than others. The columns are the settings that all rows with the usual fit try; the page
-    // shows the rest.
+    // Some rows try more settings than others. The columns are the settings that all rows with the
+    // usual fit try; the page shows the rest.
     let usual = cases.iter().filter(|case| case.fit.is_empty());
     let least = usual.min_by_key(|case| case.cells.len());
     let Some(least) = least.or(cases.first()) else {
@@ -91,14 +95,15 @@ pub(super) fn matrix(stability: &Stability) -> String {
     out
 }
 
-/// Returns what a cell's column is called: the technique and its settings, but for the fit, which is the line's.
+/// Returns what a cell's column is called: the technique and its settings, but for the fit, which
+/// is the line's.
 fn column(case: &CaseResult, cell: &Cell) -> String {
     let settings = case.settings_without_fit(cell);
     format!("{} ({settings})", cell.technique)
 }
 
-/// Writes a column's head, slanted: the technique, and the end of its settings, in which those of one technique differ (the
-/// bias, or the rays).
+/// Writes a column's head, slanted: the technique, and the end of its settings, in which those of
+/// one technique differ (the bias, or the rays).
 fn write_head(out: &mut String, cell: &Cell, column: usize) {
     let settings = cell.settings.rsplit("bias: ").next().unwrap_or_default();
     let head = format!("{}, {settings}", cell.technique);
@@ -111,8 +116,8 @@ fn write_head(out: &mut String, cell: &Cell, column: usize) {
     );
 }
 
-/// Writes a case's line: the row's number if it is the row's first case, the case's name, and the cells of these
-/// columns.
+/// Writes a case's line: the row's number if it is the row's first case, the case's name, and the
+/// cells of these columns.
 fn write_line(
     out: &mut String,
     case: &CaseResult,
@@ -145,7 +150,8 @@ fn write_line(
     }
 }
 
-/// Writes a cell whose top left corner is at (`x`, `y`); its tooltip says the setting and the figures.
+/// Writes a cell whose top left corner is at (`x`, `y`); its tooltip says the setting and the
+/// figures.
 fn write_cell(out: &mut String, cell: &Cell, criteria: &[CriterionResult], x: usize, y: usize) {
     let CellColors { background, ink } = colors(cell);
     let technique = escape(&cell.technique);

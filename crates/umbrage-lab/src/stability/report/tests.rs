@@ -9,7 +9,8 @@ use crate::{
     },
 };
 
-/// A matrix of three cases, the second with one cell, that isn't measured, the last a sanity case; names hold what markup and CSV stumble over.
+/// A matrix of three cases, the second with one cell, that isn't measured, the last a sanity case;
+/// names hold what markup and CSV stumble over.
 fn sample() -> Stability {
     let cell = |settings: &str, outcome| Cell {
         technique: "pcf".to_owned(),

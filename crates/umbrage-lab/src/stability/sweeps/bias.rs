@@ -1,7 +1,8 @@
-//! Bias from next to none to far too much: acne falls, and what the bias costs (a gap at contacts, or RMSE) grows.
+//! Bias from next to none to far too much: acne falls, and what the bias costs (a gap at contacts,
+//! or RMSE) grows.
 //!
-//! Both are drawn in units of their own limits, so that one chart holds them: up to 1 either passes. The best bias is the one
-//! at which the worse of the two is least.
+//! Both are drawn in units of their own limits, so that one chart holds them: up to 1 either
+//! passes. The best bias is the one at which the worse of the two is least.
 
 use super::curve::{Curve, Sweep, not_played, play};
 use crate::{
@@ -169,7 +170,8 @@ fn limit(pass: f64, unit: &str) -> String {
     format!("{pass:.3} {unit}").trim_end().to_owned()
 }
 
-/// Returns value `i` of [`STEPS`] from `from` to `to`, each greater than the one before by the same factor.
+/// Returns value `i` of [`STEPS`] from `from` to `to`, each greater than the one before by the same
+/// factor.
 fn geometric_step(from: f32, to: f32, i: u32) -> f32 {
     let t = i as f32 / (STEPS - 1) as f32;
     from * (to / from).powf(t)

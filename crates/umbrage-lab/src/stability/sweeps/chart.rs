@@ -3,8 +3,8 @@
 use super::curve::Sweep;
 use crate::output::figure::{COLORS, Figure, Point, Reference, Series, Style};
 
-/// Returns the least y that is drawn: a hundredth of the limit, or a thousandth without one. Smaller values are drawn there,
-/// as 0 has no place on a logarithmic axis.
+/// Returns the least y that is drawn: a hundredth of the limit, or a thousandth without one.
+/// Smaller values are drawn there, as 0 has no place on a logarithmic axis.
 fn floor(sweep: &Sweep) -> f64 {
     sweep.limit.map_or(1e-3, |limit| 0.01 * limit)
 }

@@ -30,7 +30,8 @@ pub struct Sweep {
     pub best: Option<f64>,
     /// The value of y up to which a result passes, where there is one.
     pub limit: Option<f64>,
-    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding; none with a single backend.
+    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding;
+    /// none with a single backend.
     pub disagreeing: Option<u64>,
 }
 

@@ -1,6 +1,8 @@
-//! One quantity varied from too little to too much: bias, light angle, scale, distance from the origin, map size.
+//! One quantity varied from too little to too much: bias, light angle, scale, distance from the
+//! origin, map size.
 //!
-//! Figures are the first backend's. The others play each curve's ends and its middle, and must agree there.
+//! Figures are the first backend's. The others play each curve's ends and its middle, and must
+//! agree there.
 
 mod bias;
 mod chart;
@@ -20,7 +22,8 @@ use crate::{compare::Backends, error::LabError};
 /// Runs all sweeps. [`Sweep::fault`] says what is wrong with a result.
 ///
 /// # Errors
-/// Errors if there is no backend, a scene can't be used, or a technique's result breaks the rules (a panic, values outside 0..=1).
+/// Errors if there is no backend, a scene can't be used, or a technique's result breaks the rules
+/// (a panic, values outside 0..=1).
 pub fn sweeps(
     options: &StabilityOptions,
     backends: &mut Backends,

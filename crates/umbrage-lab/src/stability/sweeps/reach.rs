@@ -1,5 +1,5 @@
-//! The RMSE of techniques as the light sinks, the scene grows or moves away, or the map shrinks, beside that of a perfect map
-//! of the same size.
+//! The RMSE of techniques as the light sinks, the scene grows or moves away, or the map shrinks,
+//! beside that of a perfect map of the same size.
 
 use super::{
     curve::{Curve, Sweep, not_played, play},
@@ -129,7 +129,8 @@ pub(super) fn sweep(
             map_size,
             Fit::Tight,
         );
-        // The first value makes the curves: the settings are the same at every value, but for the map's side.
+        // The first value makes the curves: the settings are the same at every value, but for the
+        // map's side.
         if of_techniques.is_empty() {
             of_techniques = techniques
                 .iter()
@@ -176,8 +177,8 @@ fn truth_of(
     CaseTruth::new(scene, camera, lights, map_size, &options.truth)
 }
 
-/// Returns the curve of a setting, without points. Its label leaves out the map's side, which the x axis has or which is the
-/// same for all curves.
+/// Returns the curve of a setting, without points. Its label leaves out the map's side, which the x
+/// axis has or which is the same for all curves.
 fn empty_curve(technique: &TechniquePreset, map_size: u32) -> Curve {
     let label = format!("{} ({})", technique.name(), technique.settings());
     Curve {

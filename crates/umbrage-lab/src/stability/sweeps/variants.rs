@@ -77,8 +77,8 @@ fn placed(light: &Light, place: impl Fn(Vec3) -> Vec3, by: f32) -> Light {
     }
 }
 
-/// Returns the scene with its first light replaced by an ideal sun (no extent) this many degrees above the horizon, from the
-/// same azimuth as the sun of the scene `low-sun-5`.
+/// Returns the scene with its first light replaced by an ideal sun (no extent) this many degrees
+/// above the horizon, from the same azimuth as the sun of the scene `low-sun-5`.
 pub fn under_sun(scene: &Scene, degrees: f64) -> Scene {
     let elevation = degrees.to_radians();
     let horizontal = elevation.cos().max(0.0);

@@ -1,10 +1,12 @@
-//! Other backends beside the first: they must agree where they serve a recipe, and change no figure.
+//! Other backends beside the first: they must agree where they serve a recipe, and change no
+//! figure.
 
 use super::*;
 
 /// Runs one moving case with one technique and a second backend that errs in its `k`th rendering,
-/// from 1; 0 for never. Returns the disagreement of all settings together, the faults, and the number
-/// of the second backend's renderings. Settings run on several threads: which one renders `k`th varies.
+/// from 1; 0 for never. Returns the disagreement of all settings together, the faults, and the
+/// number of the second backend's renderings. Settings run on several threads: which one renders
+/// `k`th varies.
 fn beside_a_faulty_backend(k: u32) -> (Option<u64>, Vec<String>, u32) {
     let options = StabilityOptions {
         rows: vec!["fence-pan".to_owned()],
@@ -72,7 +74,8 @@ impl Backend for Tiny {
     }
 }
 
-/// A backend that serves nothing changes no figure of the first one, and doesn't keep the rest from being checked.
+/// A backend that serves nothing changes no figure of the first one, and doesn't keep the rest from
+/// being checked.
 #[test]
 fn backends_that_serve_nothing_are_left_out() {
     let options = StabilityOptions {

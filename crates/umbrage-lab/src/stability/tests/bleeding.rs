@@ -4,12 +4,14 @@ use super::*;
 use glam::Vec3;
 use umbrage_techniques::{Evsm, EvsmMoments, MapFilter as _, Msm, Reconstruction, ShadowMap, Vsm};
 
-/// Returns the most light that Chebyshev's bound lets through where a filter finds two blockers alone, before a receiver, whatever their
-/// shares; `depths` are the nearer blocker's, the other's and the receiver's.
+/// Returns the most light that Chebyshev's bound lets through where a filter finds two blockers
+/// alone, before a receiver, whatever their shares; `depths` are the nearer blocker's, the other's
+/// and the receiver's.
 ///
-/// With b = `middle` - `near`, a = `receiver` - `middle`, and a share p of the nearer blocker, the variance is p (1 - p) b², and the
-/// receiver is a + p b from the mean. So the bound is p (1 - p) b² / (p (1 - p) b² + (a + p b)²), whose maximum, at
-/// p = a / (2 a + b), is b² / (b + 2 a)² (the bound is that of Donnelly and Lauritzen 2006, "Variance shadow maps").
+/// With b = `middle` - `near`, a = `receiver` - `middle`, and a share p of the nearer blocker, the
+/// variance is p (1 - p) b², and the receiver is a + p b from the mean. So the bound is p (1 - p)
+/// b² / (p (1 - p) b² + (a + p b)²), whose maximum, at p = a / (2 a + b), is b² / (b + 2 a)² (the
+/// bound is that of Donnelly and Lauritzen 2006, "Variance shadow maps").
 fn most_bleeding(depths: [f32; 3]) -> f32 {
     let [near, middle, receiver] = depths;
     let between = middle - near;
@@ -32,8 +34,9 @@ fn clip_depths(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> [f32;
     [5.0, 1.0, 0.0].map(depth)
 }
 
-/// Returns the most light that a technique leaves on the floor in the lower plate's shadow, .2 m inside of its outline, farther than filters of
-/// the tests reach: the shadow lies from -0.6 to 1 m along x, and 0.9 m to each side along z.
+/// Returns the most light that a technique leaves on the floor in the lower plate's shadow, .2 m
+/// inside of its outline, farther than filters of the tests reach: the shadow lies from -0.6 to 1 m
+/// along x, and 0.9 m to each side along z.
 fn brightest(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> f32 {
     let mask = mask(case_truth, technique);
     let receivers = &case_truth.truth.receivers;
@@ -81,8 +84,9 @@ fn light_bleeds_as_much_as_the_bounds_allow() {
         [(&variance, of_variance), (&exponential, of_exponential)];
     for (technique, expected) in expected {
         let found = brightest(&case_truth, technique);
-        // Less, since pixels don't lie just where the shares are worst; more, since the light meets the plates at a slope: depths of one
-        // plate differ within the filter by up to a hundredth of the way between the plates.
+        // Less, since pixels don't lie just where the shares are worst; more, since the light meets
+        // the plates at a slope: depths of one plate differ within the filter by up to a hundredth
+        // of the way between the plates.
         assert!(
             found > 0.95 * expected && found < 1.02 * expected,
             "{}: {found} for {expected}",

@@ -1,4 +1,5 @@
-//! Every row's measure can pass and can fail, its scene has what it is for, and known weaknesses are seen.
+//! Every row's measure can pass and can fail, its scene has what it is for, and known weaknesses
+//! are seen.
 
 mod backends;
 mod bleeding;
@@ -115,8 +116,9 @@ fn scenes_of_failures_are_played() {
     assert_eq!(left_out, ["glowing-lamp-in-room"]);
 }
 
-/// With truth's own technique every still row passes, and with a mask that is all lit or all dark each criterion of every one
-/// fails; and without casters there is no shadow left to measure: so every measure can do both.
+/// With truth's own technique every still row passes, and with a mask that is all lit or all dark
+/// each criterion of every one fails; and without casters there is no shadow left to measure: so
+/// every measure can do both.
 #[test]
 fn every_still_row_can_pass_and_can_fail() {
     let options = small();
@@ -234,7 +236,8 @@ fn known_weaknesses_are_seen() {
     }
 }
 
-/// Where several blockers make one penumbra, and where each has a width of its own, PCSS at its defaults does what it is for.
+/// Where several blockers make one penumbra, and where each has a width of its own, PCSS at its
+/// defaults does what it is for.
 #[test]
 fn soft_shadows_pass_under_lamps() {
     let technique = Pcss::default().on(ShadowMap {
@@ -274,8 +277,8 @@ fn small_run(rows: &[&str], techniques: &[&str]) -> Stability {
     run(&options, &mut backends, &mut |_| {}).expect("plays")
 }
 
-/// No shadow at all is what the cure for every kind of false shadow leads to: it fails every case in which something casts
-/// onto what is seen, and passes those in which nothing does.
+/// No shadow at all is what the cure for every kind of false shadow leads to: it fails every case
+/// in which something casts onto what is seen, and passes those in which nothing does.
 #[test]
 fn no_shadow_fails_wherever_something_casts() {
     let played = small_run(&[], &["none"]);
@@ -324,8 +327,8 @@ fn what_a_cure_takes_away_is_charged() {
     }
 }
 
-/// Far from the origin truth has less shadow that is sure, and truth at texels' centres is not to be trusted: limits are those near
-/// the origin in proportion to what no shadow would cost.
+/// Far from the origin truth has less shadow that is sure, and truth at texels' centres is not to
+/// be trusted: limits are those near the origin in proportion to what no shadow would cost.
 #[test]
 fn limits_far_away_are_in_proportion() {
     let options = small();
@@ -353,7 +356,8 @@ fn false_light(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
         .false_light
 }
 
-/// Relief that the depth pass leaves out throws no shadow into its joints: against the relief's own truth they are lit.
+/// Relief that the depth pass leaves out throws no shadow into its joints: against the relief's own
+/// truth they are lit.
 #[test]
 fn relief_that_the_map_lacks_leaves_joints_lit() {
     let whole = case_truth_of(case("displaced-wall"), &small());
@@ -367,7 +371,8 @@ fn relief_that_the_map_lacks_leaves_joints_lit() {
     );
 }
 
-/// Shadows on a normal-mapped wall are a flat wall's. A bias that follows the relief's normals gives them acne.
+/// Shadows on a normal-mapped wall are a flat wall's. A bias that follows the relief's normals
+/// gives them acne.
 #[test]
 fn a_bias_along_shading_normals_spoils_a_flat_wall() {
     let flat = case_truth_of(case("normal-mapped-wall"), &small());
@@ -408,7 +413,8 @@ fn volumes_are_exact_where_counts_start_inside() {
     }
 }
 
-/// Planar shadows are exact on flat receivers, casters beyond the lamp and through the floor included.
+/// Planar shadows are exact on flat receivers, casters beyond the lamp and through the floor
+/// included.
 #[test]
 fn planar_shadows_have_no_anti_shadow() {
     let case = case("flat-receivers");
@@ -449,7 +455,8 @@ fn open_pixels_are_right_on_a_perfect_map() {
     );
 }
 
-/// A mask of the wrong size, or with a value that is no visibility, has no RMSE and so passes nowhere.
+/// A mask of the wrong size, or with a value that is no visibility, has no RMSE and so passes
+/// nowhere.
 #[test]
 fn what_is_no_mask_has_no_rmse() {
     let case = case("stairs");

@@ -3,7 +3,8 @@
 use super::*;
 use std::sync::Arc;
 
-/// A tight fit crawls under a panning camera; stable fits take the crawl away, to the bit; rays have no map that could.
+/// A tight fit crawls under a panning camera; stable fits take the crawl away, to the bit; rays
+/// have no map that could.
 #[test]
 fn panning_shimmers_on_a_tight_fit_and_not_on_a_stable_one() {
     let played = small_run(&["fence-pan", "fence-pan-stable"], &["hard", "traced"]);
@@ -34,8 +35,8 @@ fn panning_shimmers_on_a_tight_fit_and_not_on_a_stable_one() {
     assert!(played.faults.is_empty());
 }
 
-/// Patterns that follow the pixel change at points that stay while the camera moves, whatever the fit. What could not have
-/// changed is no pass.
+/// Patterns that follow the pixel change at points that stay while the camera moves, whatever the
+/// fit. What could not have changed is no pass.
 #[test]
 fn patterns_shimmer_and_what_cannot_change_is_not_measured() {
     let techniques = ["none", "hard", "pcf_dithered", "volumes", "traced"];
@@ -61,8 +62,9 @@ fn patterns_shimmer_and_what_cannot_change_is_not_measured() {
     }
 }
 
-/// Where light and casters stand still, truth at points that stay doesn't change at all: whatever a mask changes is its own.
-/// Where either moves, truth moves, so that a shadow that stands still can be told from one that follows.
+/// Where light and casters stand still, truth at points that stay doesn't change at all: whatever a
+/// mask changes is its own. Where either moves, truth moves, so that a shadow that stands still can
+/// be told from one that follows.
 #[test]
 fn truth_moves_with_light_and_casters_alone() {
     let options = small();

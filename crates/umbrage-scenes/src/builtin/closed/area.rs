@@ -1,7 +1,8 @@
 //! c4 to c5: straight edges and a corner under lamps with an extent.
 //!
-//! The lamp hangs at height 4, a half plane x < e at height h. Seen from the floor at x, the edge cuts the lamp at
-//! `(e - x (1 - h / H)) H / h`, and visibility is the part of the lamp on one side of that line.
+//! The lamp hangs at height 4, a half plane x < e at height h. Seen from the floor at x, the edge
+//! cuts the lamp at `(e - x (1 - h / H)) H / h`, and visibility is the part of the lamp on one side
+//! of that line.
 
 use super::{SIZE, floor, on_floor, sheet};
 use crate::{ClosedForm, Sample, stage::Stage};
@@ -94,7 +95,8 @@ pub(crate) fn turned_edge() -> Scene {
     under_edge("c4c-edge-turned-square", light, 2.0, 0.0)
 }
 
-/// With t the edge's place over the lamp's half diagonal: 1 - (1 + t)^2 / 2 below 0, else (1 - t)^2 / 2.
+/// With t the edge's place over the lamp's half diagonal: 1 - (1 + t)^2 / 2 below 0, else (1 - t)^2
+/// / 2.
 pub(crate) fn turned_edge_samples() -> ClosedForm {
     along_x(&[
         (-0.565685, 0.02),

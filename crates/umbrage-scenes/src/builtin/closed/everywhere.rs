@@ -21,7 +21,8 @@ pub(crate) fn closed_room() -> Scene {
         .shoot([1.7, 1.5, 1.7], [-0.6, 1.4, -0.6], 75.0, SIZE)
 }
 
-/// Walls without thickness, the sun outside: no inner point is lit, up to a thousandth from the corners.
+/// Walls without thickness, the sun outside: no inner point is lit, up to a thousandth from the
+/// corners.
 pub(crate) fn closed_room_samples() -> ClosedForm {
     const STEPS: i32 = 24;
     let [min, max] = ROOM.map(|v| v + (Vec3::new(0.0, 1.5, 0.0) - v).signum() * 1e-3);
@@ -82,8 +83,9 @@ pub(crate) fn faceted_sphere() -> Scene {
         .shoot([1.5, 2.4, 4.2], [0.0, 1.0, 0.0], 34.0, SIZE)
 }
 
-/// Nothing else is there and the sphere is convex: a facet is lit exactly if it faces the light. Four points on each of
-/// its 320 facets, seen from outside, one in the middle and three next to the corners.
+/// Nothing else is there and the sphere is convex: a facet is lit exactly if it faces the light.
+/// Four points on each of its 320 facets, seen from outside, one in the middle and three next to
+/// the corners.
 pub(crate) fn faceted_sphere_samples() -> ClosedForm {
     let mesh = faceted_mesh();
     let samples = mesh.triangles.iter().flat_map(|t| {

@@ -1,4 +1,5 @@
-//! Scenes whose shadows follow from a formula; the samples were also checked against an independent ray tracer.
+//! Scenes whose shadows follow from a formula; the samples were also checked against an independent
+//! ray tracer.
 
 pub(crate) mod area;
 pub(crate) mod card;

@@ -86,8 +86,8 @@ pub(crate) fn sphere_level_bulb() -> Scene {
         .shoot([14.0, 22.0, 30.0], [16.0, 0.0, 2.0], 48.0, SIZE)
 }
 
-/// The light is as high as the sphere's middle: the shadow is bounded by one branch of the hyperbola
-/// x^2 / 32 - z^2 / 4 = 1.
+/// The light is as high as the sphere's middle: the shadow is bounded by one branch of the
+/// hyperbola x^2 / 32 - z^2 / 4 = 1.
 pub(crate) fn sphere_level_bulb_samples() -> ClosedForm {
     exact(&[
         (5.63, 0.0, 1.0),

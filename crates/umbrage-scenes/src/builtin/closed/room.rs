@@ -1,7 +1,9 @@
-//! c3 in a room, with two more spheres: a bulb amid its casters, whose shadows cross the seams of a cube of maps.
+//! c3 in a room, with two more spheres: a bulb amid its casters, whose shadows cross the seams of a
+//! cube of maps.
 //!
-//! A point is in the shadow of a sphere (centre C, radius R) exactly if the ray to it from the bulb L passes the centre
-//! within R: `(m . (P - L))^2 > (m . m - R^2) |P - L|^2` with m = C - L, on the near side of the bulb.
+//! A point is in the shadow of a sphere (centre C, radius R) exactly if the ray to it from the bulb
+//! L passes the centre within R: `(m . (P - L))^2 > (m . m - R^2) |P - L|^2` with m = C - L, on the
+//! near side of the bulb.
 
 use super::{SIZE, exact};
 use crate::{
@@ -13,7 +15,8 @@ use umbrage_core::Scene;
 use umbrage_core::glam::Vec3;
 
 pub(super) const BULB: Vec3 = Vec3::new(0.0, 4.0, 0.0);
-/// Centres and radii: c3's; one towards the seam between -x and -y; one towards the corner of -x, -y and +z.
+/// Centres and radii: c3's; one towards the seam between -x and -y; one towards the corner of -x,
+/// -y and +z.
 pub(super) const SPHERES: [(Vec3, f32); 3] = [
     (Vec3::new(1.0, 2.0, 0.0), 0.5),
     (Vec3::new(-1.5, 2.5, 0.0), 0.4),
@@ -21,7 +24,8 @@ pub(super) const SPHERES: [(Vec3, f32); 3] = [
 ];
 
 pub(crate) fn room() -> Scene {
-    // c3's keeps its 20,480 triangles; the others' outlines are within half a millimetre of their spheres with 5,120.
+    // c3's keeps its 20,480 triangles; the others' outlines are within half a millimetre of their
+    // spheres with 5,120.
     let spheres = SPHERES
         .iter()
         .zip([5, 4, 4])
@@ -35,8 +39,9 @@ pub(crate) fn room() -> Scene {
         .shoot([-1.2, 6.6, -7.4], [-1.3, 0.0, 0.6], 64.0, SIZE)
 }
 
-/// c3's samples; across the seam at x = -4, where the second sphere's shadow reaches from -5.902 to -2.711; and along
-/// the diagonal z = -x, where the third's reaches from 2.832 to 5.914 and the corner is at 4.
+/// c3's samples; across the seam at x = -4, where the second sphere's shadow reaches from -5.902 to
+/// -2.711; and along the diagonal z = -x, where the third's reaches from 2.832 to 5.914 and the
+/// corner is at 4.
 pub(crate) fn room_samples() -> ClosedForm {
     let mut out = super::point_like::sphere_bulb_samples();
     let seam = [

@@ -64,8 +64,8 @@ fn ideal_lights_follow_their_formulas() {
     });
 }
 
-/// The ray from the bulb passes within a sphere's radius of its centre, exactly if its angle to the centre is less than
-/// half the angle that the sphere fills.
+/// The ray from the bulb passes within a sphere's radius of its centre, exactly if its angle to the
+/// centre is less than half the angle that the sphere fills.
 #[test]
 fn spheres_around_a_bulb_follow_their_cones() {
     let in_cone = |x: f64, z: f64, (center, radius): (Vec3, f32)| {
@@ -92,7 +92,8 @@ fn ramp(x: f64) -> f64 {
 fn lamps_follow_their_formulas() {
     holds("c4-edge-square", |x, _| ramp(x));
     holds("c4b-low-edge-square", |x, _| {
-        // Positions in the list are rounded, and the ramp is seven times as steep as the list has digits.
+        // Positions in the list are rounded, and the ramp is seven times as steep as the list has
+        // digits.
         let v = (0.5 - edge_on_lamp(x, 0.5, 0.1)).clamp(0.0, 1.0);
         (v * 4e4).round() / 4e4
     });
@@ -113,8 +114,8 @@ fn lamps_follow_their_formulas() {
     });
 }
 
-/// Irradiance of a floor point under a polygon of even radiance pi (Lambert 1760): the sum over its edges of the angle
-/// they span times the slope of the plane through them.
+/// Irradiance of a floor point under a polygon of even radiance pi (Lambert 1760): the sum over its
+/// edges of the angle they span times the slope of the plane through them.
 fn lambert(from: f64, to: f64, x: f64) -> f64 {
     let corners = [(from, -0.5), (from, 0.5), (to, 0.5), (to, -0.5)]
         .map(|(lx, lz)| DVec3::new(lx - x, 4.0, lz));

@@ -1,5 +1,6 @@
-//! A dancer: head, hands with fingers, limbs, bodice, a skirt of strips, ribbons, a staff. She faces +z, stands on the toes of her
-//! right foot (at -x) at the origin, and lifts the other leg behind her. Metres.
+//! A dancer: head, hands with fingers, limbs, bodice, a skirt of strips, ribbons, a staff. She
+//! faces +z, stands on the toes of her right foot (at -x) at the origin, and lifts the other leg
+//! behind her. Metres.
 
 use super::{
     parts::{merged, moved, sheet, smooth_tube},
@@ -203,7 +204,8 @@ fn finger(root: Vec3, along: Vec3, bend: Vec3) -> Mesh {
     smooth_tube(&knots, FINGER[1], FINGER[0])
 }
 
-/// Returns a hand: its palm reaches from the wrist along `ahead`; its fingers are spread along `aside` and bend towards `palm`.
+/// Returns a hand: its palm reaches from the wrist along `ahead`; its fingers are spread along
+/// `aside` and bend towards `palm`.
 fn hand(wrist: Vec3, ahead: Vec3, aside: Vec3, curl: f32) -> Vec<Mesh> {
     let down = ahead.cross(aside).normalize();
     let mut palm = icosphere(Vec3::ZERO, 1.0, 3);
@@ -239,7 +241,8 @@ fn staff_hand() -> Vec<Mesh> {
     hand(STAFF_WRIST, ahead, aside, 0.9)
 }
 
-/// Returns a layer of the skirt, as wide as `reach` beyond the hips; its strips swing and do not touch.
+/// Returns a layer of the skirt, as wide as `reach` beyond the hips; its strips swing and do not
+/// touch.
 fn skirt(seed: i32, reach: f32, drop: f32) -> Mesh {
     let mut random = Random::new(seed);
     let mut strips = Vec::new();

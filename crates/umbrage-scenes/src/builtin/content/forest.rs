@@ -1,4 +1,5 @@
-//! A wood with a path: trees whose leaves are geometry, ferns, grass, rocks, fallen leaves; the sun comes through the crowns.
+//! A wood with a path: trees whose leaves are geometry, ferns, grass, rocks, fallen leaves; the sun
+//! comes through the crowns.
 
 use super::{
     SIZE,
@@ -87,7 +88,8 @@ fn planted(x: f32, z: f32, scale: f32, random: &mut Random) -> Affine3A {
     scaled(foot, angle, Vec3::splat(scale))
 }
 
-/// Returns places beside the path, at least `clear` from its middle: one in each cell of a grid, but for cells right before the camera.
+/// Returns places beside the path, at least `clear` from its middle: one in each cell of a grid,
+/// but for cells right before the camera.
 fn beside_path(seed: i32, half: f32, pitch: f32, clear: f32) -> Vec<[f32; 2]> {
     scattered(seed, half, pitch, |[x, z], _| {
         let from_eye = (x - 0.3).hypot(z - EYE);

@@ -1,4 +1,5 @@
-//! Furniture, lamps and small things of a room. What stands on a floor has its foot at y = 0 and faces +z.
+//! Furniture, lamps and small things of a room. What stands on a floor has its foot at y = 0 and
+//! faces +z.
 
 use super::{
     parts::{at, box_at, creased, merged, moved, sheet, smooth_tube, stick},
@@ -129,7 +130,8 @@ pub(super) fn books() -> [Mesh; 3] {
     colors.map(|parts| merged("books", parts))
 }
 
-/// Returns a book of this thickness, height and depth: two covers, a rounded spine, and pages that are set back.
+/// Returns a book of this thickness, height and depth: two covers, a rounded spine, and pages that
+/// are set back.
 fn book(size: [f32; 3]) -> Mesh {
     let [thick, tall, deep] = size;
     let cover = 0.1 * thick;
@@ -179,7 +181,8 @@ pub(super) fn armchair() -> Mesh {
     merged("armchair", parts)
 }
 
-/// Returns an open shade around the origin: the radii of its lower and its upper rim, and its height.
+/// Returns an open shade around the origin: the radii of its lower and its upper rim, and its
+/// height.
 pub(super) fn shade(lower: f32, upper: f32, height: f32) -> Mesh {
     let cloth = sheet([72, 6], |u, v| {
         let (cos, sin) = on_circle(f64::from(u));
@@ -215,7 +218,8 @@ pub(super) fn lamp_pole(height: f32) -> Mesh {
     lathe(&foot, 40)
 }
 
-/// Returns a cage of wires around the origin, of this radius, which hangs from a cable of this length.
+/// Returns a cage of wires around the origin, of this radius, which hangs from a cable of this
+/// length.
 pub(super) fn cage(radius: f32, cable: f32) -> Mesh {
     const WIRES: u32 = 10;
     let mut parts = Vec::new();
@@ -246,7 +250,8 @@ pub(super) fn cage(radius: f32, cable: f32) -> Mesh {
     merged("cage", parts)
 }
 
-/// Returns a desk lamp on two arms, whose head is around the origin and looks along -y; its foot stands `drop` below.
+/// Returns a desk lamp on two arms, whose head is around the origin and looks along -y; its foot
+/// stands `drop` below.
 pub(super) fn desk_lamp(drop: f32) -> Mesh {
     let head = sheet([48, 10], |u, v| {
         let (cos, sin) = on_circle(f64::from(u));

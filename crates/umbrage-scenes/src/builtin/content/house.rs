@@ -1,4 +1,5 @@
-//! What a town's facades are put together from. A panel spans one window of one storey; its front is at z = 0 and looks along z.
+//! What a town's facades are put together from. A panel spans one window of one storey; its front
+//! is at z = 0 and looks along z.
 
 use super::parts::{at, box_at, creased, merged, moved, sheet, stick};
 use crate::primitives::{block, lathe, pillar, prism, quad};

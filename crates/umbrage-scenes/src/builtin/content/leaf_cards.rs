@@ -1,4 +1,5 @@
-//! A clearing in a wood behind a fence: crowns and bushes are quads out of which alpha textures cut leaves, and the fence is one quad.
+//! A clearing in a wood behind a fence: crowns and bushes are quads out of which alpha textures cut
+//! leaves, and the fence is one quad.
 
 use super::{
     SIZE,
@@ -58,8 +59,8 @@ fn height(x: f32, z: f32) -> f32 {
     2.2 * outside * fractal(Vec3::new(x, 0.0, z) / 16.0, 3)
 }
 
-/// Returns places, one in each cell of a grid, turned and scaled at random; none of them is within `clear` of the middle of the
-/// clearing, or right before the camera.
+/// Returns places, one in each cell of a grid, turned and scaled at random; none of them is within
+/// `clear` of the middle of the clearing, or right before the camera.
 fn around_clearing(seed: i32, half: f32, pitch: f32, sizes: [f32; 2], clear: f32) -> Vec<Affine3A> {
     scattered(seed, half, pitch, |[x, z], random| {
         let scale = Vec3::splat(random.between(sizes[0], sizes[1]));

@@ -1,5 +1,5 @@
-//! Scenes such as games and films are made of: interiors, streets, plants, land, figures. Each is there under an ideal light and
-//! under a wide one.
+//! Scenes such as games and films are made of: interiors, streets, plants, land, figures. Each is
+//! there under an ideal light and under a wide one.
 
 pub(crate) mod dancer;
 mod figure;

@@ -1,5 +1,5 @@
-//! The inside of a church: columns, arcades, a gallery, windows, a ribbed vault, benches, lamps on chains; the sun comes in
-//! through the windows.
+//! The inside of a church: columns, arcades, a gallery, windows, a ribbed vault, benches, lamps on
+//! chains; the sun comes in through the windows.
 
 use super::{
     SIZE,
@@ -57,7 +57,8 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
         .shoot([2.7, 2.9, 14.8], [-2.4, 3.6, -1.0], 62.0, SIZE)
 }
 
-/// Returns the places of what stands at both sides of a bay's end or middle, turned so that their z points to the nave.
+/// Returns the places of what stands at both sides of a bay's end or middle, turned so that their z
+/// points to the nave.
 fn both_sides(x: f32, y: f32, z: f32) -> [Affine3A; 2] {
     let quarter = std::f32::consts::FRAC_PI_2;
     [turned([-x, y, z], quarter), turned([x, y, z], -quarter)]
@@ -284,7 +285,8 @@ fn rib_places() -> Vec<Affine3A> {
         .collect()
 }
 
-/// Returns the walls at both ends: a whole one behind the camera, one with three tall windows before it.
+/// Returns the walls at both ends: a whole one behind the camera, one with three tall windows
+/// before it.
 fn ends() -> Mesh {
     let wide = WIDTH + WALL;
     let top = VAULT + ROW + WALL;

@@ -1,5 +1,5 @@
-//! A furnished room by night under three lamps: a bulb in a cage under the ceiling, which is compared, a spot on a desk, and a
-//! floor lamp beside an armchair.
+//! A furnished room by night under three lamps: a bulb in a cage under the ceiling, which is
+//! compared, a spot on a desk, and a floor lamp beside an armchair.
 
 use super::{
     SIZE,

@@ -113,8 +113,8 @@ pub(super) fn creased(mesh: &Mesh) -> Mesh {
     out
 }
 
-/// Returns an open sheet of `cells` quads along u and v, from its points at (u, v), 0 to 1 each. It faces along the cross
-/// product of growing v and growing u.
+/// Returns an open sheet of `cells` quads along u and v, from its points at (u, v), 0 to 1 each. It
+/// faces along the cross product of growing v and growing u.
 pub(super) fn sheet(cells: [u32; 2], point: impl Fn(f32, f32) -> Vec3) -> Mesh {
     let [across, along] = cells;
     let mut out = Mesh {
@@ -163,7 +163,8 @@ pub(super) fn wire(from: Vec3, to: Vec3, sag: f32, radius: f32) -> Mesh {
     tube(&path, WIRE_SIDES)
 }
 
-/// Returns a smooth tube through some points, whose radii are given with them, in `pieces` pieces between neighbours.
+/// Returns a smooth tube through some points, whose radii are given with them, in `pieces` pieces
+/// between neighbours.
 pub(super) fn smooth_tube(knots: &[(Vec3, f32)], pieces: u32, sides: u32) -> Mesh {
     let mut path = vec![knots[0]];
     for i in 1..knots.len() {
@@ -178,7 +179,8 @@ pub(super) fn smooth_tube(knots: &[(Vec3, f32)], pieces: u32, sides: u32) -> Mes
     tube(&path, sides)
 }
 
-/// Returns the point of a Catmull-Rom curve between the second and the third of four knots, and the radius there.
+/// Returns the point of a Catmull-Rom curve between the second and the third of four knots, and the
+/// radius there.
 fn between(knots: [(Vec3, f32); 4], t: f32) -> (Vec3, f32) {
     let weights = [
         0.5 * t * (t * (2.0 - t) - 1.0),
@@ -196,7 +198,8 @@ fn between(knots: [(Vec3, f32); 4], t: f32) -> (Vec3, f32) {
     (point, radius.max(thinnest))
 }
 
-/// Returns the outline of an opening, from its left foot to its right one, that is closed by a half circle above `spring`.
+/// Returns the outline of an opening, from its left foot to its right one, that is closed by a half
+/// circle above `spring`.
 pub(super) fn arched(middle: f32, half: f32, foot: f32, spring: f32) -> Vec<(f32, f32)> {
     const PIECES: u32 = 24;
     let mut out = vec![(middle - half, foot)];
@@ -209,7 +212,8 @@ pub(super) fn arched(middle: f32, half: f32, foot: f32, spring: f32) -> Vec<(f32
     out
 }
 
-/// Returns the outline of a wall over `-half..half` and `foot..top` whose openings, left to right, cut it from below.
+/// Returns the outline of a wall over `-half..half` and `foot..top` whose openings, left to right,
+/// cut it from below.
 pub(super) fn pierced(
     half: f32,
     foot: f32,

@@ -216,7 +216,8 @@ pub(super) fn tuft(seed: i32, blades: u32, height: f32) -> Mesh {
     out
 }
 
-/// Returns a fern, or a potted plant's green: fronds that arch out from the origin, with leaflets at both sides.
+/// Returns a fern, or a potted plant's green: fronds that arch out from the origin, with leaflets
+/// at both sides.
 pub(super) fn fern(seed: i32, fronds: u32, length: f32) -> Mesh {
     const LEAFLETS: u32 = 16;
     let mut random = Random::new(seed);

@@ -3,8 +3,9 @@
 use crate::builtin::noise::uniform;
 use umbrage_core::glam::{IVec3, Vec3};
 
-/// Returns what `put` makes of places, one in each cell of a grid over the square of this half side around the origin: of x and z, and
-/// the source of all further numbers of the cell. Cells of which it makes nothing stay empty.
+/// Returns what `put` makes of places, one in each cell of a grid over the square of this half side
+/// around the origin: of x and z, and the source of all further numbers of the cell. Cells of which
+/// it makes nothing stay empty.
 pub(in crate::builtin) fn scattered<T>(
     seed: i32,
     half: f32,

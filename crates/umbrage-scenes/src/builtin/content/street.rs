@@ -1,5 +1,5 @@
-//! A street of a town: facades with recessed windows, balconies, awnings, lamps, cars, trees, and washing on lines across it; the sun
-//! is low and shines towards the camera.
+//! A street of a town: facades with recessed windows, balconies, awnings, lamps, cars, trees, and
+//! washing on lines across it; the sun is low and shines towards the camera.
 
 use super::{
     SIZE,
@@ -109,7 +109,8 @@ impl House {
     }
 }
 
-/// Returns the houses: tall ones on the left, lower ones on the right, with gaps through which the sun shines.
+/// Returns the houses: tall ones on the left, lower ones on the right, with gaps through which the
+/// sun shines.
 fn houses() -> Vec<House> {
     let mut random = Random::new(31);
     let mut out = Vec::new();
@@ -305,7 +306,8 @@ fn above_the_street(mut stage: Stage) -> Stage {
     stage.put(merged("wires", wires)).look(matte(IRON))
 }
 
-/// Returns a cloth of this width and length that hangs from a point of a line along x, blown aside at its foot.
+/// Returns a cloth of this width and length that hangs from a point of a line along x, blown aside
+/// at its foot.
 fn cloth(hung: Vec3, size: [f32; 2], blown: f32) -> Mesh {
     sheet([14, 10], |u, v| {
         let (_, wave) = crate::primitives::on_circle(f64::from(2.5 * u + 0.3 * v));

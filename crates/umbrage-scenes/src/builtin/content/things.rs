@@ -133,7 +133,8 @@ pub(super) fn chain(length: f32) -> Mesh {
     merged("chain", parts)
 }
 
-/// Returns a ring with a bowl below it and candles on it, which hangs by three rods from 0.5 m above it.
+/// Returns a ring with a bowl below it and candles on it, which hangs by three rods from 0.5 m
+/// above it.
 pub(super) fn oil_lamp() -> Mesh {
     const RADIUS: f32 = 0.55;
     const CANDLES: u32 = 12;

@@ -1,4 +1,5 @@
-//! A valley over more than 2 km: hills, a line of poles with wires, a fence, huts, firs, rocks, grass; the sun is low.
+//! A valley over more than 2 km: hills, a line of poles with wires, a fence, huts, firs, rocks,
+//! grass; the sun is low.
 
 use super::{
     SIZE,
@@ -93,7 +94,8 @@ fn land(stage: Stage) -> Stage {
     stage.put(land).look(matte(MEADOW))
 }
 
-/// Returns where a part of the cells along z ends, as a part of the land's length: a tenth of them lies behind the camera.
+/// Returns where a part of the cells along z ends, as a part of the land's length: a tenth of them
+/// lies behind the camera.
 fn split(t: f32) -> f32 {
     const BEHIND: f32 = 0.1;
     let camera = NEAR / (NEAR - FAR);

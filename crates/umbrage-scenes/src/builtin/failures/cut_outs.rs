@@ -14,7 +14,8 @@ const STEEL: [f32; 3] = [0.30, 0.31, 0.33];
 const BARK: [f32; 3] = [0.22, 0.16, 0.11];
 const LEAVES: [f32; 3] = [0.15, 0.32, 0.06];
 
-/// A fence of wires 12 mm thick in meshes of 10 cm, which is one quad between two posts: as thin as the wires of `fence`.
+/// A fence of wires 12 mm thick in meshes of 10 cm, which is one quad between two posts: as thin as
+/// the wires of `fence`.
 pub(crate) fn wire_fence() -> Scene {
     const HALF: f32 = 2.4;
     const HEIGHT: f32 = 1.2;
@@ -36,7 +37,8 @@ pub(crate) fn wire_fence() -> Scene {
         .shoot([1.2, 1.9, 3.4], [0.0, 0.25, 0.4], 44.0, SMALL)
 }
 
-/// Trees of leaf cards on a plain: a pair at 5 m, and pairs farther and farther away up to 500 m, each taller than a pixel still.
+/// Trees of leaf cards on a plain: a pair at 5 m, and pairs farther and farther away up to 500 m,
+/// each taller than a pixel still.
 pub(crate) fn foliage() -> Scene {
     const NEAREST: f32 = 5.0;
     const FARTHEST: f32 = 500.0;

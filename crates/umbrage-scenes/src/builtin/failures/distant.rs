@@ -9,7 +9,8 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Vec3};
 use umbrage_core::{Light, Scene};
 
-/// Balls along 300 m of floor: what is near is seen a hundred times as finely as what is far, and one bias serves both.
+/// Balls along 300 m of floor: what is near is seen a hundred times as finely as what is far, and
+/// one bias serves both.
 fn long_plane(name: &str, light: Light) -> Scene {
     let places = (0..14).map(|i| {
         let x = -1.5 + (i % 3) as f32;
@@ -43,8 +44,8 @@ fn hill_height(x: f32, z: f32) -> f32 {
     14.0 * fractal(Vec3::new(x, 3.0, z) / 60.0, 5)
 }
 
-/// Hills of 160 m with posts on them, the sun 14 degrees high, all of it moved along x and z by `offset` metres. Far from
-/// the origin positions are rounded: to 8 mm at 1e5 m, to 6 cm at 1e6 m.
+/// Hills of 160 m with posts on them, the sun 14 degrees high, all of it moved along x and z by
+/// `offset` metres. Far from the origin positions are rounded: to 8 mm at 1e5 m, to 6 cm at 1e6 m.
 fn hills_at(name: &str, offset: f32) -> Scene {
     let place = Affine3A::from_translation(Vec3::new(offset, 0.0, -offset));
     let posts = (0..9).map(|i| {
@@ -77,8 +78,8 @@ pub(crate) fn hills_1e6() -> Scene {
     hills_at("hills-1e6", 1e6)
 }
 
-/// The camera looks towards the sun over posts whose shadows come at it: the light's map and the picture run against
-/// each other, the case that perspective warps degenerate in.
+/// The camera looks towards the sun over posts whose shadows come at it: the light's map and the
+/// picture run against each other, the case that perspective warps degenerate in.
 pub(crate) fn into_light() -> Scene {
     // Three rows of five.
     let posts = (0..15).map(|i| {

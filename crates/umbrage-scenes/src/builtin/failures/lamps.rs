@@ -15,9 +15,10 @@ fn from_lamp(x: f32, y: f32, z: f32) -> Vec3 {
     LAMP + Vec3::new(x, y, z)
 }
 
-/// Where two or three faces of a cube of maps around the lamp meet, something stands: posts where |x| = |z|, beams
-/// where |x| = |y| and |y| = |z|, a ball where all three are equal, counted from the lamp. The floor is two triangles,
-/// so that a map that bends straight lines between vertices has none to lean on.
+/// Where two or three faces of a cube of maps around the lamp meet, something stands: posts where
+/// |x| = |z|, beams where |x| = |y| and |y| = |z|, a ball where all three are equal, counted from
+/// the lamp. The floor is two triangles, so that a map that bends straight lines between vertices
+/// has none to lean on.
 fn at_seams(name: &str, light: Light) -> Scene {
     let posts = [
         Affine3A::from_translation(Vec3::new(-1.0, 0.0, -1.0)),
@@ -59,8 +60,8 @@ pub(crate) fn glowing_lamp_in_room() -> Scene {
     )
 }
 
-/// Planes alone receive: a floor and a wall. Casters, which don't, lie wholly and partly below the floor, through the
-/// wall, beyond the lamp, and where they should be.
+/// Planes alone receive: a floor and a wall. Casters, which don't, lie wholly and partly below the
+/// floor, through the wall, beyond the lamp, and where they should be.
 pub(crate) fn flat_receivers() -> Scene {
     let wall = block([-3.0, 0.0, -2.6], [3.0, 3.0, -2.5]);
     let casters = [
@@ -98,7 +99,8 @@ fn spot_on_caster(x: f32, z: f32) -> Light {
     }
 }
 
-/// Two spots on one caster: each has a shadow of its own, and what is wrong in either is wrong in their sum.
+/// Two spots on one caster: each has a shadow of its own, and what is wrong in either is wrong in
+/// their sum.
 pub(crate) fn two_lights() -> Scene {
     Stage::new("two-lights")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))

@@ -10,8 +10,9 @@ use crate::{
 use umbrage_core::glam::{Affine3A, IVec3, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
-/// A pole close to the lamp crosses, in its shadow, the shadow of a wall on the floor. Where both hide the lamp, a
-/// search for blockers finds both and answers the mean of their depths: the wall's sharp edge blurs under the pole.
+/// A pole close to the lamp crosses, in its shadow, the shadow of a wall on the floor. Where both
+/// hide the lamp, a search for blockers finds both and answers the mean of their depths: the wall's
+/// sharp edge blurs under the pole.
 pub(crate) fn two_blockers() -> Scene {
     let pole = tube(
         &[
@@ -36,8 +37,8 @@ pub(crate) fn two_blockers() -> Scene {
 const LAMP: Vec3 = Vec3::new(-0.4, 5.0, 0.8);
 const LAMP_HALF: f32 = 0.4;
 
-/// A pole, whose penumbra widens along its shadow, and boxes from 5 cm to 1.5 m above the floor, each with a penumbra
-/// of a width of its own: (receiver - blocker) / blocker times the lamp's.
+/// A pole, whose penumbra widens along its shadow, and boxes from 5 cm to 1.5 m above the floor,
+/// each with a penumbra of a width of its own: (receiver - blocker) / blocker times the lamp's.
 fn rising(name: &str, light: Light) -> Scene {
     let heights = [0.05, 0.25, 0.55, 0.95, 1.5];
     let places = heights.into_iter().enumerate().map(|(i, y)| {
@@ -79,8 +80,9 @@ pub(crate) fn rising_boxes_disc() -> Scene {
     )
 }
 
-/// A canopy of single leaves over a trunk under a lamp as wide as the canopy: each leaf has a penumbra of its own, and
-/// the trunk has another. A search that answers one depth gives all of them one width.
+/// A canopy of single leaves over a trunk under a lamp as wide as the canopy: each leaf has a
+/// penumbra of its own, and the trunk has another. A search that answers one depth gives all of
+/// them one width.
 pub(crate) fn canopy() -> Scene {
     Stage::new("canopy")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
@@ -146,8 +148,8 @@ fn leaf(i: i32) -> Mesh {
     ])
 }
 
-/// Returns a unit vector for two numbers, each 0 to 1; evenly spread numbers give evenly spread directions (Archimedes: on a
-/// sphere, height is evenly spread).
+/// Returns a unit vector for two numbers, each 0 to 1; evenly spread numbers give evenly spread
+/// directions (Archimedes: on a sphere, height is evenly spread).
 fn unit_vector(height: f32, turn: f32) -> Vec3 {
     let y = 2.0 * height - 1.0;
     let (cos, sin) = on_circle(f64::from(turn));

@@ -12,7 +12,8 @@ pub(crate) fn hills_endless() -> Scene {
         // Depth of a usual perspective is (a z + b) / -z, with near = b / a.
         let usual = camera.clip_from_view.row(2);
         let near = usual.w / usual.z;
-        // near / -z: 1 at near, 0 at endless distance. The transpose's columns are the matrix' rows.
+        // near / -z: 1 at near, 0 at endless distance. The transpose's columns are the matrix'
+        // rows.
         let mut rows = camera.clip_from_view.transpose();
         rows.z_axis = Vec4::W * near;
         camera.clip_from_view = rows.transpose();

@@ -63,14 +63,15 @@ pub(crate) fn displaced_wall() -> Scene {
     around(wall("displaced-wall", BRICKS.carved(SUBDIVISIONS)))
 }
 
-/// The same relief as shading alone: the wall is flat, and so are its shadows. A bias along the shading normal would
-/// bend them.
+/// The same relief as shading alone: the wall is flat, and so are its shadows. A bias along the
+/// shading normal would bend them.
 pub(crate) fn normal_mapped_wall() -> Scene {
     around(wall("normal-mapped-wall", BRICKS.bumpy()))
 }
 
-/// What comes out when the depth pass leaves out displacement: the relief of `displaced-wall` receives, and a flat wall
-/// right behind it, where the camera doesn't see it, casts in its place. Bricks throw no shadow into the joints.
+/// What comes out when the depth pass leaves out displacement: the relief of `displaced-wall`
+/// receives, and a flat wall right behind it, where the camera doesn't see it, casts in its place.
+/// Bricks throw no shadow into the joints.
 pub(crate) fn without_depth_pass() -> Scene {
     let stage =
         wall("relief-without-depth-pass", BRICKS.carved(SUBDIVISIONS)).last_roles(false, true);

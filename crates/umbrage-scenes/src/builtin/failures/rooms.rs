@@ -22,8 +22,8 @@ pub(crate) fn sealed_room() -> Scene {
         .shoot(at(1.8, 1.7, 1.8), at(-0.6, 1.2, -0.6), 70.0, SIZE)
 }
 
-/// A bar 1 cm below the lamp and 4 mm wide: its shadow is more than a metre wide. A near plane that is farther away
-/// than the bar loses it.
+/// A bar 1 cm below the lamp and 4 mm wide: its shadow is more than a metre wide. A near plane that
+/// is farther away than the bar loses it.
 pub(crate) fn bar_at_lamp() -> Scene {
     let lamp = Vec3::new(0.0, 3.0, 0.0);
     let bar = block(

@@ -8,9 +8,10 @@ use crate::{
 use umbrage_core::glam::{Affine3A, Mat3A, Quat, Vec3, Vec3A};
 use umbrage_core::{Mesh, Scene};
 
-/// Single quads, a box without lid and front, leaf cards on a stem, and one sheet that turns its back to the sun.
-/// Methods that store the faces turned away from the light take these sheets for the far sides of something, or lose
-/// them; and where one sheet stands on the floor, a midpoint lies between it and the floor.
+/// Single quads, a box without lid and front, leaf cards on a stem, and one sheet that turns its
+/// back to the sun. Methods that store the faces turned away from the light take these sheets for
+/// the far sides of something, or lose them; and where one sheet stands on the floor, a midpoint
+/// lies between it and the floor.
 pub(crate) fn open_shells() -> Scene {
     let upright = quad([
         Vec3::new(-0.5, 0.0, 0.0),
@@ -46,7 +47,8 @@ fn open_box() -> Mesh {
     mesh
 }
 
-/// Returns twelve leaves up a spiral, each one quad that hangs outwards; they grow smaller, and face now up, now down.
+/// Returns twelve leaves up a spiral, each one quad that hangs outwards; they grow smaller, and
+/// face now up, now down.
 fn cards() -> Mesh {
     let mut cards = Mesh {
         name: "leaf cards".to_owned(),

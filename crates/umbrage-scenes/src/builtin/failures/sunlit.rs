@@ -35,8 +35,9 @@ pub(crate) fn low_sun_10() -> Scene {
     low_sun("low-sun-10", 10.0)
 }
 
-/// Pairs of a ball and a post along 300 m, the sun 8 degrees high: the map's depths reach over a quarter of a
-/// kilometre. A 16-bit one tells steps of some 5 mm apart, which across a map's wide texels are stripes of acne.
+/// Pairs of a ball and a post along 300 m, the sun 8 degrees high: the map's depths reach over a
+/// quarter of a kilometre. A 16-bit one tells steps of some 5 mm apart, which across a map's wide
+/// texels are stripes of acne.
 pub(crate) fn far_range() -> Scene {
     let height = 8.0_f64.to_radians();
     let at = |x: f32, z: f32| {

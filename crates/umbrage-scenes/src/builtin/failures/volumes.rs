@@ -20,9 +20,10 @@ const SLAB_HEIGHTS: [f32; 2] = [3.0, 3.15];
 /// Where the lamp stands over the slab's edge; towards the sun, likewise.
 const TO_LIGHT: Vec3 = Vec3::new(-1.5, 3.0, -0.4);
 
-/// The eye is in the shadow of a slab overhead, 3 cm from that shadow's side, which so cuts the near plane. A post
-/// stands right behind the eye's left, out of the picture, and its shadow cuts the near plane, too. Counts of volumes
-/// that start at the eye, or that lose what the near plane clips, are wrong all over the picture.
+/// The eye is in the shadow of a slab overhead, 3 cm from that shadow's side, which so cuts the
+/// near plane. A post stands right behind the eye's left, out of the picture, and its shadow cuts
+/// the near plane, too. Counts of volumes that start at the eye, or that lose what the near plane
+/// clips, are wrong all over the picture.
 fn under_slab(name: &str, light: Light) -> Scene {
     let shot = Shot {
         eye: EYE,
@@ -51,8 +52,8 @@ fn under_slab(name: &str, light: Light) -> Scene {
         .shoot_from(&shot, Some(NEAR))
 }
 
-/// Returns the x of the slab's edge at which the plane through its upper edge and the light passes [`MARGIN`] to the right of
-/// the eye.
+/// Returns the x of the slab's edge at which the plane through its upper edge and the light passes
+/// [`MARGIN`] to the right of the eye.
 fn slab_edge() -> f32 {
     EYE.x + MARGIN + TO_LIGHT.x / TO_LIGHT.y * (SLAB_HEIGHTS[1] - EYE.y)
 }
@@ -66,9 +67,9 @@ pub(crate) fn eye_in_umbra_lamp() -> Scene {
     under_slab("eye-in-umbra-lamp", bulb(x, y, z))
 }
 
-/// Casters whose edges don't pair up: each face listed twice; a corner in the middle of a neighbour's edge; a lid that
-/// lacks a triangle; a fin, so that three faces share an edge; two boxes that share an edge, so that four do; a side
-/// that winds the wrong way.
+/// Casters whose edges don't pair up: each face listed twice; a corner in the middle of a
+/// neighbour's edge; a lid that lacks a triangle; a fin, so that three faces share an edge; two
+/// boxes that share an edge, so that four do; a side that winds the wrong way.
 fn broken(name: &str, light: Light) -> Scene {
     let intact = block([-0.35, 0.0, -0.35], [0.35, 0.8, 0.35]);
     // Each with its place on the floor, x and z.

@@ -11,7 +11,8 @@ use umbrage_core::{Mesh, Scene};
 /// Bays along the hall, and their length in metres; columns stand at their ends.
 const BAYS: i32 = 8;
 const BAY: f32 = 4.0;
-/// Half the length of the hall (along x), of the distance between the rows, and of its width (along z).
+/// Half the length of the hall (along x), of the distance between the rows, and of its width (along
+/// z).
 const LENGTH: f32 = 0.5 * BAY * BAYS as f32;
 const ROW: f32 = 3.0;
 const WIDTH: f32 = 6.0;

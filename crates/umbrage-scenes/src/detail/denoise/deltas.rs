@@ -15,8 +15,8 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Measures a mesh. Averaging offsets over neighbours `rounds` times gives the part that neighbours share, which is
-    /// subtracted; 0 subtracts nothing.
+    /// Measures a mesh. Averaging offsets over neighbours `rounds` times gives the part that
+    /// neighbours share, which is subtracted; 0 subtracts nothing.
     pub(super) fn new(mesh: &Mesh, rounds: u32) -> Result<Self, Invalid> {
         check(mesh)?;
         let places = WeldedVertices::new(&mesh.positions);
@@ -99,7 +99,8 @@ fn place_position(mesh: &Mesh, places: &WeldedVertices, place: u32) -> Vec3 {
     mesh.positions[places.vertices(place)[0] as usize]
 }
 
-/// Returns how far each place stands out from the mean of its neighbours, metres along its normal; 0 without neighbours.
+/// Returns how far each place stands out from the mean of its neighbours, metres along its normal;
+/// 0 without neighbours.
 fn deltas(
     mesh: &Mesh,
     places: &WeldedVertices,

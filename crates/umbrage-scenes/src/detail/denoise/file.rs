@@ -8,10 +8,12 @@ use umbrage_core::glam::UVec2;
 use umbrage_core::{Invalid, invalid};
 
 impl DisplacementMap {
-    /// Writes `path` as a grey PNG of 16 bits, and `path` with `.toml` added, which holds the metres.
+    /// Writes `path` as a grey PNG of 16 bits, and `path` with `.toml` added, which holds the
+    /// metres.
     ///
-    /// The metres stand in a file of their own, not in a text chunk of the PNG, since most painting programs drop
-    /// chunks that they don't know, and a map that has lost its scale is worthless; a missing file is noticed at once.
+    /// The metres stand in a file of their own, not in a text chunk of the PNG, since most painting
+    /// programs drop chunks that they don't know, and a map that has lost its scale is worthless; a
+    /// missing file is noticed at once.
     ///
     /// # Errors
     /// Errors if one of the two can't be written.
@@ -32,8 +34,8 @@ impl DisplacementMap {
         std::fs::write(&metres, text).map_err(|e| unwritable(&metres, &e))
     }
 
-    /// Reads what [`DisplacementMap::save`] wrote. Other programs may have changed the image: its first channel counts,
-    /// of 8 bits or 16.
+    /// Reads what [`DisplacementMap::save`] wrote. Other programs may have changed the image: its
+    /// first channel counts, of 8 bits or 16.
     ///
     /// # Errors
     /// Errors if one of the two files can't be read, or holds something else.

@@ -8,8 +8,8 @@ use umbrage_core::{Invalid, Mesh};
 /// A vertex's place in the texture, texels, and its number.
 type Place = GeomWithData<[f32; 2], u32>;
 
-/// Returns for each texel, rows from the top, the vertex whose texture coordinates lie nearest to its center, measured in
-/// texels.
+/// Returns for each texel, rows from the top, the vertex whose texture coordinates lie nearest to
+/// its center, measured in texels.
 pub(super) fn nearest_vertices(mesh: &Mesh, size: UVec2) -> Result<Vec<u32>, Invalid> {
     let tree = RTree::bulk_load(distinct(mesh, size.as_vec2())?);
     let mut nearest = Vec::with_capacity(size.element_product() as usize);

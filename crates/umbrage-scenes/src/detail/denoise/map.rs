@@ -7,8 +7,8 @@ use umbrage_core::{Invalid, Mesh, Texture, displacement};
 /// Least and greatest number of texels a side.
 const SIDES: std::ops::RangeInclusive<u32> = 2..=8192;
 
-/// How far a mesh's surface stands out from its surroundings, in metres over its texture: `bias + scale (2 h - 1)`,
-/// where h is the grey of a texel over 65535.
+/// How far a mesh's surface stands out from its surroundings, in metres over its texture:
+/// `bias + scale (2 h - 1)`, where h is the grey of a texel over 65535.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplacementMap {
     /// Texels, each 2 to 8192.
@@ -22,20 +22,22 @@ pub struct DisplacementMap {
 }
 
 impl DisplacementMap {
-    /// Measures a closed mesh: at each vertex the offset from the mean of its neighbours, along the vertex normal;
-    /// between them, that of the nearest vertex in the texture. `size` texels: two or more between neighbouring
-    /// vertices keep each vertex's offset apart from its neighbours'; [`DisplacementMap::largest_error`] tells.
+    /// Measures a closed mesh: at each vertex the offset from the mean of its neighbours, along the
+    /// vertex normal; between them, that of the nearest vertex in the texture. `size` texels: two
+    /// or more between neighbouring vertices keep each vertex's offset apart from its neighbours';
+    /// [`DisplacementMap::largest_error`] tells.
     ///
     /// # Errors
-    /// Errors if the mesh is invalid or open, has no texture coordinates or some beyond 0 to 1; when a side is not 2 to
-    /// 8192.
+    /// Errors if the mesh is invalid or open, has no texture coordinates or some beyond 0 to 1;
+    /// when a side is not 2 to 8192.
     pub fn from_noisy(noisy: &Mesh, size: UVec2) -> Result<Self, Invalid> {
         Self::from_noisy_keeping_shape(noisy, size, 0)
     }
 
-    /// [`DisplacementMap::from_noisy`] without what neighbours share: the offsets less their average, taken `rounds`
-    /// times over each vertex and its neighbours. Noise differs from vertex to vertex; what remains of the average is
-    /// the curvature, and denoising would shrink the shape by it. 8 rounds serve well, 0 leave nothing out.
+    /// [`DisplacementMap::from_noisy`] without what neighbours share: the offsets less their
+    /// average, taken `rounds` times over each vertex and its neighbours. Noise differs from vertex
+    /// to vertex; what remains of the average is the curvature, and denoising would shrink the
+    /// shape by it. 8 rounds serve well, 0 leave nothing out.
     ///
     /// # Errors
     /// Errors if [`DisplacementMap::from_noisy`] does.
@@ -72,15 +74,16 @@ impl DisplacementMap {
         })
     }
 
-    /// Returns the mesh with each vertex moved along its normal by `factor` times the map's metres there: -1 takes away what
-    /// the map was made from, 1 doubles it. Vertices of one place stay together. Shading normals are averaged anew.
+    /// Returns the mesh with each vertex moved along its normal by `factor` times the map's metres
+    /// there: -1 takes away what the map was made from, 1 doubles it. Vertices of one place stay
+    /// together. Shading normals are averaged anew.
     ///
     /// # Errors
     /// Errors if [`DisplacementMap::from_noisy`] does, or if the factor is not finite.
     pub fn applied(&self, mesh: &Mesh, factor: f32) -> Result<Mesh, Invalid> {
         let surface = Surface::new(mesh, 0)?;
-        // Textures repeat, and the border of a map is seldom the other border's neighbour: half a texel keeps them
-        // apart.
+        // Textures repeat, and the border of a map is seldom the other border's neighbour: half a
+        // texel keeps them apart.
         let border = 0.5 / self.size.as_vec2();
         let mut inset = mesh.clone();
         for uv in &mut inset.uvs {
@@ -94,8 +97,8 @@ impl DisplacementMap {
         Ok(moved)
     }
 
-    /// Returns the map as a material's displacement: a texture, and the lambda that makes `lambda (2 h - 1)` the map's metres;
-    /// minus lambda denoises. The bias is part of the texture.
+    /// Returns the map as a material's displacement: a texture, and the lambda that makes
+    /// `lambda (2 h - 1)` the map's metres; minus lambda denoises. The bias is part of the texture.
     pub fn texture(&self) -> (Texture, f32) {
         let lambda = self.scale + self.bias.abs();
         let mut texels = Vec::with_capacity(self.greys.len());
@@ -119,9 +122,9 @@ impl DisplacementMap {
         self.bias + self.scale * (2.0 * f32::from(grey) / 65535.0 - 1.0)
     }
 
-    /// The greatest difference, in metres, between the map at a vertex and the offset measured there: more than a few
-    /// per cent of [`DisplacementMap::scale`] says that the map has too few texels, or that places share some. `rounds`
-    /// as the map was made with.
+    /// The greatest difference, in metres, between the map at a vertex and the offset measured
+    /// there: more than a few per cent of [`DisplacementMap::scale`] says that the map has too few
+    /// texels, or that places share some. `rounds` as the map was made with.
     ///
     /// # Errors
     /// Errors if [`DisplacementMap::from_noisy`] does.
@@ -155,8 +158,8 @@ impl DisplacementMap {
 }
 
 /// Returns a mesh from which a map of it was taken away, `passes` times; `rounds` as in
-/// [`DisplacementMap::from_noisy_keeping_shape`]. Each pass removes noise that the one before left; without rounds it also
-/// shrinks the shape once more.
+/// [`DisplacementMap::from_noisy_keeping_shape`]. Each pass removes noise that the one before left;
+/// without rounds it also shrinks the shape once more.
 ///
 /// # Errors
 /// Errors if [`DisplacementMap::from_noisy`] does.

@@ -25,8 +25,9 @@ pub enum Solid {
 }
 
 impl Solid {
-    /// About 4,000 (sphere) or 4,600 (torus) vertices on the clean surface, with clean normals and texture coordinates;
-    /// the texture's seams and, on the sphere, its poles have doubled vertices.
+    /// About 4,000 (sphere) or 4,600 (torus) vertices on the clean surface, with clean normals and
+    /// texture coordinates; the texture's seams and, on the sphere, its poles have doubled
+    /// vertices.
     pub fn mesh(&self) -> Mesh {
         match *self {
             Self::Sphere { radius } => mapped(&octasphere(radius, 5)),
@@ -58,9 +59,9 @@ impl Solid {
     }
 }
 
-/// Returns the mesh with each place moved along its averaged normal by -`amplitude` to `amplitude` metres, uniformly at random
-/// from the place's number and `seed`: the same on every machine. Shading normals are dropped, since they are those of the
-/// clean shape.
+/// Returns the mesh with each place moved along its averaged normal by -`amplitude` to `amplitude`
+/// metres, uniformly at random from the place's number and `seed`: the same on every machine.
+/// Shading normals are dropped, since they are those of the clean shape.
 pub fn roughened(mesh: &Mesh, amplitude: f32, seed: i32) -> Mesh {
     let places = WeldedVertices::new(&mesh.positions);
     let normals = places.normals(mesh);

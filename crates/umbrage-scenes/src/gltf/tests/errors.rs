@@ -324,7 +324,8 @@ fn of_files(files: &[(&str, &[u8])]) -> String {
     said(first, &files).expect_err("no model").to_string()
 }
 
-/// Files one of which, `long.bin`, is a buffer with more bytes behind it than are good to read: an error tells that one was.
+/// Files one of which, `long.bin`, is a buffer with more bytes behind it than are good to read: an
+/// error tells that one was.
 struct WithLongFile {
     others: FilesInMemory,
     bytes: Vec<u8>,
@@ -370,7 +371,8 @@ impl Files for WithLongFile {
     }
 }
 
-/// Of a file beside the model no more is read than its buffer tells; of one that two buffers share, as much as the longer one tells.
+/// Of a file beside the model no more is read than its buffer tells; of one that two buffers share,
+/// as much as the longer one tells.
 #[test]
 fn files_are_read_as_far_as_buffers_tell() {
     let model = TestModel::square();
@@ -393,7 +395,8 @@ fn files_are_read_as_far_as_buffers_tell() {
     longer["buffers"][0]["byteLength"] = json!(model.bytes.len() + 1);
     let message = read(&longer, &model.bytes).expect_err("too far");
     assert!(message.contains("was read too far"), "{message}");
-    // The positions, from a buffer of their length alone, and then the indices, behind them in the same file.
+    // The positions, from a buffer of their length alone, and then the indices, behind them in the
+    // same file.
     let mut shared = json.clone();
     let positions = json["bufferViews"][0]["byteLength"].clone();
     shared["buffers"] = json!([json["buffers"][0], { "byteLength": positions, "uri": "long.bin" }]);

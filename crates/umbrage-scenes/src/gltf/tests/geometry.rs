@@ -226,7 +226,8 @@ fn vertices_may_be_interleaved_and_shared() {
     assert_eq!(mesh.positions, vectors(&SQUARE));
     assert_eq!(mesh.normals, [Vec3::from_array(normal); 4]);
     assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3]]);
-    // A long list, of which one triangle uses three vertices; a short one of which it uses three of four.
+    // A long list, of which one triangle uses three vertices; a short one of which it uses three of
+    // four.
     for count in [4, 40] {
         let list: Vec<f32> = (0..3 * count).map(|i| ((i * i) % 17) as f32).collect();
         let model = model_of(|model| {

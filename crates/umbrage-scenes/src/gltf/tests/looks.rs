@@ -102,7 +102,8 @@ fn masks_cut_out_and_blended_surfaces_cast_by_half() {
     assert_eq!(cut(blend(json!(null), 0.3)), Ok((None, false)), "glass");
 }
 
-/// What a file calls a mask or a blend cuts nothing out where its texture is nowhere clear, as of JPEG, which has no alpha.
+/// What a file calls a mask or a blend cuts nothing out where its texture is nowhere clear, as of
+/// JPEG, which has no alpha.
 #[test]
 fn pictures_without_alpha_cut_nothing_out() {
     let opaque = DynamicImage::from(ImageBuffer::from_pixel(8, 8, Rgb([9_u8, 99, 9])));
@@ -126,8 +127,8 @@ fn pictures_without_alpha_cut_nothing_out() {
     }
 }
 
-/// Holes repeat. A sampler that clamps or mirrors is refused where a mesh would show other holes by it, and nowhere else. The texture is
-/// two texels, of which the right one is a hole.
+/// Holes repeat. A sampler that clamps or mirrors is refused where a mesh would show other holes by
+/// it, and nowhere else. The texture is two texels, of which the right one is a hole.
 #[test]
 fn masks_that_do_not_repeat_are_refused_where_it_shows() {
     const CLAMPED: u32 = 33071;
@@ -169,7 +170,8 @@ fn masks_that_do_not_repeat_are_refused_where_it_shows() {
         assert_eq!(read("OPAQUE", along_u(wrap), [7.0, 7.0], 0.3), Ok(()));
         assert!(read("BLEND", along_u(wrap), [7.0, 7.0], 0.3).is_err());
     }
-    // From 1 to 1.5 a clamped texture shows its right half and a repeated one its left half; from 2 to 2.5 a mirrored one shows its left, too.
+    // From 1 to 1.5 a clamped texture shows its right half and a repeated one its left half; from 2
+    // to 2.5 a mirrored one shows its left, too.
     assert!(read("MASK", along_u(MIRRORED), [0.5, 1.0], 1.0).is_err());
     assert_eq!(read("MASK", along_u(MIRRORED), [0.5, 1.0], 2.0), Ok(()));
     assert!(read("MASK", along_u(CLAMPED), [0.5, 1.0], 2.0).is_err());
@@ -184,7 +186,8 @@ fn coordinates_are_scaled_turned_and_moved() {
     let transform = json!({ "scale": [2, 3], "rotation": FRAC_PI_2, "offset": [10, 20] });
     let texture = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
     let scene = read(json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } }));
-    // A quarter counter-clockwise takes right to up, and up is towards less v: (u, v) becomes (v, -u).
+    // A quarter counter-clockwise takes right to up, and up is towards less v: (u, v) becomes (v,
+    // -u).
     for (found, uv) in scene.meshes[0].uvs.iter().zip(UVS.as_chunks::<2>().0) {
         let expected = Vec2::new(3.0 * uv[1] + 10.0, -2.0 * uv[0] + 20.0);
         assert!(found.distance(expected) < 1e-5, "{uv:?} became {found}");

@@ -20,7 +20,8 @@ fn said(path: &str, files: &FilesInMemory) -> Result<Scene, Invalid> {
     read(&bytes, &wanted, files)
 }
 
-/// Returns what a model says, in whatever way its buffer is kept: in a chunk, in a data URI, in a file of its own.
+/// Returns what a model says, in whatever way its buffer is kept: in a chunk, in a data URI, in a
+/// file of its own.
 fn scene_of(model: &TestModel) -> Result<Scene, String> {
     let read = |file: &str, bytes: Vec<u8>| {
         let files = [(file, bytes), ("b in.bin", model.bytes.clone())];

@@ -122,7 +122,8 @@ fn a_file_s_scenes_are_named_behind_its_path() {
     assert_eq!(scene_of(&model).expect("valid").instances.len(), 1);
 }
 
-/// The first camera of a model with this one, at (1, 2, 9), turned by a quarter about y, in a node that is twice as large.
+/// The first camera of a model with this one, at (1, 2, 9), turned by a quarter about y, in a node
+/// that is twice as large.
 fn camera(camera: Value) -> Result<Camera, String> {
     let mut model = TestModel::square();
     model.add("cameras", camera);
@@ -217,7 +218,8 @@ fn cameras_that_see_nothing_are_refused() {
     }
 }
 
-/// What a model with this light says: at (0, 3, 0), turned so that it shines down, in a node that is mirrored.
+/// What a model with this light says: at (0, 3, 0), turned so that it shines down, in a node that
+/// is mirrored.
 fn lights(light: Value, extras_of_node: Value) -> Result<Vec<Light>, String> {
     let mut model = TestModel::square();
     model.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });

@@ -39,8 +39,8 @@ use umbrage::{Geometry, Scene, ShadowTechnique};
 
 /// Frames until shaders and meshes are loaded, at most.
 const MAX_FRAMES: usize = 200;
-/// A picture is done when this many frames in turn did not change it, or after so many frames where a filter's noise is another one
-/// in each.
+/// A picture is done when this many frames in turn did not change it, or after so many frames where
+/// a filter's noise is another one in each.
 const UNCHANGED_FRAMES: usize = 3;
 const MAX_DRAWN_FRAMES: usize = 16;
 
@@ -87,7 +87,8 @@ pub struct BevyProgram {
 }
 
 impl BevyProgram {
-    /// Starts a program that shows the scene's first camera and its first light, which must be a sun.
+    /// Starts a program that shows the scene's first camera and its first light, which must be a
+    /// sun.
     pub fn start(scene: &Scene, geometry: &Geometry, source: &ShadowSource) -> Result<Self> {
         let camera = scene.cameras.first();
         let camera = camera.ok_or_else(|| anyhow::anyhow!("the scene has no camera"))?;
@@ -156,7 +157,8 @@ impl BevyProgram {
         anyhow::bail!("nothing was drawn in {MAX_FRAMES} frames")
     }
 
-    /// Returns the bytes of maps and masks, and of the prepass that they need. Bevy's are reckoned from its settings: Bevy tells no sizes.
+    /// Returns the bytes of maps and masks, and of the prepass that they need. Bevy's are reckoned
+    /// from its settings: Bevy tells no sizes.
     pub fn bytes(&mut self) -> u64 {
         // An image of four bytes a pixel, such as the prepass' depth.
         let image = 4 * u64::from(self.size.x * self.size.y);

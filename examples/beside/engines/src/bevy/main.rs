@@ -1,4 +1,5 @@
-//! Bevy's own shadows and this library's in the same Bevy scenes, judged by ray-traced truth: see `README.md`.
+//! Bevy's own shadows and this library's in the same Bevy scenes, judged by ray-traced truth: see
+//! `README.md`.
 
 mod app;
 mod plugin;
@@ -72,7 +73,8 @@ impl Rival for BevyProgram {
     }
 }
 
-/// Returns Bevy's default, and the settings that might better it in a view that ends `farthest` metres away.
+/// Returns Bevy's default, and the settings that might better it in a view that ends `farthest`
+/// metres away.
 fn bevy_settings(farthest: f32, is_soft: bool) -> Vec<(String, BevyShadows)> {
     let default = BevyShadows {
         size: 2048,
@@ -124,7 +126,8 @@ fn bevy_settings(farthest: f32, is_soft: bool) -> Vec<(String, BevyShadows)> {
     all
 }
 
-/// Returns the library's settings: cascades as Bevy's, which don't shimmer while the camera moves, the same fitted tightly, and `exact`.
+/// Returns the library's settings: cascades as Bevy's, which don't shimmer while the camera moves,
+/// the same fitted tightly, and `exact`.
 fn umbrage_settings(farthest: f32, is_soft: bool) -> Vec<(&'static str, Arc<dyn ShadowTechnique>)> {
     let tight = ShadowMap {
         size: 2048,

@@ -1,10 +1,12 @@
 //! The plug-in: umbrage's shadows of the sun in Bevy's own 3D scenes.
 //!
-//! Between the prepass and the main pass a [`LightSet`] draws the maps from the vertex buffers that Bevy has, and a mask from Bevy's
-//! depth and normals; the material reads the mask into `directional_shadow_factor`. Bevy multiplies that in only where the sun's own
-//! shadow maps are on: so they are on, and nothing is drawn into them ([`NotShadowCaster`]).
+//! Between the prepass and the main pass a [`LightSet`] draws the maps from the vertex buffers that
+//! Bevy has, and a mask from Bevy's depth and normals; the material reads the mask into
+//! `directional_shadow_factor`. Bevy multiplies that in only where the sun's own shadow maps are
+//! on: so they are on, and nothing is drawn into them ([`NotShadowCaster`]).
 //!
-//! It serves one sun and one camera. Casters are opaque meshes of triangle lists that no skin, morph or shader of the program's moves.
+//! It serves one sun and one camera. Casters are opaque meshes of triangle lists that no skin,
+//! morph or shader of the program's moves.
 
 use bevy::{
     asset::{AssetId, embedded_asset},
@@ -200,16 +202,19 @@ impl MeshPlace {
 }
 
 impl SunShadows {
-    /// Returns the bytes of maps and masks, and of what the prepass draws for them. Lists of casters are not among them.
+    /// Returns the bytes of maps and masks, and of what the prepass draws for them. Lists of
+    /// casters are not among them.
     pub fn bytes(&self, size: UVec2) -> u64 {
         let maps = self.made.as_ref().map_or(0, |made| made.set.map_bytes());
-        // Depth and normals of the prepass, the mask, and the copy of it that the material reads: four bytes each.
+        // Depth and normals of the prepass, the mask, and the copy of it that the material reads:
+        // four bytes each.
         maps + 4 * 4 * u64::from(size.x) * u64::from(size.y)
     }
 }
 
 impl Made {
-    /// Returns a set with one sun and all casters, whose triangles stay in Bevy's buffers; none while Bevy has not loaded them all.
+    /// Returns a set with one sun and all casters, whose triangles stay in Bevy's buffers; none
+    /// while Bevy has not loaded them all.
     fn new(
         technique: &Arc<dyn ShadowTechnique>,
         seen: &SeenScene,

@@ -13,7 +13,8 @@ use three_d::{Context, HasContext as _, context};
 /// What three-d's shaders ask for: `#version 330 core`.
 const OPENGL: Version = Version { major: 3, minor: 3 };
 
-/// Returns a context of OpenGL's on the first device that has one, and three-d's around it. The first has to live as long as the second.
+/// Returns a context of OpenGL's on the first device that has one, and three-d's around it. The
+/// first has to live as long as the second.
 ///
 /// # Errors
 /// Errors if no device has OpenGL 3.3.

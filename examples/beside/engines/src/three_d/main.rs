@@ -1,4 +1,5 @@
-//! three-d's own shadow maps and this library's masks in the same scenes, judged by ray-traced truth: see `README.md`.
+//! three-d's own shadow maps and this library's masks in the same scenes, judged by ray-traced
+//! truth: see `README.md`.
 
 mod context;
 mod program;
@@ -15,7 +16,8 @@ use umbrage::{
     techniques::{Exact, MapFilter as _, Pcf, ShadowMap},
 };
 
-/// How much of what is seen has to be seen alike. The rest are edges, which two rasterisers place differently.
+/// How much of what is seen has to be seen alike. The rest are edges, which two rasterisers place
+/// differently.
 const SEEN_ALIKE: f64 = 0.99;
 /// Sides of three-d's map, texels.
 const SIZES: [u32; 3] = [1024, 2048, 4096];
@@ -51,7 +53,8 @@ impl Rival for ThreeDProgram {
     const NAME: &'static str = "three_d";
     const COLUMNS: &'static [&'static str] =
         &["ms without", "ms more, all moves", "camera moves", "MiB"];
-    /// three-d lights what faces away from the sun by a thousandth of what faces it. What is darker than this is such a surface.
+    /// three-d lights what faces away from the sun by a thousandth of what faces it. What is darker
+    /// than this is such a surface.
     const DARK: f32 = 1.1e-3;
 
     fn start(judged: &JudgedScene) -> Result<Self> {
@@ -102,7 +105,8 @@ impl Rival for ThreeDProgram {
                 (Moves::All, &mut all_move),
                 (Moves::Camera, &mut camera_moves),
             ] {
-                // A program whose casters move has new triangles, and nothing that was made for them before.
+                // A program whose casters move has new triangles, and nothing that was made for
+                // them before.
                 let fresh = (moves == Moves::All).then(|| judged.geometry.without_hierarchies());
                 let geometry = fresh.as_ref().unwrap_or(&judged.geometry);
                 let start = Instant::now();

@@ -13,7 +13,8 @@ use umbrage::{Geometry, Receivers, Scene, glam};
 
 /// How bright the sun is: three-d's white surfaces send back one part in pi.
 pub const INTENSITY: f32 = std::f32::consts::PI;
-/// How far away the point is that three-d's camera is told to look at, metres: the farther, the less does its rounding turn the camera.
+/// How far away the point is that three-d's camera is told to look at, metres: the farther, the
+/// less does its rounding turn the camera.
 const TARGET_DISTANCE: f32 = 1000.0;
 /// Two programs see the same in a pixel if its distances differ by less than this share.
 const SAME_DISTANCE: f32 = 1e-3;
@@ -35,7 +36,8 @@ pub struct ThreeDProgram {
 }
 
 impl ThreeDProgram {
-    /// Starts a program that shows the scene's first camera under its first light, which must be a sun.
+    /// Starts a program that shows the scene's first camera under its first light, which must be a
+    /// sun.
     ///
     /// # Errors
     /// Errors if there is no OpenGL, no camera with perspective, or no sun.
@@ -128,7 +130,8 @@ impl ThreeDProgram {
         Ok(pixels.iter().map(|pixel| pixel[0]).collect())
     }
 
-    /// Returns the share of the seen pixels, 0..=1, that show in the last frame what umbrage sees there.
+    /// Returns the share of the seen pixels, 0..=1, that show in the last frame what umbrage sees
+    /// there.
     pub fn share_seen_alike(&self, seen: &Receivers, camera: &umbrage::Camera) -> f64 {
         let depths = self.target().read_depth();
         let forward = -glam::Vec3::from(camera.world_from_view.matrix3.z_axis);

@@ -1,8 +1,9 @@
 //! A sun for three-d whose shadow is umbrage's.
 //!
-//! three-d asks a light for the text that shades with it ([`Light`] is a public trait), so a light may multiply in what it likes: here a
-//! mask of the picture's size. three-d draws with OpenGL and umbrage with wgpu, so no buffer can be shared; the mask comes from umbrage's
-//! backend for the CPU, which also finds for itself what each pixel shows, and goes up as a texture.
+//! three-d asks a light for the text that shades with it ([`Light`] is a public trait), so a light
+//! may multiply in what it likes: here a mask of the picture's size. three-d draws with OpenGL and
+//! umbrage with wgpu, so no buffer can be shared; the mask comes from umbrage's backend for the
+//! CPU, which also finds for itself what each pixel shows, and goes up as a texture.
 
 use anyhow::Result;
 use std::sync::Arc;
@@ -25,7 +26,8 @@ pub struct UmbrageSun {
 }
 
 impl UmbrageSun {
-    /// Returns a sun for pictures of `size` pixels; everything is lit until [`UmbrageSun::update`] is called.
+    /// Returns a sun for pictures of `size` pixels; everything is lit until [`UmbrageSun::update`]
+    /// is called.
     pub fn new(
         context: &Context,
         technique: Arc<dyn ShadowTechnique>,
@@ -76,7 +78,8 @@ impl UmbrageSun {
 
 impl Light for UmbrageSun {
     fn shader_source(&self, i: u32) -> String {
-        // `calculate_light` is three-d's, as its own sun calls it. Row 0 of OpenGL's pictures and textures is the bottom one.
+        // `calculate_light` is three-d's, as its own sun calls it. Row 0 of OpenGL's pictures and
+        // textures is the bottom one.
         format!(
             "
             uniform vec3 color{i};

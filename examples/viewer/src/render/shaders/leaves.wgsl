@@ -1,4 +1,5 @@
-// Triangles with holes, after forward.wgsl and the library's rule for holes, whose names begin with `holes_`.
+// Triangles with holes, after forward.wgsl and the library's rule for holes, whose names begin with
+// `holes_`.
 
 struct Leaf {
     @builtin(position) at: vec4f,

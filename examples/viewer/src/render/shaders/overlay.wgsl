@@ -1,7 +1,8 @@
 // A picture laid over the image: its texels as large as they come out.
 
 struct Cover {
-    // x: where the part begins that is covered, y: where it ends, as fractions of the width; z: opacity.
+    // x: where the part begins that is covered, y: where it ends, as fractions of the width; z:
+    // opacity.
     part: vec4f,
 }
 @group(0) @binding(0) var<uniform> cover: Cover;
